@@ -10,6 +10,7 @@
  * the error that the picture may have, as measured in many scenes (docs/error-estimates.md). */
 #include "app/auto_method.h"
 
+#include "app/picture.h"
 #include "scene/features.h"
 
 #include <math.h>
@@ -47,15 +48,10 @@ static sl_settings small_picture(const sl_scene *scene, const sl_settings *base,
 }
 
 static sl_status mean_of_picture(const sl_scene *scene, const sl_settings *s, double *mean, sl_error *error) {
-    sl_method *m = NULL;
     sl_image *image = NULL;
-    sl_progress progress = {0};
-    sl_status status = sl_method_create(scene, s, &m, error);
-    while (status == SL_OK && !progress.done) status = sl_method_update(m, &progress, error);
-    if (status == SL_OK) status = sl_method_resolve(m, &image, error);
+    sl_status status = sl_picture_make(scene, s, HUGE_VAL, &image, error);
     if (status == SL_OK) *mean = mean_of(image);
     sl_image_destroy(image);
-    sl_method_destroy(m);
     return status;
 }
 

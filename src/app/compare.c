@@ -61,8 +61,8 @@ static sl_status show(sl_image **radiance, const char *path, const shown *other,
     return SL_OK;
 }
 
-/* Where one of two pictures is shown and the other is radiance, puts the latter through the same tone. INPUT: the
- * tone is not known. */
+/* Where one of two pictures is shown and the other is radiance, puts the latter through the same tone. INPUT:
+ * the tone is not known. */
 static sl_status show_alike(sl_image **a, const char *a_path, sl_image **b, const char *b_path,
                          sl_error *error) {
     const shown of_a = shown_of(*a), of_b = shown_of(*b);

@@ -79,7 +79,7 @@ unsigned sl_ladder_steps(const char *method) {
     return first ? (unsigned)(s - first) : 0;
 }
 
-unsigned sl_ladder_rung_of(const char *method, sl_quality quality) {
+unsigned sl_ladder_step_of(const char *method, sl_quality quality) {
     unsigned count = sl_ladder_steps(method);
     for (unsigned i = 0; i < count; i++)
         if (first_of(method)[i].own && first_of(method)[i].quality == quality) return i;

@@ -10,7 +10,7 @@ enum { SL_LADDER_MAX = 8 };
  * (path, bidirectional). */
 unsigned sl_ladder_steps(const char *method);
 /* Returns where a quality stands on it. */
-unsigned sl_ladder_rung_of(const char *method, sl_quality quality);
+unsigned sl_ladder_step_of(const char *method, sl_quality quality);
 /* Returns what was asked for, and for what was left open this step's settings. */
 sl_settings sl_ladder_settings(const sl_settings *asked, unsigned step);
 /* Returns the step from which on each next one is finer in all that limits the error, or as fine there as it

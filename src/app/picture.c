@@ -15,6 +15,12 @@
 #include <string.h>
 #include <unistd.h>
 
+static bool is_png(const char *path) { return sl_name_ends_with(path, ".png"); }
+
+static sl_tone tone_of(const sl_render_options *o) {
+    return (sl_tone){(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given};
+}
+
 /* ---- pictures in which nothing can be seen ---- */
 
 /* Of all pixels, how many black ones make a picture blank; and of those that are not black, how many white
@@ -49,7 +55,7 @@ static const char *reason(const sl_render_options *o, const sl_scene *scene) {
 static bool measure(const sl_render_options *o, const sl_image *image, double *black, double *white) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     uint8_t *bytes = malloc(3 * pixels);
-    sl_tone tone = sl_picture_tone(o);
+    sl_tone tone = tone_of(o);
     bool good = bytes && sl_image_srgb(image, &tone, bytes, NULL) == SL_OK;
     size_t count[2] = {0, 0};
     for (size_t i = 0; good && i < pixels; i++) {
@@ -63,13 +69,14 @@ static bool measure(const sl_render_options *o, const sl_image *image, double *b
     return good;
 }
 
-void sl_tell_blank_picture(const sl_render_options *o, const sl_scene *scene, const sl_image *image) {
+/* Says on stderr that a picture is black, or as a PNG black or white all over, and the likely reason. */
+static void tell_blank_picture(const sl_render_options *o, const sl_scene *scene, const sl_image *image) {
     double black, white;
     if (is_black(image)) {
         fprintf(stderr, "softlux: warning: the picture is black: %s\n", reason(o, scene));
         return;
     }
-    if (!sl_picture_is_png(o->output) || !measure(o, image, &black, &white)) return;
+    if (!is_png(o->output) || !measure(o, image, &black, &white)) return;
     if (white >= most)
         fprintf(stderr, "softlux: warning: %.3g %% of the pixels are white: a lower --exposure shows more\n",
                 100.0 * white * (1.0 - black));
@@ -79,8 +86,6 @@ void sl_tell_blank_picture(const sl_render_options *o, const sl_scene *scene, co
 }
 
 /* ---- names of files ---- */
-
-bool sl_picture_is_png(const char *path) { return sl_name_ends_with(path, ".png"); }
 
 bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
     bool known = sl_name_ends_with(o->output, ".exr") || sl_name_ends_with(o->output, ".png") ||
@@ -127,22 +132,35 @@ sl_status sl_picture_run(const sl_render_options *o, sl_method *method, sl_progr
     return status;
 }
 
-/* ---- writing ---- */
-
-sl_tone sl_picture_tone(const sl_render_options *o) {
-    return (sl_tone){(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given};
+sl_status sl_picture_make(const sl_scene *scene, const sl_settings *settings, double seconds,
+                          sl_image **image, sl_error *error) {
+    sl_method *method = NULL;
+    sl_progress progress = {0};
+    double start = sl_seconds_now();
+    *image = NULL;
+    sl_status status = sl_method_create(scene, settings, &method, error);
+    while (status == SL_OK && !progress.done && sl_seconds_now() - start < seconds)
+        status = sl_method_update(method, &progress, error);
+    if (status == SL_OK && !progress.done)
+        status = sl_fail(error, SL_ERROR_RESOURCES, "not done after %.0f s and %llu batches",
+                         sl_seconds_now() - start, (unsigned long long)progress.batches);
+    if (status == SL_OK) status = sl_method_resolve(method, image, error);
+    sl_method_destroy(method);
+    return status;
 }
+
+/* ---- writing ---- */
 
 /* Nothing of the clock goes into the file: the same picture is the same file. */
 sl_status sl_picture_write(const sl_render_options *o, const sl_image *image, const char *path, double *stops,
                            sl_error *error) {
-    *stops = sl_picture_is_png(path) ? sl_tone_stops(image, sl_picture_tone(o)) : 0.0;
-    return sl_picture_is_png(path) ? sl_image_write_png(image, path, sl_picture_tone(o), error)
+    *stops = is_png(path) ? sl_tone_stops(image, tone_of(o)) : 0.0;
+    return is_png(path) ? sl_image_write_png(image, path, tone_of(o), error)
                                    : sl_image_write(image, path, error);
 }
 
 void sl_picture_add_tone(const sl_render_options *o, double stops, cJSON *json) {
-    if (!sl_picture_is_png(o->output)) return;
+    if (!is_png(o->output)) return;
     cJSON *tone = cJSON_AddObjectToObject(json, "tone");
     cJSON_AddStringToObject(tone, "curve", sl_tone_curve_name((size_t)o->tone));
     cJSON_AddNumberToObject(tone, "exposure", stops);
@@ -166,7 +184,7 @@ void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl
         fprintf(stderr, "softlux: warning: %.*s\n", length, line);
     const char *reduced = sl_image_metadata(image, "softlux.reduced");
     if (reduced && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", reduced);
-    if (!o->quiet && (progress->done || progress->frame_done)) sl_tell_blank_picture(o, scene, image);
+    if (!o->quiet && (progress->done || progress->frame_done)) tell_blank_picture(o, scene, image);
 }
 
 /* Adds the warnings of a picture, as an array of lines. */

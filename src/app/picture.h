@@ -57,15 +57,12 @@ sl_status sl_picture_write(const sl_render_options *options, const sl_image *ima
                            double *stops, sl_error *error);
 /* Adds to --json how radiance became the 8 bits of a PNG; nothing for other formats. */
 void sl_picture_add_tone(const sl_render_options *options, double stops, cJSON *json);
-bool sl_picture_is_png(const char *path);
-sl_tone sl_picture_tone(const sl_render_options *options);
 /* Returns what was done, for --json. */
 cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method,
                        const sl_image *image, const sl_progress *progress, double seconds);
 
-/* ---- pictures in which nothing can be seen ---- */
-
-/* Says on stderr that a picture is black, or as a PNG black or white all over, and the likely reason. */
-void sl_tell_blank_picture(const sl_render_options *options, const sl_scene *scene, const sl_image *image);
+/* Runs a method to its end; fails where that takes longer than so many seconds. */
+sl_status sl_picture_make(const sl_scene *scene, const sl_settings *settings, double seconds,
+                          sl_image **image, sl_error *error);
 
 #endif

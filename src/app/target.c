@@ -54,7 +54,7 @@ typedef struct climb {
     double left;
     double effort_before, effort; /* of all steps before, and of this one, in rays */
     char why[160];         /* it was not within the error */
-    double rung_seconds[2], rung_cost[2]; /* of the last two finished */
+    double step_seconds[2], step_cost[2]; /* of the last two finished */
     unsigned finished;
     bool reached, out_of_time;
 } climb;
@@ -260,10 +260,10 @@ static sl_status climb_step(climb *c, unsigned step, sl_error *error) {
     }
     sl_method_destroy(method);
     if (!progress.done || status != SL_OK) return status;
-    c->rung_seconds[0] = c->rung_seconds[1];
-    c->rung_cost[0] = c->rung_cost[1];
-    c->rung_seconds[1] = sl_seconds_now() - begun;
-    c->rung_cost[1] = sl_ladder_cost(c->asked.method, step);
+    c->step_seconds[0] = c->step_seconds[1];
+    c->step_cost[0] = c->step_cost[1];
+    c->step_seconds[1] = sl_seconds_now() - begun;
+    c->step_cost[1] = sl_ladder_cost(c->asked.method, step);
     c->finished++;
     return SL_OK;
 }
@@ -273,11 +273,11 @@ static sl_status climb_step(climb *c, unsigned step, sl_error *error) {
 /* From one step: as the ladder's costs grow, which is too much, since part of a picture's time is the same on
  * every step. From two: the line through them. */
 static double foretold_seconds(const climb *c, unsigned step) {
-    double cost = sl_ladder_cost(c->asked.method, step), last = c->rung_seconds[1],
-           by_cost = last * cost / c->rung_cost[1];
-    if (c->finished < 2 || c->rung_cost[1] <= c->rung_cost[0]) return by_cost;
-    double slope = (last - c->rung_seconds[0]) / (c->rung_cost[1] - c->rung_cost[0]);
-    double foretold = last + (slope > 0.0 ? slope : 0.0) * (cost - c->rung_cost[1]);
+    double cost = sl_ladder_cost(c->asked.method, step), last = c->step_seconds[1],
+           by_cost = last * cost / c->step_cost[1];
+    if (c->finished < 2 || c->step_cost[1] <= c->step_cost[0]) return by_cost;
+    double slope = (last - c->step_seconds[0]) / (c->step_cost[1] - c->step_cost[0]);
+    double foretold = last + (slope > 0.0 ? slope : 0.0) * (cost - c->step_cost[1]);
     return foretold < by_cost ? (foretold > 1.1 * last ? foretold : 1.1 * last) : by_cost;
 }
 
@@ -346,7 +346,7 @@ static sl_status prepare(climb *c, sl_error *error) {
 }
 
 static sl_status climb_all(climb *c, sl_error *error) {
-    unsigned step = c->o->quality_given ? sl_ladder_rung_of(c->asked.method, c->asked.quality) : 0;
+    unsigned step = c->o->quality_given ? sl_ladder_step_of(c->asked.method, c->asked.quality) : 0;
     sl_status status;
     do {
         status = climb_step(c, step, error);

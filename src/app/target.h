@@ -5,7 +5,7 @@
 
 #include "app/picture.h"
 
-/* Tells whether the options ask for that; other pictures are sl_render_picture()'s. */
+/* Tells whether the options ask for that; other pictures are sl_render_pictures()'s. */
 bool sl_target_wanted(const sl_render_options *options);
 /* *end is left alone where all is done. */
 sl_status sl_render_to_target(const sl_render_options *options, const sl_scene *scene, sl_render_end *end,

@@ -263,7 +263,8 @@ static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **st
 
 static void two_programs_measure_and_a_third_tells(void **state) {
     (void)state;
-    pid_t a = start("shared", "--trials-only -m direct-radiance -s 16x16"), b = start("shared", "--trials-only -m path -s 16x16");
+    pid_t a = start("shared", "--trials-only -m direct-radiance -s 16x16"),
+          b = start("shared", "--trials-only -m path -s 16x16");
     assert_int_equal(finish(a), 0);
     assert_int_equal(finish(b), 0);
     assert_false(is_there("shared", "report.html"));

@@ -8,6 +8,65 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- CSV ---- */
+
+static void put_quoted(FILE *out, const char *text) {
+    fputc('"', out);
+    for (; *text; text++) fprintf(out, *text == '"' ? "\"%c" : "%c", *text);
+    fputs("\",", out);
+}
+
+static void put_csv_row(FILE *out, const sl_bench_scene *s, const sl_bench_row *r) {
+    static const sl_counter counters[] = {SL_COUNT_RAYS, SL_COUNT_SHADOW_RAYS, SL_COUNT_RECORDS,
+                                          SL_COUNT_SAMPLES, SL_COUNT_FRAGMENTS_SHADED};
+    static const char *const told[] = {"estimate", "bound", "estimate_seconds"};
+    put_quoted(out, s->path);
+    fprintf(out, "%s,%d,%d,", s->hash, s->width, s->height);
+    put_quoted(out, r->trial->method);
+    put_quoted(out, r->trial->curve);
+    put_quoted(out, r->trial->name);
+    fprintf(out, "%s,%s,", sl_bench_quality_name(r->trial->quality), r->trial->transport);
+    put_quoted(out, r->trial->arguments);
+    fprintf(out, "%s,", sl_bench_end_name(r->end));
+    put_quoted(out, r->end == SL_BENCH_RAN ? "" : r->why);
+    fprintf(out, "%d,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.0f,%.0f", r->cpu.count, r->cpu.median,
+            r->cpu.least, r->cpu.most, r->wall.median, r->wall.least, r->wall.most,
+            sl_bench_number(r->look, "first_picture"), sl_bench_number(r->result, "peak_bytes"),
+            sl_bench_number(r->result, "method_bytes"));
+    for (size_t i = 0; i < sizeof counters / sizeof *counters; i++)
+        fprintf(out, ",%.0f", sl_bench_counter(r, counters[i]));
+    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
+        const sl_bench_error *e = &r->error[t];
+        if (!e->known) fputs(",,,,,,,,", out);
+        else
+            fprintf(out, ",%.6g,%s,%.6g,%.6g,%.6g,%.6g,%.6g,%llu", e->rel_rmse, e->lost ? "yes" : "no",
+                    e->doubt, e->noise, e->rel_mse, e->bias, e->flip, (unsigned long long)e->nonfinite);
+    }
+    for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
+        fputc(',', out);
+        if (sl_bench_promises(r)) fprintf(out, "%.6g", sl_bench_number(r->result, told[i]));
+    }
+    fputc('\n', out);
+}
+
+static void put_csv(FILE *out, const sl_bench_results *results) {
+    fputs("scene,hash,width,height,method,curve,setting,quality,transport,arguments,end,why,runs,"
+          "cpu_seconds,cpu_least,cpu_most,wall_seconds,wall_least,wall_most,first_picture_cpu_seconds,"
+          "peak_bytes,method_bytes,rays,shadow_rays,records,samples,fragments_shaded",
+          out);
+    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
+        static const char *const names[] = {"rel_rmse", "is_bound", "doubt", "reference_noise",
+                                            "rel_mse",  "bias",     "flip",  "nonfinite"};
+        for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+            fprintf(out, ",%s_%s", sl_bench_truth_name((sl_bench_truth)t), names[i]);
+    }
+    fputs(",estimate_rel_rmse,estimate_bound,estimate_cpu_seconds\n", out);
+    for (size_t s = 0; s < results->scene_count; s++) {
+        for (size_t i = 0; i < results->scenes[s].row_count; i++)
+            put_csv_row(out, &results->scenes[s], &results->scenes[s].rows[i]);
+    }
+}
+
 /* ---- files ---- */
 
 /* What a file shows: all results, or a plot of one scene. */
@@ -60,7 +119,7 @@ sl_status sl_report_write(const sl_bench_results *r, const char *folder, sl_erro
     static const struct {
         const char *name;
         void (*put)(FILE *out, const sl_bench_results *results);
-    } files[] = {{"results.csv", sl_report_csv},
+    } files[] = {{"results.csv", put_csv},
                  {"report.md", put_markdown},
                  {"tables.md", sl_report_tables}};
     char page[SL_BENCH_PATH];
@@ -70,65 +129,6 @@ sl_status sl_report_write(const sl_bench_results *r, const char *folder, sl_erro
     if (status == SL_OK) status = write_plots(r, folder, error);
     snprintf(page, sizeof page, "%.1000s/report.html", folder);
     return status == SL_OK ? sl_report_page(r, page, error) : status;
-}
-
-/* ---- CSV ---- */
-
-static void put_quoted(FILE *out, const char *text) {
-    fputc('"', out);
-    for (; *text; text++) fprintf(out, *text == '"' ? "\"%c" : "%c", *text);
-    fputs("\",", out);
-}
-
-static void put_csv_row(FILE *out, const sl_bench_scene *s, const sl_bench_row *r) {
-    static const sl_counter counters[] = {SL_COUNT_RAYS, SL_COUNT_SHADOW_RAYS, SL_COUNT_RECORDS,
-                                          SL_COUNT_SAMPLES, SL_COUNT_FRAGMENTS_SHADED};
-    static const char *const told[] = {"estimate", "bound", "estimate_seconds"};
-    put_quoted(out, s->path);
-    fprintf(out, "%s,%d,%d,", s->hash, s->width, s->height);
-    put_quoted(out, r->trial->method);
-    put_quoted(out, r->trial->curve);
-    put_quoted(out, r->trial->name);
-    fprintf(out, "%s,%s,", sl_bench_quality_name(r->trial->quality), r->trial->transport);
-    put_quoted(out, r->trial->arguments);
-    fprintf(out, "%s,", sl_bench_end_name(r->end));
-    put_quoted(out, r->end == SL_BENCH_RAN ? "" : r->why);
-    fprintf(out, "%d,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.0f,%.0f", r->cpu.count, r->cpu.median,
-            r->cpu.least, r->cpu.most, r->wall.median, r->wall.least, r->wall.most,
-            sl_bench_number(r->look, "first_picture"), sl_bench_number(r->result, "peak_bytes"),
-            sl_bench_number(r->result, "method_bytes"));
-    for (size_t i = 0; i < sizeof counters / sizeof *counters; i++)
-        fprintf(out, ",%.0f", sl_bench_counter(r, counters[i]));
-    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
-        const sl_bench_error *e = &r->error[t];
-        if (!e->known) fputs(",,,,,,,,", out);
-        else
-            fprintf(out, ",%.6g,%s,%.6g,%.6g,%.6g,%.6g,%.6g,%llu", e->rel_rmse, e->lost ? "yes" : "no",
-                    e->doubt, e->noise, e->rel_mse, e->bias, e->flip, (unsigned long long)e->nonfinite);
-    }
-    for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
-        fputc(',', out);
-        if (sl_bench_promises(r)) fprintf(out, "%.6g", sl_bench_number(r->result, told[i]));
-    }
-    fputc('\n', out);
-}
-
-void sl_report_csv(FILE *out, const sl_bench_results *results) {
-    fputs("scene,hash,width,height,method,curve,setting,quality,transport,arguments,end,why,runs,"
-          "cpu_seconds,cpu_least,cpu_most,wall_seconds,wall_least,wall_most,first_picture_cpu_seconds,"
-          "peak_bytes,method_bytes,rays,shadow_rays,records,samples,fragments_shaded",
-          out);
-    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
-        static const char *const names[] = {"rel_rmse", "is_bound", "doubt", "reference_noise",
-                                            "rel_mse",  "bias",     "flip",  "nonfinite"};
-        for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-            fprintf(out, ",%s_%s", sl_bench_truth_name((sl_bench_truth)t), names[i]);
-    }
-    fputs(",estimate_rel_rmse,estimate_bound,estimate_cpu_seconds\n", out);
-    for (size_t s = 0; s < results->scene_count; s++) {
-        for (size_t i = 0; i < results->scenes[s].row_count; i++)
-            put_csv_row(out, &results->scenes[s], &results->scenes[s].rows[i]);
-    }
 }
 
 /* ---- texts ---- */

@@ -14,8 +14,6 @@ void sl_report_terminal(const sl_bench_results *results, FILE *out);
 
 /* ---- what the writers share ---- */
 
-/* One line a row: for programs. */
-void sl_report_csv(FILE *out, const sl_bench_results *results);
 /* Print the report's beginning, and what it says of a scene, as Markdown. */
 void sl_report_overview(FILE *out, const sl_bench_results *results);
 void sl_report_scene(FILE *out, const sl_bench_scene *scene);

@@ -20,7 +20,8 @@ enum { LONG_SECONDS = 1, LONG_LOOK_SECONDS = 3 };
 /* A trial's runs are numbered; this one has an observer. */
 enum { LOOK = -1 };
 
-bool sl_list_names(const char *list, const char *name) {
+/* Tells whether a comma-separated list, or NULL, names it. */
+static bool is_listed(const char *list, const char *name) {
     size_t length = strlen(name);
     if (!list) return true;
     for (const char *at = list; *at; at += strcspn(at, ","), at += *at == ',') {
@@ -36,8 +37,8 @@ static bool is_wanted(const sl_bench_options *o, const sl_bench_scene *s, const 
     bool here = !at || o->own_scenes;
     while (!here && (scene = sl_trials_next_scene(&at, &length)))
         here = strlen(s->path) == length && strncmp(s->path, scene, length) == 0;
-    return here && sl_list_names(o->methods, t->method) &&
-           sl_list_names(o->qualities, sl_bench_quality_name(t->quality));
+    return here && is_listed(o->methods, t->method) &&
+           is_listed(o->qualities, sl_bench_quality_name(t->quality));
 }
 
 /* ---- the journal's entries ---- */

@@ -28,8 +28,6 @@ typedef struct sl_bench_options {
     char program[17]; /* the fingerprint of what measures, or measured */
 } sl_bench_options;
 
-/* Tells whether a comma-separated list, or NULL, names it. */
-bool sl_list_names(const char *list, const char *name);
 /* Runs what the journal does not hold yet. Returns when all is done, the budget is spent, or somebody
  * interrupts. */
 sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_journal *journal,

@@ -18,7 +18,7 @@ static bool make_room(void **array, size_t *room, size_t count, size_t size) {
     return grown != NULL;
 }
 
-size_t sl_room_vertex(sl_room *r, double x, double y, double z) {
+static size_t add_vertex(sl_room *r, double x, double y, double z) {
     if (!make_room((void **)&r->vertex, &r->vertex_room, r->vertex_count, sizeof *r->vertex)) {
         r->failed = true;
         return 0;
@@ -27,7 +27,7 @@ size_t sl_room_vertex(sl_room *r, double x, double y, double z) {
     return r->vertex_count++;
 }
 
-void sl_room_triangle(sl_room *r, size_t a, size_t b, size_t c, int material) {
+static void add_triangle(sl_room *r, size_t a, size_t b, size_t c, int material) {
     if (!make_room((void **)&r->triangle, &r->triangle_room, r->triangle_count, sizeof *r->triangle)) {
         r->failed = true;
         return;
@@ -46,7 +46,8 @@ static double share(int i, int count, double skew) {
     return s < 1.0 ? s : even;
 }
 
-void sl_room_quad(sl_room *r, const double corner[4][3], int material, const sl_room_cut *cut) {
+/* A quadrilateral, counter-clockwise from the front, cut in parts. */
+static void add_quad(sl_room *r, const double corner[4][3], int material, const sl_room_cut *cut) {
     size_t first = r->vertex_count, columns = (size_t)cut->columns + 1;
     for (int j = 0; j <= cut->rows; j++) {
         for (int i = 0; i <= cut->columns; i++) {
@@ -54,14 +55,14 @@ void sl_room_quad(sl_room *r, const double corner[4][3], int material, const sl_
             for (int c = 0; c < 3; c++)
                 p[c] = (1.0 - v) * ((1.0 - u) * corner[0][c] + u * corner[1][c]) +
                        v * ((1.0 - u) * corner[3][c] + u * corner[2][c]);
-            sl_room_vertex(r, p[0], p[1], p[2]);
+            add_vertex(r, p[0], p[1], p[2]);
         }
     }
     for (size_t j = 0; j < (size_t)cut->rows; j++) {
         for (size_t i = 0; i < (size_t)cut->columns; i++) {
             size_t a = first + j * columns + i;
-            sl_room_triangle(r, a, a + 1, a + 1 + columns, material);
-            sl_room_triangle(r, a, a + 1 + columns, a + columns, material);
+            add_triangle(r, a, a + 1, a + 1 + columns, material);
+            add_triangle(r, a, a + 1 + columns, a + columns, material);
         }
     }
 }
@@ -77,7 +78,7 @@ static void add_box(sl_room *r, const double low[3], const double high[3]) {
         double corner[4][3];
         for (int k = 0; k < 4; k++)
             for (int c = 0; c < 3; c++) corner[k][c] = side[s][k] >> c & 1 ? high[c] : low[c];
-        sl_room_quad(r, corner, SL_ROOM_BOX, &whole);
+        add_quad(r, corner, SL_ROOM_BOX, &whole);
     }
 }
 
@@ -106,8 +107,8 @@ void sl_room_begin(sl_room *r, const sl_room_cut *cut) {
                                 {"green", {0.1, 0.5, 0.1}, 0, 1, 0, {0}},
                                 {"box", {0.6, 0.6, 0.5}, 0, 1, 0, {0}},
                                 {"lamp", {0, 0, 0}, 0, 1, 0, {12, 11, 9}}}};
-    for (int w = 0; w < 5; w++) sl_room_quad(r, walls[w], of_wall[w], cut);
-    sl_room_quad(r, lamp, SL_ROOM_LAMP, &whole);
+    for (int w = 0; w < 5; w++) add_quad(r, walls[w], of_wall[w], cut);
+    add_quad(r, lamp, SL_ROOM_LAMP, &whole);
     add_box(r, (const double[3]){-1.2, 0.0, -1.6}, (const double[3]){-0.2, 1.3, -0.6});
 }
 
@@ -122,7 +123,8 @@ static void move_point(double p[3], double scale, const double by[3], bool mirro
     if (mirrored) p[0] = -p[0];
 }
 
-void sl_room_move(sl_room *r, double scale, const double by[3], bool mirrored) {
+/* Everything, the camera and its lamp too: times scale, then moved, then x turned into -x if mirrored. */
+static void move_room(sl_room *r, double scale, const double by[3], bool mirrored) {
     for (size_t i = 0; i < r->vertex_count; i++) move_point(r->vertex[i], scale, by, mirrored);
     move_point(r->eye, scale, by, mirrored);
     move_point(r->target, scale, by, mirrored);
@@ -206,7 +208,7 @@ static void twice(sl_room *r) {
         /* a lamp twice is twice as bright to some, and hidden to others */
         if (r->triangle[i].material == SL_ROOM_LAMP) continue;
         const size_t *c = r->triangle[i].corner;
-        sl_room_triangle(r, c[0], c[1], c[2], r->triangle[i].material);
+        add_triangle(r, c[0], c[1], c[2], r->triangle[i].material);
     }
 }
 
@@ -222,8 +224,8 @@ static void t_junctions(sl_room *r) {
     }
     const double low[4][3] = {{-2, 0, -2.5}, {2, 0, -2.5}, {2, 1.5, -2.5}, {-2, 1.5, -2.5}},
                  high[4][3] = {{-2, 1.5, -2.5}, {2, 1.5, -2.5}, {2, 3, -2.5}, {-2, 3, -2.5}};
-    sl_room_quad(r, low, SL_ROOM_WHITE, &(sl_room_cut){3, 1, 0.0});
-    sl_room_quad(r, high, SL_ROOM_WHITE, &(sl_room_cut){2, 1, 0.0});
+    add_quad(r, low, SL_ROOM_WHITE, &(sl_room_cut){3, 1, 0.0});
+    add_quad(r, high, SL_ROOM_WHITE, &(sl_room_cut){2, 1, 0.0});
 }
 
 /* Surfaces reflect on both sides; the lamp stays as it is. */
@@ -238,10 +240,10 @@ static void inverted(sl_room *r) {
 
 /* Three faces on each edge of the box: fins that stand inside it, where nothing is seen of them. */
 static void not_manifold(sl_room *r) {
-    size_t a = sl_room_vertex(r, -1.2, 0.0, -1.6), b = sl_room_vertex(r, -0.2, 1.3, -0.6),
-           c = sl_room_vertex(r, -1.2, 1.3, -1.6), d = sl_room_vertex(r, -0.2, 0.0, -0.6);
-    sl_room_triangle(r, a, d, b, SL_ROOM_BOX);
-    sl_room_triangle(r, a, b, c, SL_ROOM_BOX);
+    size_t a = add_vertex(r, -1.2, 0.0, -1.6), b = add_vertex(r, -0.2, 1.3, -0.6),
+           c = add_vertex(r, -1.2, 1.3, -1.6), d = add_vertex(r, -0.2, 0.0, -0.6);
+    add_triangle(r, a, d, b, SL_ROOM_BOX);
+    add_triangle(r, a, b, c, SL_ROOM_BOX);
 }
 
 /* ---- large and small at once ---- */
@@ -249,15 +251,15 @@ static void not_manifold(sl_room *r) {
 static void tiny_among_large(sl_room *r) {
     for (int i = 0; i < 40; i++) {
         double x = 0.2 + 0.03 * i, s = 4e-6;
-        size_t a = sl_room_vertex(r, x, 0.5, -1.0), b = sl_room_vertex(r, x + s, 0.5, -1.0),
-               c = sl_room_vertex(r, x, 0.5 + s, -1.0);
-        sl_room_triangle(r, a, b, c, SL_ROOM_RED);
+        size_t a = add_vertex(r, x, 0.5, -1.0), b = add_vertex(r, x + s, 0.5, -1.0),
+               c = add_vertex(r, x, 0.5 + s, -1.0);
+        add_triangle(r, a, b, c, SL_ROOM_RED);
     }
 }
 
 static void plain_below(sl_room *r, double half) {
     const double far[4][3] = {{-half, -5, half}, {half, -5, half}, {half, -5, -half}, {-half, -5, -half}};
-    sl_room_quad(r, far, SL_ROOM_WHITE, &plain_cut);
+    add_quad(r, far, SL_ROOM_WHITE, &plain_cut);
 }
 static void large_among_small(sl_room *r) { plain_below(r, 4e3); }
 static void huge_among_small(sl_room *r) { plain_below(r, 4e6); }
@@ -272,7 +274,7 @@ static void far_planets(sl_room *r) {
                                    {p[0] + s, p[1] - s, p[2] + s},
                                    {p[0] + s, p[1] + s, p[2]},
                                    {p[0] - s, p[1] + s, p[2] - s}};
-        sl_room_quad(r, side, SL_ROOM_WHITE, &(sl_room_cut){16, 16, 0.0});
+        add_quad(r, side, SL_ROOM_WHITE, &(sl_room_cut){16, 16, 0.0});
     }
 }
 
@@ -280,9 +282,9 @@ static void far_planets(sl_room *r) {
 static void grain(sl_room *r) {
     for (int i = 0; i < 200; i++) {
         double x = 0.8 + 5e-6 * (i % 20), y = 0.5 + 5e-6 * (i / 20), s = 4e-6;
-        size_t a = sl_room_vertex(r, x, y, -1.0), b = sl_room_vertex(r, x + s, y, -1.0),
-               c = sl_room_vertex(r, x, y + s, -1.0);
-        sl_room_triangle(r, a, b, c, SL_ROOM_RED);
+        size_t a = add_vertex(r, x, y, -1.0), b = add_vertex(r, x + s, y, -1.0),
+               c = add_vertex(r, x, y + s, -1.0);
+        add_triangle(r, a, b, c, SL_ROOM_RED);
     }
 }
 
@@ -293,7 +295,7 @@ static void a_thousand_lamps(sl_room *r) {
         double x = -1.9 + 0.1 * (i % 38), z = -2.4 + 0.18 * (i / 38);
         const double lamp[4][3] = {
             {x, 2.98, z}, {x + 0.02, 2.98, z}, {x + 0.02, 2.98, z + 0.02}, {x, 2.98, z + 0.02}};
-        sl_room_quad(r, lamp, SL_ROOM_LAMP, &plain_cut);
+        add_quad(r, lamp, SL_ROOM_LAMP, &plain_cut);
     }
 }
 
@@ -377,7 +379,7 @@ void sl_hard_case_make(const sl_hard_case *c, sl_room *r) {
     }
     if (c->fov_deg > 0.0) r->fov_deg = c->fov_deg;
     if (c->size[0]) r->width = c->size[0], r->height = c->size[1];
-    if (c->scale > 0.0) sl_room_move(r, c->scale, c->by, c->expectation == SL_EXPECT_MIRRORED);
+    if (c->scale > 0.0) move_room(r, c->scale, c->by, c->expectation == SL_EXPECT_MIRRORED);
 }
 
 const sl_known_limit sl_known_limits[] = {

@@ -39,12 +39,6 @@ typedef struct sl_room_cut {
  * front. */
 void sl_room_begin(sl_room *room, const sl_room_cut *cut);
 void sl_room_end(sl_room *room);
-/* A quadrilateral, counter-clockwise from the front, cut in parts. */
-void sl_room_quad(sl_room *room, const double corner[4][3], int material, const sl_room_cut *cut);
-size_t sl_room_vertex(sl_room *room, double x, double y, double z);
-void sl_room_triangle(sl_room *room, size_t a, size_t b, size_t c, int material);
-/* Everything, the camera and its lamp too: times scale, then moved, then x turned into -x if mirrored. */
-void sl_room_move(sl_room *room, double scale, const double by[3], bool mirrored);
 /* Writes folder/room.obj, room.mtl and room.json; path receives the last one's name. */
 sl_status sl_room_write(const sl_room *room, const char *folder, char *path, size_t size, sl_error *error);
 

@@ -1,8 +1,8 @@
 /* softlux check-numerics: every method on rooms that break careless code, as a table. */
-#include "app/clock.h"
 #include "app/commands.h"
 #include "app/numerics/cases.h"
 #include "app/options.h"
+#include "app/picture.h"
 #include "base/error.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { UPDATES_MAX = 100000, REFERENCE_SAMPLES = 256, TRACER_SAMPLES = 64 };
+enum { REFERENCE_SAMPLES = 256, TRACER_SAMPLES = 64 };
 /* Noise is told by halves of few samples, and not to be told exactly: what of a noisy picture's difference
  * cannot be put down to noise. */
 static const double noise_of_noise = 0.3;
@@ -50,8 +50,6 @@ __attribute__((format(printf, 1, 2))) static verdict bad(const char *format, ...
 static sl_status render(const checking *c, const char *path, const char *transport, unsigned threads,
                         uint64_t seed, sl_image **image, sl_error *error) {
     sl_scene *scene = NULL;
-    sl_method *method = NULL;
-    sl_progress progress = {0};
     sl_settings settings = sl_settings_default();
     settings.method = transport ? "path" : c->name;
     settings.transport = transport;
@@ -62,19 +60,8 @@ static sl_status render(const checking *c, const char *path, const char *transpo
     settings.seed = seed;
     /* the paper lets light through walls, which is not rounding's affair */
     settings.radiance_map.visibility = SL_VISIBILITY_RAYS;
-    *image = NULL;
-    double start = sl_seconds_now();
     sl_status status = sl_scene_load(path, &scene, error);
-    if (status == SL_OK) status = sl_method_create(scene, &settings, &method, error);
-    while (status == SL_OK && !progress.done && progress.batches < UPDATES_MAX &&
-           sl_seconds_now() - start < c->seconds)
-        status = sl_method_update(method, &progress, error);
-    if (status == SL_OK && !progress.done) {
-        status = sl_fail(error, SL_ERROR_RESOURCES, "not done after %.0f s and %llu batches",
-                 sl_seconds_now() - start, (unsigned long long)progress.batches);
-    }
-    if (status == SL_OK) status = sl_method_resolve(method, image, error);
-    sl_method_destroy(method);
+    if (status == SL_OK) status = sl_picture_make(scene, &settings, c->seconds, image, error);
     sl_scene_destroy(scene);
     return status;
 }

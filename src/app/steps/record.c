@@ -51,7 +51,9 @@ static void show_ids(const float *in, size_t count, float *const out[3]) {
     }
 }
 
-sl_status sl_show_buffer(const sl_image *buffer, sl_show show, sl_image **picture, sl_error *error) {
+/* Makes R, G, B in the order of the buffer, ready for a PNG without tone mapping; light excepted, which is to
+ * be tone-mapped. */
+static sl_status show_buffer(const sl_image *buffer, sl_show show, sl_image **picture, sl_error *error) {
     sl_status status = sl_image_create(buffer->width, buffer->height, 3, NULL, picture, error);
     if (status != SL_OK) return status;
     size_t count = (size_t)buffer->width * (size_t)buffer->height;
@@ -154,7 +156,7 @@ static char *take_picture(sl_step *step) {
     char *text = NULL;
     if (!step->latest) return NULL;
     sl_show show = way_to_show(step);
-    if (sl_show_buffer(step->latest, show, &picture, NULL) == SL_OK)
+    if (show_buffer(step->latest, show, &picture, NULL) == SL_OK)
         text = sl_picture_text(picture, show == SL_SHOW_LIGHT);
     sl_image_destroy(picture);
     sl_image_destroy(step->latest);

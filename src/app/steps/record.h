@@ -4,7 +4,6 @@
 #define SL_APP_STEPS_RECORD_H
 
 #include "app/steps/marks.h"
-#include "app/steps/narrative.h"
 #include "cache/frame/settings.h"
 
 #include <cjson/cJSON.h>
@@ -46,11 +45,5 @@ void sl_recording_snapshot(sl_recording *recording);
 /* Takes the steps, in the paper's order, those that it does not know last, as a JSON array. */
 cJSON *sl_recording_json(sl_recording *recording);
 void sl_recording_clear(sl_recording *recording);
-
-/* ---- a buffer as a picture ---- */
-
-/* R, G, B in the order of the buffer, ready for a PNG without tone mapping; light excepted, which is to be
- * tone-mapped. The caller destroys it. */
-sl_status sl_show_buffer(const sl_image *buffer, sl_show show, sl_image **picture, sl_error *error);
 
 #endif

@@ -3,6 +3,7 @@
 #include "app/bench/judge.h"
 #include "app/clock.h"
 #include "app/page.h"
+#include "app/picture.h"
 #include "app/steps/explanations.h"
 #include "app/steps/narrative.h"
 #include "app/steps/record.h"
@@ -28,17 +29,8 @@ static sl_status trace_reference(const sl_scene *scene, const sl_steps_options *
     settings.transport = transport;
     settings.spp = o->reference_samples;
     settings.observer = NULL;
-    sl_method *tracer = NULL;
-    sl_progress progress = {0};
-    *reference = NULL;
-    sl_status status = sl_method_create(scene, &settings, &tracer, error);
-    while (status == SL_OK && !progress.done) {
-        status = sl_method_update(tracer, &progress, error);
-        tell(o, "reference", progress.fraction);
-    }
-    if (status == SL_OK) status = sl_method_resolve(tracer, reference, error);
-    sl_method_destroy(tracer);
-    return status;
+    tell(o, "reference", 0.0);
+    return sl_picture_make(scene, &settings, HUGE_VAL, reference, error);
 }
 
 /* The reference and a mask that takes all of it. */
