@@ -10,6 +10,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "trace/trace.h"
+#include "scene_parts.h"
 
 enum { BALLS = 110 };
 

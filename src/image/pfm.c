@@ -5,6 +5,7 @@
 #include "base/memory.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 bool sl_pfm_recognise(const sl_bytes *bytes) {
@@ -15,28 +16,6 @@ bool sl_pfm_recognise(const sl_bytes *bytes) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static bool is_space(uint8_t c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
-
-/* The next word of the header, at most 31 bytes; the position moves behind it. */
-static bool next_word(const sl_bytes *bytes, size_t *position, char word[32]) {
-    while (*position < bytes->size && is_space(bytes->data[*position])) ++*position;
-    size_t length = 0;
-    while (*position < bytes->size && !is_space(bytes->data[*position]) && length < 31) {
-        word[length++] = (char)bytes->data[(*position)++];
-    }
-    word[length] = '\0';
-    return length > 0 && length < 31;
-}
-
-static bool parse_size(const char *word, int64_t *value) {
-    *value = 0;
-    for (const char *c = word; *c; c++) {
-        if (*c < '0' || *c > '9' || c - word > 10) return false;
-        *value = *value * 10 + (*c - '0');
-    }
-    return true;
-}
-
 typedef struct pfm_header {
     int channels, width, height;
     bool little_endian;
@@ -44,15 +23,15 @@ typedef struct pfm_header {
 } pfm_header;
 
 static sl_status parse_header(const sl_bytes *bytes, pfm_header *header, sl_error *error) {
-    char width_word[32], height_word[32], scale[32];
-    int64_t width, height;
-    size_t position = 2;
-    if (!next_word(bytes, &position, width_word) || !next_word(bytes, &position, height_word) ||
-        !next_word(bytes, &position, scale) || !parse_size(width_word, &width) ||
-        !parse_size(height_word, &height)) {
+    char text[128] = "", width_word[32], height_word[32], scale[32];
+    int used = 0;
+    memcpy(text, bytes->data, bytes->size < sizeof text ? bytes->size : sizeof text - 1);
+    const bool read =
+        sscanf(text + 2, " %31[0-9] %31[0-9] %31s%n", width_word, height_word, scale, &used) == 3;
+    if (!read || strlen(width_word) > 11 || strlen(height_word) > 11)
         return sl_fail(error, SL_ERROR_INPUT, "%s: damaged PFM header: expected width, height and scale",
                        bytes->path);
-    }
+    const int64_t width = strtoll(width_word, NULL, 10), height = strtoll(height_word, NULL, 10);
     const char *digits = scale + (scale[0] == '-' || scale[0] == '+');
     if (strspn(digits, "0123456789.eE+-") != strlen(digits) || strpbrk(digits, "123456789") == NULL) {
         return sl_fail(error, SL_ERROR_INPUT,
@@ -60,8 +39,8 @@ static sl_status parse_header(const sl_bytes *bytes, pfm_header *header, sl_erro
     }
     sl_status status = sl_check_claimed_size(bytes, width, height, 1, 1, error);
     if (status != SL_OK) return status;
-    *header =
-        (pfm_header){bytes->data[1] == 'F' ? 3 : 1, (int)width, (int)height, scale[0] == '-', position + 1};
+    *header = (pfm_header){bytes->data[1] == 'F' ? 3 : 1, (int)width, (int)height, scale[0] == '-',
+                           (size_t)used + 3};
     uint64_t needed = (uint64_t)width * (uint64_t)height * (uint64_t)header->channels * 4;
     uint64_t present = bytes->size > header->data ? bytes->size - header->data : 0;
     if (present < needed) {

@@ -64,7 +64,8 @@ static bool walk_value(walk *w, const cJSON *item) {
     return false;
 }
 
-unsigned long sl_json_line(const sl_json *json, const cJSON *item) {
+/* Returns the line on which an item (its key, where it has one) begins. */
+static unsigned long line_of_item(const sl_json *json, const cJSON *item) {
     walk w = {json->text, 1, item};
     return item && walk_value(&w, json->root) ? w.line : 1;
 }
@@ -77,7 +78,7 @@ void sl_json_fail(sl_json *json, const cJSON *item, const char *format, ...) {
     sl_print_list(message, sizeof message, format, arguments);
     va_end(arguments);
     json->status =
-        sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: %s", json->path, sl_json_line(json, item), message);
+        sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: %s", json->path, line_of_item(json, item), message);
 }
 
 /* ---- the file -------------------------------------------------------------------------------- */

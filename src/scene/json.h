@@ -24,11 +24,9 @@ typedef struct sl_json {
 sl_status sl_json_open(const char *path, sl_json *json, sl_error *error);
 void sl_json_close(sl_json *json);
 
-/* `path:line: message`, the line being that of the item. */
+/* `path:line: message`, the line being that on which the item (its key, where it has one) begins. */
 __attribute__((format(printf, 3, 4))) void sl_json_fail(sl_json *json, const cJSON *item, const char *format,
                                                         ...);
-/* The line on which an item (its key, where it has one) begins. */
-unsigned long sl_json_line(const sl_json *json, const cJSON *item);
 
 /* `object` must be an object with these keys only, each once. False where it is not. */
 bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const char *const *keys,

@@ -7,6 +7,7 @@
 #include "raster/pipeline.h"
 #include "raster/plain.h"
 #include "raster_support.h"
+#include "scene_parts.h"
 
 enum { UNTOUCHED = 0x12345678 };
 static const float untouched_depth = -3.0f;

@@ -4,6 +4,7 @@
 
 #include "raster/resolve/barycentrics.h"
 #include "scene/surface_rules.h"
+#include "scene_parts.h"
 
 static const char *const isas[] = {"baseline", "avx2", "avx512"};
 

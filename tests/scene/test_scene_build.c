@@ -10,6 +10,7 @@
 
 #include "scene/features.h"
 #include "scene/scene.h"
+#include "scene_parts.h"
 
 static const float square[12] = {0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0};
 static const uint32_t two[6] = {0, 1, 2, 0, 2, 3};

@@ -14,6 +14,7 @@
 #include "raster/raster.h"
 #include "rendering.h"
 #include "scene/bump.h"
+#include "scene_parts.h"
 
 enum { SIZE = 8 };
 

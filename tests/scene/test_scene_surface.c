@@ -12,6 +12,7 @@
 #include "base/random.h"
 #include "scene/scene.h"
 #include "scene/texture.h"
+#include "scene_parts.h"
 
 static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 static const float uvs[6] = {0, 0, 1, 0, 0, 1};

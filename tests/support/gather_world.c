@@ -10,6 +10,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "scene_parts.h"
 
 world *world_new(void) {
     world *w = sl_allocate(1, sizeof *w);

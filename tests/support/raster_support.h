@@ -13,6 +13,7 @@
 
 #include "base/random.h"
 #include "raster/raster.h"
+#include "scene_parts.h"
 
 /* Triangles as nine floats each, one grey material. NULL camera. */
 static inline sl_scene *scene_of_triangles(const float *xyz, size_t count) {

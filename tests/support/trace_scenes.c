@@ -9,6 +9,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
+#include "scene_parts.h"
 
 trace_mesh trace_mesh_begin(void) {
     trace_mesh mesh = {0};

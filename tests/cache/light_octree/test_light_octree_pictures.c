@@ -15,6 +15,7 @@
 #include "matched.h"
 #include "rendering.h"
 #include "scene/scene.h"
+#include "scene_parts.h"
 
 /* Few photons: a test takes a moment, not minutes. */
 static sl_settings octree_settings(int size) {

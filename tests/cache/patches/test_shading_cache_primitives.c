@@ -7,6 +7,7 @@
 #include "base/random.h"
 #include "rendering.h"
 #include "scene/bicubic.h"
+#include "scene_parts.h"
 
 static double distance(sl_vec3 a, sl_vec3 b) { return sl_lengthd(sl_subd(sl_to_double(a), sl_to_double(b))); }
 

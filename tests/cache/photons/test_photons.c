@@ -13,6 +13,7 @@
 #include "cache/photons/photons.h"
 #include "trace/bsdf.h"
 #include "trace_scenes.h"
+#include "scene_parts.h"
 
 static sl_tracer *make_tracer(const sl_scene *scene, const char *config) {
     sl_tracer *tracer;

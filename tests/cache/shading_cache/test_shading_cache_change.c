@@ -7,6 +7,7 @@
 #include "cache/shading_cache/selection.h"
 #include "cache/shading_cache/work.h"
 #include "shading_cache_support.h"
+#include "scene_parts.h"
 
 typedef struct world {
     hierarchy h;

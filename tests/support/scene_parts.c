@@ -1,4 +1,5 @@
-/* Scenes from plain arrays. */
+#include "scene_parts.h"
+
 #include <string.h>
 
 #include "base/error.h"
