@@ -64,7 +64,6 @@ static bench_case *add_case(bench *b, const char *name, sl_light_estimator estim
     s.estimator = estimator;
     if (estimator == SL_LIGHT_RAYS) s.rays = size;
     else s.size = s.largest = size;
-    if (s.size < s.reduced) s.reduced = s.size;
     need(sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error), name,
          &error);
     need(sl_light_sample_scratch_create(c->sampling, &c->scratch, &error), name, &error);

@@ -12,7 +12,7 @@
 #include "base/memory.h"
 #include "cache/hemisphere/hemisphere_tables.h"
 
-enum { SIZE_MAX_PIXELS = 4096 };
+enum { REDUCED = 16 }; /* pixels a side that are read back */
 
 struct sl_mesh_gather {
     const sl_scene *scene;
@@ -38,24 +38,6 @@ struct sl_mesh_gather_scratch {
 };
 
 /* ---- making it ------------------------------------------------------------------------------- */
-
-static bool is_power_of_two(int n) { return n > 0 && (n & (n - 1)) == 0; }
-
-static sl_status check(const sl_mesh_gather_settings *s, const sl_scene *scene, sl_error *error) {
-    if (!is_power_of_two(s->size) || !is_power_of_two(s->reduced) || s->size < SL_MESH_GATHER_LEAST ||
-        s->size > SIZE_MAX_PIXELS || s->reduced > s->size) {
-        return sl_fail(error, SL_ERROR_USAGE,
-                       "gather: size must be a power of two from %d to %d, reduced one up to size",
-                       SL_MESH_GATHER_LEAST, SIZE_MAX_PIXELS);
-    }
-    if (!(s->fov > 0.01f && s->fov < 3.14f))
-        return sl_fail(error, SL_ERROR_USAGE, "gather: field of view must be between 0 and 180 degrees");
-    /* kernels index floats by int32_t */
-    if (scene->triangle_count >= (size_t)INT32_MAX / SL_MESH_GATHER_FLOATS) {
-        return sl_fail(error, SL_ERROR_RESOURCES, "gather: too many triangles");
-    }
-    return SL_OK;
-}
 
 static void fill_triangles(sl_mesh_gather *g) {
     const sl_scene *s = g->scene;
@@ -107,8 +89,9 @@ sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster,
                                 const sl_lattice_colours *colours, const sl_mesh_gather_settings *settings,
                                 sl_mesh_gather **gather, sl_error *error) {
     *gather = NULL;
-    sl_status status = check(settings, scene, error);
-    if (status != SL_OK) return status;
+    /* kernels index floats by int32_t */
+    if (scene->triangle_count >= (size_t)INT32_MAX / SL_MESH_GATHER_FLOATS)
+        return sl_fail(error, SL_ERROR_RESOURCES, "gather: too many triangles");
     sl_mesh_gather *g = sl_allocate(1, sizeof *g);
     if (!g) return sl_fail_memory(error, "the gather");
     *g = (sl_mesh_gather){.scene = scene,
@@ -120,7 +103,7 @@ sl_status sl_mesh_gather_create(const sl_scene *scene, const sl_raster *raster,
     g->tangent = (float)sl_tan(0.5 * (double)settings->fov);
     double t = (double)g->tangent;
     g->over_coverage = SL_PI / sl_plane_cosine_weight(-t, t, -t, t);
-    status = make_tables(g, error);
+    sl_status status = make_tables(g, error);
     if (status == SL_OK) *gather = g;
     else sl_mesh_gather_destroy(g);
     return status;
@@ -151,7 +134,7 @@ sl_status sl_mesh_gather_scratch_create(const sl_mesh_gather *g, sl_mesh_gather_
     s->id = sl_allocate(pixels, sizeof *s->id);
     s->planes = sl_allocate(6 * pixels, sizeof *s->planes);
     s->halved = sl_allocate(pixels / 2 + 1, sizeof *s->halved);
-    s->sums = sl_allocate(3 * (size_t)g->settings.reduced * (size_t)g->settings.reduced, sizeof *s->sums);
+    s->sums = sl_allocate(3 * REDUCED * REDUCED, sizeof *s->sums);
     sl_status status = SL_OK;
     if (!s->id || !s->planes || !s->halved || !s->sums)
         status = sl_fail_memory(error, "a gather's pictures");
@@ -228,7 +211,7 @@ static void look_from(shot *s, const sl_lit_point *point, uint32_t face) {
 
 /* Three planes of size x size to one sum each: what is read back is added row by row. */
 static void add_up(const shot *s, const float *planes, int size, double sum[3]) {
-    int reduced = s->gather->settings.reduced < size ? s->gather->settings.reduced : size;
+    int reduced = size < REDUCED ? size : REDUCED;
     size_t count = (size_t)reduced * (size_t)reduced;
     sl_raster_reduce(planes, size, 3, reduced, s->scratch->halved, s->scratch->sums, s->counters);
     for (size_t k = 0; k < 3; k++) {

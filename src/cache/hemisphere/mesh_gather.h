@@ -41,8 +41,7 @@ static inline int sl_lattice_locate(float w1, float w2, int n, float *a, float *
 enum { SL_MESH_GATHER_LEAST = 8 }; /* pixels a side */
 
 typedef struct sl_mesh_gather_settings {
-    int size;                  /* N of N x N pixels, a power of two */
-    int reduced;               /* 16 */
+    int size;                  /* N of N x N pixels, a power of two from SL_MESH_GATHER_LEAST on */
     float fov;                 /* radians, both ways */
 } sl_mesh_gather_settings;
 typedef struct sl_mesh_gather sl_mesh_gather;

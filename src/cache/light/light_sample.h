@@ -29,8 +29,7 @@ typedef struct sl_light_sample_settings {
     /* N of N x N pixels, a power of two; doubled until N h / s >= 2 (h: distance to the light's plane, s: its
      * side), */
     int size;
-    int largest;           /* ... up to this, then the closed form times a share of rays */
-    int reduced;           /* the sums are read back at so many pixels a side: 16 */
+    int largest;           /* ... up to this, 2048 at most, then the closed form times a share of rays */
     int rays;              /* n of n x n rays */
     bool all_triangles;    /* nothing is culled by cone and grid beforehand: the same bits, slower */
     unsigned threads;      /* for making what is shared */

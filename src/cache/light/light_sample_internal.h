@@ -14,7 +14,8 @@
  * from it. */
 #define SL_LIGHT_MARGIN 1e-4
 
-enum { SL_WINDOW_LEVELS = 12 };
+/* SL_REDUCED: sums are read back at so many pixels a side, or as many as there are. */
+enum { SL_WINDOW_LEVELS = 12, SL_REDUCED = 16 };
 
 /* A planar light's window: origin + s A + t B, s and t in [0,1], just holds the light, and is cut into N x N
  * pixels. */
@@ -72,7 +73,7 @@ struct sl_light_sample_scratch {
     float *depth, *light_depth;
     float *planes;             /* two of largest^2: the light's weights as they are seen, and all of them */
     float *halves;             /* for the reduction */
-    float *sums;               /* two of reduced^2 */
+    float *sums;               /* two of SL_REDUCED^2 */
     float *row_x, *row_y, *column_x, *column_y; /* tangents of the pixels' centres */
     uint8_t *facing;           /* by triangle of a light */
     int picture_size;          /* of planes' first, 0: none */

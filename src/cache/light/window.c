@@ -191,7 +191,7 @@ static void set_tangents(float *column, float *row, int size, double a, double b
 
 sl_light_sums sl_light_reduce(const sl_light_query *query, int size) {
     sl_light_sample_scratch *scratch = query->scratch;
-    int final = query->sampling->settings.reduced;
+    int final = size < SL_REDUCED ? size : SL_REDUCED;
     size_t left = (size_t)final * (size_t)final;
     sl_light_sums sums = {.all = 0.0};
     sl_raster_reduce(scratch->planes, size, 2, final, scratch->halves, scratch->sums, query->counters);

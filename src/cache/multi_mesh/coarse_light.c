@@ -155,7 +155,6 @@ void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_po
 static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     sl_mesh_gather_settings gather = {.size = s->settings.gather_size,
-                                      .reduced = s->settings.gather_size < 16 ? s->settings.gather_size : 16,
                                       .fov = (float)m->gather_fov};
     sl_lattice_colours colours = {s->coarse->face, s->coarse->colour};
     sl_status status = sl_mesh_gather_create(s->scene, s->raster, &colours, &gather, &s->gather, error);

@@ -105,30 +105,6 @@ static void lights_add_up_to_the_irradiance(void **unused) {
     light_world_free(&w);
 }
 
-static void settings_out_of_range_are_refused(void **unused) {
-    (void)unused;
-    trace_mesh mesh = trace_mesh_begin();
-    add_panel(&mesh, 0, 2, 0, 1, lamp_material(&mesh, 1));
-    light_world w;
-    light_world_make(&w, &mesh);
-    const sl_light_sample_settings bad[] = {{SL_LIGHT_RATIO, 63, 256, 16, 16, false, 1},
-                                            {SL_LIGHT_RATIO, 64, 32, 16, 16, false, 1},
-                                            {SL_LIGHT_RATIO, 64, 4096, 16, 16, false, 1},
-                                            {SL_LIGHT_RATIO, 8, 8, 16, 16, false, 1},
-                                            {SL_LIGHT_RAYS, 64, 256, 16, 0, false, 1}};
-    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
-        sl_light_sampling *none;
-        sl_error error = {0};
-        assert_int_equal(
-            sl_light_sampling_create(w.scene, w.raster, w.tracer, w.lights, &bad[k], &none, &error),
-            SL_ERROR_USAGE);
-        assert_null(none);
-        assert_true(strlen(error.message) > 10);
-    }
-    assert_true(sl_light_sampling_memory_bytes(w.sampling) > 64 * 64 / 8);
-    light_world_free(&w);
-}
-
 /* A room that shines inwards is six lights and a block that shines outwards one. */
 static void a_hollow_of_few_planes_is_as_many_lights(void **state) {
     (void)state;
@@ -157,7 +133,6 @@ int main(void) {
         cmocka_unit_test(a_swarm_of_lamps_is_one_light),
         cmocka_unit_test(lights_without_extent_follow_in_the_scenes_order),
         cmocka_unit_test(lights_add_up_to_the_irradiance),
-        cmocka_unit_test(settings_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -15,7 +15,6 @@ static double sample_with(light_world *w, sl_light_estimator estimator, int size
     sl_light_sample_settings s = sl_light_sample_defaults();
     s.estimator = estimator;
     s.size = s.largest = size;
-    s.reduced = size < 16 ? size : 16;
     light_world_set(w, &s);
     return sample_light(w, 0, p, up);
 }

@@ -28,7 +28,7 @@ typedef struct gathering {
 } gathering;
 
 static inline sl_mesh_gather_settings usual_settings(void) {
-    return (sl_mesh_gather_settings){.size = 128, .reduced = 16, .fov = (float)(160.0 / 180.0 * SL_PI)};
+    return (sl_mesh_gather_settings){.size = 128, .fov = (float)(160.0 / 180.0 * SL_PI)};
 }
 
 /* Takes the scene over. */
