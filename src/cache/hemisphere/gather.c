@@ -31,22 +31,6 @@ static void decide(const sl_tracer *tracer, sl_gather_settings *s) {
     if (s->direct == SL_DIRECT_AUTO) s->direct = tracer ? SL_DIRECT_RAYS : SL_DIRECT_SHADOW_MAPS;
 }
 
-static sl_status check(const sl_gather_settings *s, const sl_raster *raster, const sl_tracer *tracer,
-                       sl_error *error) {
-    if (!raster &&
-        (s->kind == SL_GATHER_PLANE || s->kind == SL_GATHER_HEMICUBE || s->direct == SL_DIRECT_SHADOW_MAPS)) {
-        return sl_fail(error, SL_ERROR_USAGE, "this gather needs the rasterizer");
-    }
-    if (!tracer && (s->kind == SL_GATHER_RAYS || s->direct == SL_DIRECT_RAYS)) {
-        return sl_fail(error, SL_ERROR_USAGE, "this gather needs the ray tracer");
-    }
-    if (!(s->plane_fov > 0.0f && s->plane_fov < 3.12f)) {
-        return sl_fail(error, SL_ERROR_USAGE,
-                       "the gather plane's field of view must lie between 0 and 178 degrees");
-    }
-    return SL_OK;
-}
-
 /* ---- creation -------------------------------------------------------------------------------- */
 
 /* Lights without extent light every hit, unless they are many; samples are drawn from what is left. */
@@ -113,9 +97,8 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->isa = sl_isa_best();
     gather->kernels = sl_gather_kernels_for(gather->isa);
     gather->light_kernels = sl_hit_light_kernels_for(sl_isa_best());
-    sl_status status = check(&gather->settings, raster, tracer, error);
-    gather->half_tangent = status == SL_OK ? (float)sl_tan(0.5 * (double)settings->plane_fov) : 1.0f;
-    if (status == SL_OK) status = make_parts(gather, threads, counters, error);
+    gather->half_tangent = (float)sl_tan(0.5 * (double)settings->plane_fov);
+    sl_status status = make_parts(gather, threads, counters, error);
     if (status != SL_OK) {
         sl_gather_destroy(gather);
         return status;

@@ -254,12 +254,6 @@ static void fill_curvatures(sl_gather_tables *t, corner_of *corner, double half_
 sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tangent, sl_border border,
                                   sl_gather_tables **tables, sl_error *error) {
     *tables = NULL;
-    if (size < 4 || size > 1024)
-        return sl_fail(error, SL_ERROR_USAGE, "a gather has 4 to 1024 cells a side, not %d", size);
-    if (kind == SL_GATHER_PLANE && !(half_tangent > 0.0 && half_tangent < 100.0)) {
-        return sl_fail(error, SL_ERROR_USAGE,
-                       "the gather plane's field of view must lie between 0 and 178 degrees");
-    }
     sl_gather_tables *t = sl_allocate(1, sizeof *t);
     if (!t) return sl_fail_memory(error, "the gather's tables");
     t->kind = kind;

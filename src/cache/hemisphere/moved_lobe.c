@@ -61,9 +61,6 @@ static void add_circle(void *context, const sl_lobe_circle *c) {
 
 sl_status sl_moved_lobe_create(int order, double exponent, sl_moved_lobe **out, sl_error *error) {
     *out = NULL;
-    if (order < 1 || order > SL_HSH_ORDER_MAX)
-        return sl_fail(error, SL_ERROR_USAGE, "order of hemispherical harmonics %d: expected 1 to %d", order,
-                       SL_HSH_ORDER_MAX);
     size_t width = sl_hsh_odd_start(order);
     sl_moved_lobe *t = sl_allocate(1, sizeof *t);
     float *rows = sl_allocate(ANGLES * VECTORS * width, sizeof *rows);

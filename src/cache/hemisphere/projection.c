@@ -203,11 +203,6 @@ static sl_status fill(quadrant *q, unsigned threads, sl_error *error) {
 sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border,
                                int order, unsigned threads, sl_projection **out, sl_error *error) {
     *out = NULL;
-    if (order < 1 || order > SL_HSH_ORDER_MAX) {
-        return sl_fail(error, SL_ERROR_USAGE,
-                       "the order of hemispherical harmonics must lie between 1 and %d, not %d",
-                       (int)SL_HSH_ORDER_MAX, order);
-    }
     sl_projection *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "tables of hemispherical harmonics");
     p->order = order;

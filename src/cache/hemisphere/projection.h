@@ -54,7 +54,7 @@ typedef struct sl_projection_sums {
     double sum[SL_PROJECTION_GROUPS_MAX][SL_PROJECTION_VECTORS][SL_PROJECTION_GROUP];
 } sl_projection_sums;
 
-/* half_tangent and border as the gather's tables were made with. */
+/* half_tangent and border as the gather's tables were made with; order 1 to SL_HSH_ORDER_MAX. */
 sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border,
                                int order, unsigned threads, sl_projection **projection, sl_error *error);
 void sl_projection_destroy(sl_projection *projection);

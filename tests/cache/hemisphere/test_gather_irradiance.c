@@ -326,34 +326,6 @@ static void hostile_points_give_finite_answers(void **state) {
     world_free(w);
 }
 
-static void wishes_that_cannot_be_met_are_errors(void **state) {
-    (void)state;
-    world *w = world_room(true);
-    sl_error error;
-    sl_gather *gather;
-    sl_gather_settings s = settings_of(SL_GATHER_PLANE, 64);
-    assert_int_equal(sl_gather_create(w->scene, NULL, w->tracer, &s, 1, &gather, &w->counters, &error),
-                     SL_ERROR_USAGE);
-    assert_null(gather);
-    s = settings_of(SL_GATHER_RAYS, 64);
-    assert_int_equal(sl_gather_create(w->scene, w->raster, NULL, &s, 1, &gather, &w->counters, &error),
-                     SL_ERROR_USAGE);
-    s.size = 2;
-    assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &w->counters, &error),
-                     SL_ERROR_USAGE);
-    s = sl_gather_defaults(); /* no tracer: plane with shadow maps; no rasterizer: rays */
-    assert_int_equal(sl_gather_create(w->scene, w->raster, NULL, &s, 1, &gather, &w->counters, &error),
-                     SL_OK);
-    assert_int_equal(sl_gather_kind_used(gather), SL_GATHER_PLANE);
-    assert_true(sl_gather_memory_bytes(gather) > 100000);
-    sl_gather_destroy(gather);
-    assert_int_equal(sl_gather_create(w->scene, NULL, w->tracer, &s, 1, &gather, &w->counters, &error),
-                     SL_OK);
-    assert_int_equal(sl_gather_kind_used(gather), SL_GATHER_RAYS);
-    sl_gather_destroy(gather);
-    world_free(w);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(furnace_gives_pi),
@@ -366,7 +338,6 @@ int main(void) {
         cmocka_unit_test(a_card_before_the_eye_is_seen_however_near),
         cmocka_unit_test(no_light_reaches_a_point_that_touches_a_sheet_from_behind),
         cmocka_unit_test(hostile_points_give_finite_answers),
-        cmocka_unit_test(wishes_that_cannot_be_met_are_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -396,20 +396,6 @@ static void radiance_that_is_no_number_stays_out(void **state) {
     world_free(w);
 }
 
-static void orders_out_of_range_are_refused(void **state) {
-    (void)state;
-    world *w = world_room(false);
-    for (int i = 0; i < 2; i++) {
-        sl_gather_settings s = settings_of(SL_GATHER_RAYS, 16, i ? -1 : SL_HSH_ORDER_MAX + 1);
-        sl_gather *gather;
-        sl_error error;
-        assert_int_equal(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, NULL, &error),
-                         SL_ERROR_USAGE);
-        assert_null(gather);
-    }
-    world_free(w);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_sum_to_the_hemisphere),
@@ -419,7 +405,6 @@ int main(void) {
         cmocka_unit_test(coefficients_agree_with_quadrature),
         cmocka_unit_test(gradients_agree_with_a_rectangle_light),
         cmocka_unit_test(radiance_that_is_no_number_stays_out),
-        cmocka_unit_test(orders_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

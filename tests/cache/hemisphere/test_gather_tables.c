@@ -93,24 +93,11 @@ static void borders_differ_as_computed(void **state) {
     }
 }
 
-static void nonsense_sizes_are_refused(void **state) {
-    (void)state;
-    sl_gather_tables *t;
-    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 0, 2.0, SL_BORDER_RADIAL, &t, NULL),
-                     SL_ERROR_USAGE);
-    assert_null(t);
-    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, -1.0, SL_BORDER_RADIAL, &t, NULL),
-                     SL_ERROR_USAGE);
-    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, NAN, SL_BORDER_RADIAL, &t, NULL),
-                     SL_ERROR_USAGE);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walls_equal_quadrature),
         cmocka_unit_test(every_instrument_weighs_pi),
         cmocka_unit_test(borders_differ_as_computed),
-        cmocka_unit_test(nonsense_sizes_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
