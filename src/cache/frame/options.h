@@ -123,8 +123,6 @@
       "mirrors show the environment alone") \
     O(bool, atlas, "atlas", "", 0, 1, NOTHING, "", RESEARCH, "light goes to a texture atlas first") \
     O(int, atlas_size, "atlas-size", "TEXELS", 16, 16384, IS(1024), "", RESEARCH, "a side of the atlas") \
-    O(bool, direct_sky, "direct-sky", "", 0, 1, NOTHING, "", RESEARCH, \
-      "the whole environment by light samples, none of it in the octree") \
     O(bool, indirect_only, "indirect-only", "", 0, 1, NOTHING, "", RESEARCH, "direct light is left out")
 
 /* Multi-mesh caching with hardware sampling */

@@ -152,21 +152,9 @@ size_t sl_cluster_step(const sl_directions *d, uint8_t *of, sl_clusters *cluster
 
 /* ---- the whole ---- */
 
-static double total_weight(const sl_directions *d) {
-    double sum = 0.0;
-    for (size_t i = 0; i < d->count; i++) sum += d->weight[i];
-    return sum;
-}
-
-/* Mean squared chord = J / W; an angle psi has the chord 2 sin(psi / 2). */
-static double spread(double cost, double weight) {
-    return weight > 0.0 ? 2.0 * sl_asin(0.5 * sqrt(cost / weight)) : 0.0;
-}
-
 void sl_cluster_directions(const sl_directions *d, int wanted, uint8_t *of, double *scratch,
                            sl_clusters *clusters) {
     sl_cluster_kernels kernel = kernels();
-    double weight = total_weight(d);
     sl_cluster_start(d, wanted, scratch, clusters);
     if (clusters->count == 0) {
         memset(of, 0, d->count);
@@ -174,5 +162,4 @@ void sl_cluster_directions(const sl_directions *d, int wanted, uint8_t *of, doub
     }
     memset(of, 0xff, d->count);
     while (clusters->iterations < SL_CLUSTER_ITERATIONS && step(&kernel, d, of, clusters) > 0) {}
-    clusters->rms_angle = spread(clusters->cost, weight);
 }

@@ -80,7 +80,7 @@ static sl_status start_level(sl_octree_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     const sl_octree_root root = root_of(s);
     sl_status status =
-        sl_octree_create_in(s->scene, &root, s->depth, o->dilation, threads, &s->next.octree, error);
+        sl_octree_create(s->scene, &root, s->depth, o->dilation, threads, &s->next.octree, error);
     if (status != SL_OK) return status;
     sl_announce_pass(&s->announcer, "octree", "octree, K-means of its photons");
     s->leaf = 0;

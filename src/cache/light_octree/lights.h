@@ -20,7 +20,6 @@ typedef struct sl_clusters {
     int count;
     sl_vec3d centre[SL_VOXEL_LIGHTS_MAX];    /* unit */
     double cost;                             /* J = sum w |omega - d|^2 */
-    double rms_angle;                        /* radians, by weight: the spread */
     int iterations;
 } sl_clusters;
 

@@ -315,14 +315,8 @@ sl_octree_root sl_octree_root_of_core(const sl_scene *scene) {
                        sl_scene_is_scattered(scene) ? AROUND_CORE : 1.0);
 }
 
-sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads,
-                           sl_octree **octree, sl_error *error) {
-    sl_octree_root all = sl_octree_root_of_all(scene);
-    return sl_octree_create_in(scene, &all, depth, dilate, threads, octree, error);
-}
-
-sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,
-                              unsigned threads, sl_octree **result, sl_error *error) {
+sl_status sl_octree_create(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,
+                           unsigned threads, sl_octree **result, sl_error *error) {
     *result = NULL;
     if (depth < 1 || depth > SL_OCTREE_DEPTH_MAX || !(dilate >= 0.0 && dilate <= 1.0)) {
         return sl_fail(error, SL_ERROR_USAGE, "an octree of depth %d, voxels grown by %g: 1 to %d, 0 to 1",

@@ -51,11 +51,8 @@ static inline bool sl_octree_root_holds(const sl_octree_root *root, sl_vec3 p) {
 }
 
 /* dilate: voxels are grown by that fraction of their edge in the test (0: the paper's remedy is off). */
-sl_status sl_octree_create(const sl_scene *scene, int depth, double dilate, unsigned threads,
-                           sl_octree **octree, sl_error *error);
-/* The same in another root cube than that of all the scene. */
-sl_status sl_octree_create_in(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,
-                              unsigned threads, sl_octree **octree, sl_error *error);
+sl_status sl_octree_create(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,
+                           unsigned threads, sl_octree **octree, sl_error *error);
 void sl_octree_destroy(sl_octree *octree);
 size_t sl_octree_bytes(const sl_octree *octree);
 /* The number of the leaf with that Morton code, or SL_NO_INDEX. */

@@ -94,7 +94,7 @@ static sl_status fill_sides(const sl_octree_pixels *p, const bool seen[2], sl_co
     sl_status status = SL_OK;
     for (int side = SL_ATLAS_FRONT; side <= SL_ATLAS_BACK && status == SL_OK; side++) {
         if (!seen[side] || p->atlas->filled[side]) continue;
-        status = sl_atlas_bake_octree(p->atlas->canvas, (sl_atlas_side)side, p->scene, p->shading, p->threads,
+        status = sl_atlas_bake(p->atlas->canvas, (sl_atlas_side)side, p->scene, p->shading, p->threads,
                                       counters, error);
         p->atlas->filled[side] = status == SL_OK;
     }

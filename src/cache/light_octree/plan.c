@@ -27,7 +27,7 @@ sl_octree_plan sl_octree_plan_make(const sl_scene *scene, const sl_settings *set
         .mirrors = f.mirror_triangles > 0,
         .direct = f.light && receivers && !o->indirect_only,
         .environment = f.environment,
-        .sky = f.environment && !o->direct_sky && !o->indirect_only && o->store == SL_STORE_INDIRECT,
+        .sky = f.environment && !o->indirect_only && o->store == SL_STORE_INDIRECT,
         .first_depth = o->depth < SHALLOWEST_SHOWN || o->photons_at_pixels ? o->depth : SHALLOWEST_SHOWN,
     };
 }

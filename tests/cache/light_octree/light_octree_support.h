@@ -13,7 +13,9 @@
 static inline sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) {
     sl_octree *octree = NULL;
     sl_error error;
-    if (sl_octree_create(scene, depth, 0.0, threads, &octree, &error) != SL_OK) fail_msg("%s", error.message);
+    sl_octree_root root = sl_octree_root_of_all(scene);
+    if (sl_octree_create(scene, &root, depth, 0.0, threads, &octree, &error) != SL_OK)
+        fail_msg("%s", error.message);
     return octree;
 }
 

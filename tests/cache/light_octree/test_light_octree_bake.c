@@ -101,10 +101,22 @@ static void chart_number(void *context, unsigned worker, size_t count, const uin
         b[i] = 1.0f;
 }
 
-static void damaged(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1,
-                    const float *w2, float *r, float *g, float *b) {
-    (void)context, (void)worker, (void)w1, (void)w2, (void)triangle;
-    for (size_t i = 0; i < count; i++) r[i] = NAN, g[i] = INFINITY, b[i] = i % 3 ? -INFINITY : 1.0f;
+typedef void shader(void *context, unsigned worker, size_t count, const uint32_t *triangle, const float *w1,
+                    const float *w2, float *r, float *g, float *b);
+
+static void fill(stage *s, sl_atlas_side side, shader *shade, void *context) {
+    sl_atlas_canvas *c = s->canvas;
+    float *rgb = sl_allocate(3 * c->count, sizeof *rgb);
+    if (!c->side[side])
+        assert_int_equal(sl_texture_image_create(s->atlas->size, s->atlas->size, false, &c->side[side], NULL),
+                         SL_OK);
+    shade(context, 0, c->count, c->triangle, c->w1, c->w2, rgb, rgb + c->count, rgb + 2 * c->count);
+    for (size_t i = 0; i < c->count; i++) {
+        float *texel = c->side[side]->texels + 4 * (size_t)c->texel[i];
+        for (size_t k = 0; k < 3; k++) texel[k] = rgb[k * c->count + i];
+        texel[3] = 1.0f;
+    }
+    sl_free(rgb);
 }
 
 /* ---- tests ---- */
@@ -119,7 +131,7 @@ static void a_constant_comes_out_as_it_went_in(void **state) {
     (void)state;
     float color[3] = {(float)SL_PI, 1.0f, 0.25f};
     stage s = stage_of(scene_from(ball_and_box), 128);
-    assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, constant, color, NULL), SL_OK);
+    fill(&s, SL_ATLAS_FRONT, constant, color);
     uint64_t before = s.counters.value[SL_COUNT_TEXTURE_FETCHES];
     apply(&s);
     assert_true(lit_pixels(&s) > 1000);
@@ -135,7 +147,7 @@ static void a_constant_comes_out_as_it_went_in(void **state) {
 static void what_varies_evenly_is_looked_up_exactly_but_for_the_rim(void **state) {
     (void)state;
     stage s = stage_of(scene_from(wall), 64);
-    assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, position, s.scene, NULL), SL_OK);
+    fill(&s, SL_ATLAS_FRONT, position, s.scene);
     apply(&s);
     double texel = 1.0 / s.atlas->texels_per_unit;
     size_t inside = 0;
@@ -159,8 +171,8 @@ static void pixels_show_their_own_chart_alone(void **state) {
     sl_scene *scenes[] = {scene_from(ball_and_box), scene_from(confetti)};
     for (int n = 0; n < 2; n++) {
         stage s = stage_of(scenes[n], n ? 150 : 64);
-        assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, chart_number, s.atlas, NULL), SL_OK);
-        assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_BACK, 2, chart_number, s.atlas, NULL), SL_OK);
+        fill(&s, SL_ATLAS_FRONT, chart_number, s.atlas);
+        fill(&s, SL_ATLAS_BACK, chart_number, s.atlas);
         apply(&s);
         for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
             if (s.gbuffer->material[i] == SL_NO_INDEX) continue;
@@ -178,11 +190,11 @@ static void each_side_shows_its_own_light(void **state) {
     for (int n = 0; n < 2; n++) {
         stage s = stage_of(scenes[n], 64);
         size_t bytes = sl_atlas_canvas_bytes(s.canvas);
-        assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 1, constant, front, NULL), SL_OK);
+        fill(&s, SL_ATLAS_FRONT, constant, front);
         assert_int_equal(sl_atlas_canvas_bytes(s.canvas) - bytes, 64 * 64 * 16);
         for (int both = 0; both < 2; both++) {
             if (both)
-                assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_BACK, 1, constant, back, NULL), SL_OK);
+                fill(&s, SL_ATLAS_BACK, constant, back);
             apply(&s);
             for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
                 double lit = s.gbuffer->material[i] == SL_NO_INDEX ? 0.0 : 0.5 / SL_PI;
@@ -197,9 +209,19 @@ static void each_side_shows_its_own_light(void **state) {
 static void what_is_not_finite_becomes_black(void **state) {
     (void)state;
     stage s = stage_of(scene_from(ball_and_box), 64);
-    assert_int_equal(sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, 2, damaged, NULL, NULL), SL_OK);
+    sl_octree *octree = octree_of(s.scene, 4, 2);
+    sl_voxel_light_options options = plain_options(1);
+    sl_voxel_lights *lights = lights_of(s.scene, octree, &options);
+    for (size_t i = 0; i < octree->leaf_count; i++)
+        set_light(lights, i, 0, sl_v3d(0, 1, 0), INFINITY, -INFINITY, NAN);
+    sl_octree_shading shading = {.texture = texture_of(octree, lights)};
+    assert_int_equal(
+        sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, s.scene, &shading, 1, &s.counters, NULL), SL_OK);
     for (size_t i = 0; i < 4 * 64 * 64; i++)
         assert_true(s.canvas->side[0]->texels[i] >= 0.0f && s.canvas->side[0]->texels[i] <= 1.0f);
+    sl_voxel_texture_destroy((sl_voxel_texture *)shading.texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
     end_stage(&s);
 }
 
@@ -221,7 +243,7 @@ static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
     float *first = sl_allocate(128 * 128, 4 * sizeof *first);
     for (unsigned threads = 1; threads <= 3; threads++) { /* the same bits at any number of threads */
         assert_int_equal(
-            sl_atlas_bake_octree(s.canvas, SL_ATLAS_FRONT, s.scene, &shading, threads, &s.counters, NULL),
+            sl_atlas_bake(s.canvas, SL_ATLAS_FRONT, s.scene, &shading, threads, &s.counters, NULL),
             SL_OK);
         if (threads == 1) memcpy(first, s.canvas->side[0]->texels, 128 * 128 * 16);
         else assert_memory_equal(first, s.canvas->side[0]->texels, 128 * 128 * 16);

@@ -10,7 +10,9 @@
 static sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) {
     sl_octree *octree = NULL;
     sl_error error;
-    if (sl_octree_create(scene, depth, 0.0, threads, &octree, &error) != SL_OK) fail_msg("%s", error.message);
+    sl_octree_root root = sl_octree_root_of_all(scene);
+    if (sl_octree_create(scene, &root, depth, 0.0, threads, &octree, &error) != SL_OK)
+        fail_msg("%s", error.message);
     return octree;
 }
 
@@ -305,13 +307,14 @@ static void grown_voxels_are_more(void **state) {
     (void)state;
     sl_scene *scene = sphere(20, 0.9f);
     sl_octree *plain = octree_of(scene, 4, 1), *grown = NULL;
-    assert_int_equal(sl_octree_create(scene, 4, 0.25, 1, &grown, NULL), SL_OK);
+    sl_octree_root root = sl_octree_root_of_all(scene);
+    assert_int_equal(sl_octree_create(scene, &root, 4, 0.25, 1, &grown, NULL), SL_OK);
     assert_true(grown->leaf_count > plain->leaf_count * 5 / 4);
     for (size_t i = 0; i < plain->leaf_count; i++)
         assert_true(sl_octree_find(grown, plain->leaf[i].morton) != SL_NO_INDEX);
     sl_octree_destroy(grown);
-    assert_int_equal(sl_octree_create(scene, 0, 0.0, 1, &grown, NULL), SL_ERROR_USAGE);
-    assert_int_equal(sl_octree_create(scene, 4, (double)NAN, 1, &grown, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_octree_create(scene, &root, 0, 0.0, 1, &grown, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_octree_create(scene, &root, 4, (double)NAN, 1, &grown, NULL), SL_ERROR_USAGE);
     sl_octree_destroy(plain);
     sl_scene_destroy(scene);
 }

@@ -87,26 +87,17 @@ typedef struct sl_atlas_canvas {
     sl_texture_image *side[2];  /* RGBA, alpha 1 where there is something; NULL: never filled */
 } sl_atlas_canvas;
 
-enum { SL_ATLAS_BATCH = 4096 };
-
 /* The atlas must outlive it. */
 sl_status sl_atlas_canvas_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads,
                                  sl_atlas_canvas **canvas, sl_error *error);
 void sl_atlas_canvas_destroy(sl_atlas_canvas *canvas);
 size_t sl_atlas_canvas_bytes(const sl_atlas_canvas *canvas);
 
-/* Fills r, g, b of up to SL_ATLAS_BATCH surface points. Each point's must be a function of that point alone.
- */
-typedef void sl_atlas_shader(void *context, unsigned worker, size_t count, const uint32_t *triangle,
-                             const float *w1, const float *w2, float *r, float *g, float *b);
-
-/* Workers are below sl_thread_count(threads). What is not finite becomes 0. */
-sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, unsigned threads,
-                        sl_atlas_shader *shader, void *context, sl_error *error);
-/* Irradiance from the octree's lights, on the shading normal turned to the side. */
-sl_status sl_atlas_bake_octree(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_scene *scene,
-                               const sl_octree_shading *shading, unsigned threads, sl_counters *counters,
-                               sl_error *error);
+/* Fills a side: irradiance from the octree's lights, on the shading normal turned to the side. What is not
+ * finite becomes 0. */
+sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_scene *scene,
+                        const sl_octree_shading *shading, unsigned threads, sl_counters *counters,
+                        sl_error *error);
 
 /* Irradiance times kd / pi at the pixels of a G-buffer, bilinear, one look-up each; background, mirrors and
  * sides that were never filled are 0. */

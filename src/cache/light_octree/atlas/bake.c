@@ -70,94 +70,76 @@ size_t sl_atlas_canvas_bytes(const sl_atlas_canvas *c) {
            texels * sides * 4 * sizeof(float);
 }
 
-/* ---- light into the texels ---- */
+/* ---- irradiance from the octree's lights into the texels ---- */
+
+enum { BATCH = 4096 };
 
 typedef struct baking {
-    sl_atlas_canvas *canvas;
-    float *texels;          /* RGBA */
-    sl_atlas_shader *shader;
-    void *context;
-    float *scratch;         /* 3 SL_ATLAS_BATCH a worker */
+    const sl_atlas_canvas *canvas;
+    sl_atlas_side side;
+    const sl_scene *scene;
+    const sl_octree_shading *shading;
+    sl_octree_scratch **scratch;   /* a worker's, as are */
+    sl_octree_point *point;        /* BATCH, */
+    float *rgb;                    /* 3 BATCH */
+    sl_counters *counters;
 } baking;
+
+
+
+static sl_octree_point point_of_texel(const baking *b, size_t i) {
+    const sl_atlas_canvas *c = b->canvas;
+    sl_vec3 n = sl_scene_geometric_normal(b->scene, c->triangle[i]);
+    sl_surface surface;
+    sl_scene_surface(b->scene, c->triangle[i], c->w1[i], c->w2[i],
+                     b->side == SL_ATLAS_FRONT ? n : sl_neg(n), &surface);
+    return (sl_octree_point){
+        .position = surface.position, .normal = surface.normal, .diffuse = sl_grey((float)SL_PI)};
+}
 
 static void bake_batch(void *context, size_t batch, unsigned worker) {
     const baking *b = context;
     const sl_atlas_canvas *c = b->canvas;
-    size_t first = batch * SL_ATLAS_BATCH,
-           count = c->count - first < SL_ATLAS_BATCH ? c->count - first : SL_ATLAS_BATCH;
-    float *rgb = b->scratch + 3 * SL_ATLAS_BATCH * (size_t)worker;
-    b->shader(b->context, worker, count, c->triangle + first, c->w1 + first, c->w2 + first, rgb,
-              rgb + SL_ATLAS_BATCH, rgb + 2 * SL_ATLAS_BATCH);
+    size_t first = batch * BATCH, count = c->count - first < BATCH ? c->count - first : BATCH;
+    sl_octree_point *point = b->point + BATCH * (size_t)worker;
+    float *rgb = b->rgb + 3 * BATCH * (size_t)worker;
+    for (size_t i = 0; i < count; i++) point[i] = point_of_texel(b, first + i);
+    sl_octree_shade(b->shading, point, count, b->scratch[worker], rgb, rgb + BATCH, rgb + 2 * BATCH,
+                    &b->counters[worker]);
     for (size_t i = 0; i < count; i++) {
-        float *texel = b->texels + 4 * (size_t)c->texel[first + i];
-        for (size_t k = 0; k < 3; k++)
-            texel[k] = isfinite(rgb[k * SL_ATLAS_BATCH + i]) ? rgb[k * SL_ATLAS_BATCH + i] : 0.0f;
+        float *texel = c->side[b->side]->texels + 4 * (size_t)c->texel[first + i];
+        for (size_t k = 0; k < 3; k++) texel[k] = isfinite(rgb[k * BATCH + i]) ? rgb[k * BATCH + i] : 0.0f;
         texel[3] = 1.0f;
     }
+    sl_count(&b->counters[worker], SL_COUNT_FRAGMENTS_SHADED, count);
 }
 
-sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, unsigned threads,
-                        sl_atlas_shader *shader, void *context, sl_error *error) {
+sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_scene *scene,
+                        const sl_octree_shading *shading, unsigned threads, sl_counters *counters,
+                        sl_error *error) {
     threads = sl_thread_count(threads);
-    if (!canvas->side[side]) {
-        sl_status status = sl_texture_image_create(canvas->atlas->size, canvas->atlas->size, false,
-                                                   &canvas->side[side], error);
-        if (status != SL_OK) return status;
-    }
-    baking b = {canvas, canvas->side[side]->texels, shader, context,
-                sl_allocate((size_t)threads * SL_ATLAS_BATCH, 3 * sizeof *b.scratch)};
-    if (!b.scratch) return sl_fail_memory(error, "filling an atlas");
-    sl_parallel_for(threads, (canvas->count + SL_ATLAS_BATCH - 1) / SL_ATLAS_BATCH, bake_batch, &b);
-    sl_free(b.scratch);
-    return SL_OK;
-}
-
-/* ---- irradiance from the octree ---- */
-
-typedef struct octree_source {
-    const sl_scene *scene;
-    const sl_octree_shading *shading;
-    sl_atlas_side side;
-    sl_octree_scratch **scratch;
-    sl_octree_point *point; /* SL_ATLAS_BATCH a worker */
-    sl_counters *counters;
-} octree_source;
-
-static void shade_points(void *context, unsigned worker, size_t count, const uint32_t *triangle,
-                         const float *w1, const float *w2, float *r, float *g, float *b) {
-    const octree_source *o = context;
-    sl_octree_point *point = o->point + SL_ATLAS_BATCH * (size_t)worker;
-    for (size_t i = 0; i < count; i++) {
-        sl_vec3 n = sl_scene_geometric_normal(o->scene, triangle[i]);
-        sl_surface surface;
-        sl_scene_surface(o->scene, triangle[i], w1[i], w2[i], o->side == SL_ATLAS_FRONT ? n : sl_neg(n),
-                         &surface);
-        point[i] = (sl_octree_point){
-            .position = surface.position, .normal = surface.normal, .diffuse = sl_grey((float)SL_PI)};
-    }
-    sl_octree_shade(o->shading, point, count, o->scratch[worker], r, g, b, &o->counters[worker]);
-    sl_count(&o->counters[worker], SL_COUNT_FRAGMENTS_SHADED, count);
-}
-
-sl_status sl_atlas_bake_octree(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_scene *scene,
-                               const sl_octree_shading *shading, unsigned threads, sl_counters *counters,
-                               sl_error *error) {
-    threads = sl_thread_count(threads);
-    octree_source o = {scene,
-                       shading,
-                       side,
-                       sl_allocate(threads, sizeof *o.scratch),
-                       sl_allocate((size_t)threads * SL_ATLAS_BATCH, sizeof *o.point),
-                       sl_allocate(threads, sizeof *o.counters)};
-    sl_status status = o.scratch && o.point && o.counters ? SL_OK : sl_fail_memory(error, "filling an atlas");
+    baking b = {canvas,
+                side,
+                scene,
+                shading,
+                sl_allocate(threads, sizeof *b.scratch),
+                sl_allocate((size_t)threads * BATCH, sizeof *b.point),
+                sl_allocate((size_t)threads * BATCH, 3 * sizeof *b.rgb),
+                sl_allocate(threads, sizeof *b.counters)};
+    sl_status status =
+        b.scratch && b.point && b.rgb && b.counters ? SL_OK : sl_fail_memory(error, "filling an atlas");
     for (unsigned t = 0; status == SL_OK && t < threads; t++)
-        status = sl_octree_scratch_create(&o.scratch[t], error);
-    if (status == SL_OK) status = sl_atlas_bake(canvas, side, threads, shade_points, &o, error);
-    for (unsigned t = 0; status == SL_OK && t < threads; t++) sl_counters_add(counters, &o.counters[t]);
-    for (unsigned t = 0; o.scratch && t < threads; t++) sl_octree_scratch_destroy(o.scratch[t]);
-    sl_free(o.scratch);
-    sl_free(o.point);
-    sl_free(o.counters);
+        status = sl_octree_scratch_create(&b.scratch[t], error);
+    if (status == SL_OK && !canvas->side[side])
+        status = sl_texture_image_create(canvas->atlas->size, canvas->atlas->size, false,
+                                         &canvas->side[side], error);
+    if (status == SL_OK) sl_parallel_for(threads, (canvas->count + BATCH - 1) / BATCH, bake_batch, &b);
+    for (unsigned t = 0; status == SL_OK && t < threads; t++) sl_counters_add(counters, &b.counters[t]);
+    for (unsigned t = 0; b.scratch && t < threads; t++) sl_octree_scratch_destroy(b.scratch[t]);
+    sl_free(b.scratch);
+    sl_free(b.point);
+    sl_free(b.rgb);
+    sl_free(b.counters);
     return status;
 }
 
@@ -165,7 +147,7 @@ sl_status sl_atlas_bake_octree(sl_atlas_canvas *canvas, sl_atlas_side side, cons
 
 /* A pixel costs two dot products with its position and one look-up on the side that it shows, where the
  * octree costs a descent for each of eight voxels. */
-enum { BATCH = SL_TEXTURE_BLOCK };
+enum { LOOK_UPS = SL_TEXTURE_BLOCK };
 
 typedef struct application {
     const sl_atlas_canvas *canvas;
@@ -181,14 +163,14 @@ enum { LINE = 8 };
 typedef struct look_ups {
     sl_atlas_side side;
     size_t count;
-    size_t pixel[BATCH];
-    float s[BATCH], t[BATCH];
+    size_t pixel[LOOK_UPS];
+    float s[LOOK_UPS], t[LOOK_UPS];
 } look_ups;
 
 static void look_up(const application *a, look_ups *l) {
     const sl_gbuffer *g = a->gbuffer;
     const float *const kd[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
-    float irradiance[3][BATCH];
+    float irradiance[3][LOOK_UPS];
     float *const plane[4] = {irradiance[0], irradiance[1], irradiance[2], NULL};
     sl_texture_sample_many(a->canvas->side[l->side], l->count, l->s, l->t, NULL, plane);
     for (int k = 0; k < 3; k++) {
@@ -227,7 +209,7 @@ static void apply_row(void *context, size_t row, unsigned worker) {
                        &l.t[l.count]);
         l.pixel[l.count++] = i;
         a->fetches[worker * LINE]++;
-        if (l.count == BATCH) look_up(a, &l);
+        if (l.count == LOOK_UPS) look_up(a, &l);
     }
     if (l.count > 0) look_up(a, &l);
 }

@@ -17,38 +17,33 @@
 
 /* ---- points ---- */
 
-static uint64_t position_hash(const uint32_t bits[3]) {
-    uint64_t h = bits[0] * UINT64_C(0x9e3779b97f4a7c15) ^ bits[1] * UINT64_C(0xc2b2ae3d27d4eb4f) ^
-                 bits[2] * UINT64_C(0x165667b19e3779f9);
-    h ^= h >> 29;
-    h *= UINT64_C(0xbf58476d1ce4e5b9);
-    return h ^ h >> 32;
-}
+typedef struct placed_vertex {
+    uint32_t bits[3], vertex;
+} placed_vertex;
 
-static void position_bits(const sl_scene *s, uint32_t vertex, uint32_t bits[3]) {
-    bits[0] = sl_float_bits(s->position_x[vertex] + 0.0f); /* -0 and 0 are one place */
-    bits[1] = sl_float_bits(s->position_y[vertex] + 0.0f);
-    bits[2] = sl_float_bits(s->position_z[vertex] + 0.0f);
-}
-
-/* The first vertex at each vertex's position. */
-static bool weld(const sl_scene *s, uint32_t *first_at) {
-    size_t slots = 16;
-    while (slots < 2 * s->vertex_count) slots *= 2;
-    uint32_t *slot = sl_allocate(slots, sizeof *slot); /* vertex + 1 */
-    if (!slot) return false;
-    for (size_t v = 0; v < s->vertex_count; v++) {
-        uint32_t bits[3], other[3];
-        position_bits(s, (uint32_t)v, bits);
-        size_t i = position_hash(bits) & (slots - 1);
-        for (; slot[i]; i = (i + 1) & (slots - 1)) {
-            position_bits(s, slot[i] - 1, other);
-            if (!memcmp(bits, other, sizeof bits)) break;
-        }
-        if (!slot[i]) slot[i] = (uint32_t)v + 1;
-        first_at[v] = slot[i] - 1;
+static int by_place(const void *a, const void *b) {
+    const placed_vertex *p = a, *q = b;
+    for (int k = 0; k < 3; k++) {
+        if (p->bits[k] != q->bits[k]) return p->bits[k] < q->bits[k] ? -1 : 1;
     }
-    sl_free(slot);
+    return (p->vertex > q->vertex) - (p->vertex < q->vertex);
+}
+
+/* Finds the first vertex at each vertex's position. False: no memory. */
+static bool weld(const sl_scene *s, uint32_t *first_at) {
+    placed_vertex *placed = sl_allocate(s->vertex_count, sizeof *placed);
+    if (!placed) return false;
+    for (uint32_t v = 0; v < s->vertex_count; v++) { /* -0 and 0 are one place */
+        const float at[3] = {s->position_x[v] + 0.0f, s->position_y[v] + 0.0f, s->position_z[v] + 0.0f};
+        memcpy(placed[v].bits, at, sizeof at);
+        placed[v].vertex = v;
+    }
+    qsort(placed, s->vertex_count, sizeof *placed, by_place);
+    for (size_t i = 0, first = 0; i < s->vertex_count; i++) {
+        if (memcmp(placed[i].bits, placed[first].bits, sizeof placed[i].bits) != 0) first = i;
+        first_at[placed[i].vertex] = placed[first].vertex;
+    }
+    sl_free(placed);
     return true;
 }
 
@@ -58,49 +53,21 @@ typedef struct half_edge {
     uint32_t low, high, index;
 } half_edge;
 
+static bool same_edge(const half_edge *a, const half_edge *b) {
+    return a->low == b->low && a->high == b->high;
+}
+
 static int by_edge(const void *a, const void *b) {
     const half_edge *x = a, *y = b;
+    if (x->low != y->low) return x->low < y->low ? -1 : 1;
     if (x->high != y->high) return x->high < y->high ? -1 : 1;
     return (x->index > y->index) - (x->index < y->index);
-}
-
-/* Half-edges in order of their lower point, then of the higher one, then of their index. */
-static half_edge *sorted_half_edges(const sl_atlas_faces *f, size_t points) {
-    size_t count = 3 * f->count;
-    half_edge *sorted = sl_allocate(count, sizeof *sorted);
-    size_t *first = sl_allocate(points + 2, sizeof *first);
-    if (sorted && first) {
-        for (uint32_t h = 0; h < count; h++) {
-            uint32_t a = f->point[h], b = f->point[sl_atlas_next(h)];
-            first[(a < b ? a : b) + 2]++;
-        }
-        for (size_t p = 2; p < points + 2; p++) first[p] += first[p - 1];
-        for (uint32_t h = 0; h < count; h++) {
-            uint32_t a = f->point[h], b = f->point[sl_atlas_next(h)];
-            half_edge e = {a < b ? a : b, a < b ? b : a, h};
-            sorted[first[e.low + 1]++] = e;
-        }
-        for (size_t p = 0; p < points; p++)
-            if (first[p + 1] - first[p] > 1)
-                qsort(sorted + first[p], first[p + 1] - first[p], sizeof *sorted, by_edge);
-    } else {
-        sl_free(sorted);
-        sorted = NULL;
-    }
-    sl_free(first);
-    return sorted;
-}
-
-static void glue(sl_atlas_faces *f, uint32_t a, uint32_t b) {
-    f->opposite[a] = b;
-    f->opposite[b] = a;
 }
 
 /* Glues the flattest pair of faces at an edge that run opposite ways, then the flattest of the rest. */
 static void glue_flattest(sl_atlas_faces *f, const half_edge *e, size_t count) {
     enum { MOST = 64 }; /* a fan of more pages than this stays open */
-    if (count > MOST) return;
-    for (;;) {
+    for (bool glued = count <= MOST; glued;) {
         double best = FOLD;
         uint32_t left = SL_NO_INDEX, right = SL_NO_INDEX;
         for (size_t i = 0; i < count; i++)
@@ -112,24 +79,27 @@ static void glue_flattest(sl_atlas_faces *f, const half_edge *e, size_t count) {
                 double flatness = sl_dotd(f->normal[a / 3], f->normal[b / 3]);
                 if (flatness > best) best = flatness, left = a, right = b;
             }
-        if (left == SL_NO_INDEX) return;
-        glue(f, left, right);
+        glued = left != SL_NO_INDEX;
+        if (glued) f->opposite[left] = right, f->opposite[right] = left;
     }
 }
 
 /* Glues all half-edges. False: no memory. */
-static bool glue_all(sl_atlas_faces *f, size_t points) {
+static bool glue_all(sl_atlas_faces *f) {
     size_t count = 3 * f->count;
-    half_edge *sorted = sorted_half_edges(f, points);
-    if (!sorted) return false;
-    memset(f->opposite, 0xff, count * sizeof *f->opposite);
-    for (size_t i = 0, end; i < count; i = end) {
-        for (end = i + 1;
-             end < count && sorted[end].low == sorted[i].low && sorted[end].high == sorted[i].high;)
-            end++;
-        if (end - i > 1) glue_flattest(f, sorted + i, end - i);
+    half_edge *edge = sl_allocate(count, sizeof *edge);
+    if (!edge) return false;
+    for (uint32_t h = 0; h < count; h++) {
+        uint32_t a = f->point[h], b = f->point[sl_atlas_next(h)];
+        edge[h] = (half_edge){a < b ? a : b, a < b ? b : a, h};
+        f->opposite[h] = SL_NO_INDEX;
     }
-    sl_free(sorted);
+    qsort(edge, count, sizeof *edge, by_edge);
+    for (size_t i = 0, end; i < count; i = end) {
+        for (end = i + 1; end < count && same_edge(&edge[end], &edge[i]);) end++;
+        if (end - i > 1) glue_flattest(f, edge + i, end - i);
+    }
+    sl_free(edge);
     return true;
 }
 
@@ -162,7 +132,7 @@ sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_err
     if (good) {
         for (size_t c = 0; c < 3 * count; c++) f->point[c] = first_at[scene->vertex[c % 3][c / 3]];
         for (uint32_t face = 0; face < count; face++) measure(f, face);
-        good = glue_all(f, scene->vertex_count);
+        good = glue_all(f);
     }
     sl_free(first_at);
     if (good) return SL_OK;
