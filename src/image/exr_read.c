@@ -64,15 +64,11 @@ bool sl_exr_recognise(const sl_bytes *bytes) {
     return bytes->size >= 4 && memcmp(bytes->data, magic, 4) == 0;
 }
 
+/* Unsupported: compressions of which the C library learnt late. */
 static sl_status fail_reading(const exr_reader *reader, sl_error *error) {
-    exr_compression_t compression = EXR_COMPRESSION_NONE;
     if (reader->source.starved || sl_memory_has_ended())
         return sl_fail_memory(error, reader->source.bytes->path);
-    if (reader->context) exr_get_compression(reader->context, 0, &compression);
-    /* The C library learnt these late (OpenEXR 3.1 cannot read them). */
-    bool dwa = compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: %s EXR: %s", reader->source.bytes->path,
-                   dwa ? "damaged or unsupported" : "damaged",
+    return sl_fail(error, SL_ERROR_INPUT, "%s: damaged or unsupported EXR: %s", reader->source.bytes->path,
                    reader->source.reason[0] ? reader->source.reason : "unreadable");
 }
 

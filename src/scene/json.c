@@ -81,6 +81,12 @@ void sl_json_fail(sl_json *json, const cJSON *item, const char *format, ...) {
         sl_fail(json->error, SL_ERROR_INPUT, "%s:%lu: %s", json->path, line_of_item(json, item), message);
 }
 
+void sl_json_take(sl_json *json, const cJSON *item, const char *what, sl_status status,
+                  const sl_error *problem) {
+    if (status == SL_ERROR_INPUT) sl_json_fail(json, item, "%s %s", what, problem->message);
+    else if (status != SL_OK) json->status = sl_fail(json->error, status, "%s", problem->message);
+}
+
 /* ---- the file -------------------------------------------------------------------------------- */
 
 static unsigned long line_of(const char *text, const char *at) {

@@ -28,6 +28,11 @@ void sl_json_close(sl_json *json);
 __attribute__((format(printf, 3, 4))) void sl_json_fail(sl_json *json, const cJSON *item, const char *format,
                                                         ...);
 
+/* Takes over what went wrong elsewhere, if anything did: an input error with the item's line, after `what`.
+ */
+void sl_json_take(sl_json *json, const cJSON *item, const char *what, sl_status status,
+                  const sl_error *problem);
+
 /* `object` must be an object with these keys only, each once. False where it is not. */
 bool sl_json_keys(sl_json *json, const cJSON *object, const char *what, const char *const *keys,
                   size_t count);

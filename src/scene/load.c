@@ -1,4 +1,6 @@
 /* What kind of file a scene is: a scene file of ours, or a mesh file. */
+#include <stdio.h>
+
 #include "base/error.h"
 #include "base/print.h"
 #include "scene/file.h"
@@ -34,6 +36,18 @@ static sl_status load_mesh_alone(const char *path, const sl_load_options *option
     return status;
 }
 
+/* JSON by name or by its first character; glTF, which is JSON too, by name. */
+static bool is_scene_file(const char *path) {
+    if (sl_file_has_extension(path, ".json")) return true;
+    if (sl_file_has_extension(path, ".gltf") || !sl_file_exists(path)) return false;
+    FILE *file = fopen(path, "rb");
+    if (!file) return false;
+    int first = fgetc(file);
+    while (first == ' ' || first == '\t' || first == '\r' || first == '\n') first = fgetc(file);
+    fclose(file);
+    return first == '{';
+}
+
 sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene,
                              sl_error *error) {
     if (!scene || !options) return sl_fail_null(error, "a place for a scene, and options");
@@ -41,7 +55,7 @@ sl_status sl_scene_load_with(const char *path, const sl_load_options *options, s
     if (!path || !*path) return sl_fail(error, SL_ERROR_USAGE, "expected the name of a scene file");
     if (options->up_axis < SL_UP_AUTO || options->up_axis > SL_UP_Z)
         return sl_fail(error, SL_ERROR_USAGE, "expected an up axis of auto, y or z");
-    bool is_ours = sl_file_has_extension(path, ".json");
+    bool is_ours = is_scene_file(path);
     if (is_ours && options->up_axis != SL_UP_AUTO)
         return sl_fail(
             error, SL_ERROR_USAGE,

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "scene/derive.h"
 #include "scene/file.h"
 #include "scene/mesh_file.h"
 
@@ -31,10 +32,8 @@ static void rename_objects(sl_scene_file *file, size_t first, const char *name) 
         bool only = file->model.scene.object_count - first == 1;
         snprintf(longer, sizeof longer, "%.200s%s%.200s", name, only ? "" : "/",
                  only ? "" : file->model.scene.object_names[i]);
-        size_t length = strlen(longer);
-        char *copy = sl_allocate(length + 1, 1);
+        char *copy = sl_string_copy(longer);
         if (!copy) return; /* the old name will do */
-        memcpy(copy, longer, length);
         sl_free(file->model.scene.object_names[i]);
         file->model.scene.object_names[i] = copy;
     }
@@ -70,8 +69,7 @@ static void load_mesh(sl_scene_file *file, const cJSON *item) {
     sl_status status = sl_model_may_read(&file->model, path, &problem);
     if (status == SL_OK) status = sl_mesh_file_load(path, &placement, &file->model, &problem);
     sl_free(path);
-    if (status == SL_ERROR_INPUT) sl_json_fail(json, named, "mesh %s", problem.message);
-    else if (status != SL_OK) json->status = sl_fail(json->error, status, "%s", problem.message);
+    sl_json_take(json, named, "mesh", status, &problem);
     if (faceted && file->model.bicubic_count > surfaces)
         sl_json_fail(json, item, "expected 'normals' other than 'faceted' for bicubic surfaces");
     if (json->status != SL_OK) return;

@@ -197,13 +197,10 @@ static void picture_sky(sl_scene_file *file, const cJSON *item, const char *name
     const float *plane[3] = {NULL};
     static const char *const channels[3] = {"R", "G", "B"};
     for (int c = 0; c < 3 && status == SL_OK; c++) plane[c] = sl_image_channel(image, channels[c]);
-    if (status == SL_ERROR_RESOURCES) {
-        json->status = sl_fail(json->error, status, "environment: %s", problem.message);
-    } else if (status != SL_OK) {
-        sl_json_fail(json, item, "environment: %s", problem.message);
-    } else if (!plane[0] || !plane[1] || !plane[2]) {
+    sl_json_take(json, item, "environment:", status, &problem);
+    if (status == SL_OK && (!plane[0] || !plane[1] || !plane[2])) {
         sl_json_fail(json, item, "environment: expected a picture with channels R, G and B: %s", name);
-    } else {
+    } else if (status == SL_OK) {
         sl_environment *e = &file->model.scene.environment;
         size_t texels = (size_t)image->width * (size_t)image->height;
         *e = (sl_environment){.present = true,

@@ -23,11 +23,10 @@ static void read_texture(sl_scene_file *file, const cJSON *item, uint32_t *textu
     if (name && !path) json->status = sl_fail_memory(json->error, "a file name");
     if (!path) return;
     sl_error problem;
-    sl_status status =
-        sl_file_exists(path) ? sl_model_texture(&file->model, path, NULL, 0, texture, &problem) : SL_OK;
-    if (!sl_file_exists(path)) sl_json_fail(json, item, "texture '%s' does not exist", path);
-    else if (status == SL_ERROR_INPUT) sl_json_fail(json, item, "texture %s", problem.message);
-    else if (status != SL_OK) json->status = sl_fail(json->error, status, "%s", problem.message);
+    if (sl_file_exists(path))
+        sl_json_take(json, item, "texture",
+                     sl_model_texture(&file->model, path, NULL, 0, texture, &problem), &problem);
+    else sl_json_fail(json, item, "texture '%s' does not exist", path);
     sl_free(path);
 }
 

@@ -270,30 +270,6 @@ static void subsampled_channels_are_refused_by_name(void **state) {
     assert_non_null(strstr(error.message, "subsampled.exr"));
 }
 
-static void compression_beyond_the_library_is_said_to_be_unsupported(void **state) {
-    static const float values[16] = {1, 2, 3};
-    static const char mark[] = "compression\0compression\0\1\0\0";
-    const exr_test_channel channels[] = {{"R", EXR_PIXEL_FLOAT, values, 1}};
-    exr_test_file file = {.width = 4,
-                          .height = 4,
-                          .compression = EXR_COMPRESSION_ZIPS,
-                          .channels = channels,
-                          .channel_count = 1};
-    const char *path = temporary_path(state, "dwa.exr");
-    sl_error error = {0};
-    sl_image *image;
-    size_t size, at = 0;
-    write_exr(path, &file);
-    uint8_t *bytes = read_file(path, &size);
-    while (memcmp(bytes + at, mark, sizeof mark) != 0) at++;
-    /* which these chunks are not, so every version refuses the file */
-    bytes[at + sizeof mark] = EXR_COMPRESSION_DWAA;
-    write_file(path, bytes, size);
-    assert_int_equal(sl_image_read(path, &image, &error), SL_ERROR_INPUT);
-    assert_non_null(strstr(error.message, "unsupported"));
-    free(bytes);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_layered_image_comes_back_bit_for_bit),
@@ -305,7 +281,6 @@ int main(void) {
         cmocka_unit_test(special_halves_are_converted_exactly),
         cmocka_unit_test(the_display_window_is_the_picture),
         cmocka_unit_test(subsampled_channels_are_refused_by_name),
-        cmocka_unit_test(compression_beyond_the_library_is_said_to_be_unsupported),
     };
     return cmocka_run_group_tests(tests, make_temporary_folder, remove_temporary_folder);
 }

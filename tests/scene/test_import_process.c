@@ -136,23 +136,6 @@ static void however_the_importer_crashes_one_line_says_so_and_the_next_file_load
     assert_refused("leave.stl", SL_ERROR_INPUT, "ended without a whole answer");
 }
 
-static void the_importer_leaves_no_core_and_says_nothing_itself(void **state) {
-    (void)state;
-    use_own_importer();
-    const char *program = getenv("SOFTLUX") ? getenv("SOFTLUX") : "build/softlux";
-    if (access(program, X_OK) != 0) skip(); /* sanitized builds may be of the tests alone */
-    char command[1024], said[4096] = "";
-    snprintf(command, sizeof command, "%s info %s 2>&1", program, scene_file_text("abort.stl", sound));
-    FILE *out = popen(command, "r");
-    size_t length = fread(said, 1, sizeof said - 1, out);
-    int how = pclose(out);
-    assert_true(WIFEXITED(how));
-    assert_int_equal(WEXITSTATUS(how), SL_ERROR_INPUT);
-    assert_true(length > 0 && strncmp(said, "softlux: ", 9) == 0 &&
-                strstr(said, "abort.stl: cannot be read: the importer"));
-    assert_ptr_equal(strchr(said, '\n'), said + length - 1);
-}
-
 static void answers_that_make_no_sense_are_refused(void **state) {
     (void)state;
     use_own_importer();
@@ -346,7 +329,6 @@ int main(int argc, char **argv) {
     if (argc > 6) return be_the_importer(argc, argv);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(however_the_importer_crashes_one_line_says_so_and_the_next_file_loads),
-        cmocka_unit_test(the_importer_leaves_no_core_and_says_nothing_itself),
         cmocka_unit_test(answers_that_make_no_sense_are_refused),
         cmocka_unit_test(an_importer_that_does_not_end_is_ended),
         cmocka_unit_test(an_importer_has_so_much_memory_and_no_more),
