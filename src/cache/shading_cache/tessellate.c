@@ -20,36 +20,30 @@ static const sl_bicubic *surface_of(const sl_display *d, const sl_scene *scene, 
 
 /* ---- rates ----------------------------------------------------------------------------------- */
 
-/* Bounds of second derivatives of a Bezier surface, from differences of control points: 6 |second
- * differences|, 9 |mixed ones|. */
-typedef struct curvature {
-    double uu, uv, vv;
-} curvature;
-
 static sl_vec3d control(const sl_bicubic *b, int j, int i) { return sl_to_double(b->point[j][i]); }
 
 static double second_difference(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
     return sl_lengthd(sl_subd(sl_addd(a, c), sl_scaled(b, 2.0)));
 }
 
-static curvature curvature_of(const sl_bicubic *b) {
-    curvature c = {0, 0, 0};
+/* Returns a bound of the second derivatives of a Bezier surface, from differences of control points: 6 |second
+ * differences|, 9 |mixed ones|. */
+static double curvature_of(const sl_bicubic *b) {
+    double most = 0.0;
     for (int j = 0; j < 4; j++) {
         for (int i = 0; i < 2; i++) {
-            c.uu = fmax(
-                c.uu, 6.0 * second_difference(control(b, j, i), control(b, j, i + 1), control(b, j, i + 2)));
-            c.vv = fmax(
-                c.vv, 6.0 * second_difference(control(b, i, j), control(b, i + 1, j), control(b, i + 2, j)));
+            double uu = second_difference(control(b, j, i), control(b, j, i + 1), control(b, j, i + 2)),
+                   vv = second_difference(control(b, i, j), control(b, i + 1, j), control(b, i + 2, j));
+            most = fmax(most, 6.0 * fmax(uu, vv));
         }
     }
-    for (int j = 0; j < 3; j++) {
-        for (int i = 0; i < 3; i++) {
-            sl_vec3d low = sl_subd(control(b, j, i + 1), control(b, j, i)),
-                     high = sl_subd(control(b, j + 1, i + 1), control(b, j + 1, i));
-            c.uv = fmax(c.uv, 9.0 * sl_lengthd(sl_subd(high, low)));
-        }
+    for (int k = 0; k < 9; k++) {
+        int j = k / 3, i = k % 3;
+        sl_vec3d low = sl_subd(control(b, j, i + 1), control(b, j, i)),
+                 high = sl_subd(control(b, j + 1, i + 1), control(b, j + 1, i));
+        most = fmax(most, 9.0 * sl_lengthd(sl_subd(high, low)));
     }
-    return c;
+    return most;
 }
 
 /* Pixels that a unit of length can cover where control points are nearest to the eye; infinite if they reach
@@ -59,18 +53,11 @@ static double pixels_per_unit(const sl_bicubic *b, const sl_view *view, const sl
     double nearest = INFINITY;
     int beyond[5] = {0, 0, 0, 0, 0};
     for (int k = 0; k < 16; k++) {
-        double q[3] = {(double)b->point[k / 4][k % 4].x - (double)view->origin.x,
-                       (double)b->point[k / 4][k % 4].y - (double)view->origin.y,
-                       (double)b->point[k / 4][k % 4].z - (double)view->origin.z},
-               clip[4];
-        for (int i = 0; i < 4; i++) {
-            const float *row = view->clip[i];
-            clip[i] = (double)row[0] * q[0] + (double)row[1] * q[1] + (double)row[2] * q[2] + (double)row[3];
-        }
-        const bool out[5] = {clip[0] > clip[3], clip[0]<-clip[3], clip[1]> clip[3], clip[1] < -clip[3],
-                             clip[3] <= 0.0};
+        sl_clip_point p = sl_clip_point_of(view, b->point[k / 4][k % 4]);
+        float x = p.at[0], y = p.at[1], w = p.at[3];
+        const bool out[5] = {x > w, x < -w, y > w, y < -w, w <= 0.0f};
         for (int i = 0; i < 5; i++) beyond[i] += out[i];
-        nearest = fmin(nearest, clip[3]);
+        nearest = fmin(nearest, (double)w);
     }
     *outside = false;
     for (int i = 0; i < 5; i++) *outside = *outside || beyond[i] == 16;
@@ -82,7 +69,6 @@ static double pixels_per_unit(const sl_bicubic *b, const sl_view *view, const sl
     return nearest > 0.0 ? over_focal / nearest : INFINITY;
 }
 
-
 /* A triangle with legs of 1/n is off by at most (|B_uu| + 2 |B_uv| + |B_vv|) / (8 n^2): half a pixel if no
  * term is above n^2. */
 static int find_rate(const sl_display *d, const sl_scene *scene) {
@@ -91,8 +77,7 @@ static int find_rate(const sl_display *d, const sl_scene *scene) {
     for (size_t s = 0; s < d->curved_count; s++) {
         bool outside;
         double scale = pixels_per_unit(surface_of(d, scene, s), &view, &scene->camera, &outside);
-        curvature bend = curvature_of(surface_of(d, scene, s));
-        double most = fmax(fmax(bend.uu, bend.vv), bend.uv);
+        double most = curvature_of(surface_of(d, scene, s));
         if (!outside && most > 0.0) pixels = fmax(pixels, most * scale);
     }
     double pieces = ceil(sqrt(pixels));
