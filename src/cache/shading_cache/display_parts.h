@@ -36,15 +36,13 @@ static inline const sl_fan_spoke *sl_fan_at(const sl_fans *fans, uint32_t word) 
 /* Curved surfaces as triangles for one view. */
 typedef struct sl_tessellation {
     sl_raster *raster;         /* NULL: nothing yet */
-    sl_raster_mesh mesh;
     float *x, *y, *z, *u, *v;  /* by vertex */
     uint32_t *vertex[3];       /* by triangle */
     uint32_t *primitive;
     size_t vertex_count, triangle_count;
     int rate;                  /* pieces along a side of each surface */
     sl_vec3 *point;            /* 16 control points of each, as they were */
-    /* these triangles with materials and texture coordinates, for alpha masks; NULL: there are none */
-    sl_scene *masked;
+    sl_scene *scene;           /* these triangles with materials and texture coordinates, for alpha masks */
     sl_camera camera;          /* that it was made for */
 } sl_tessellation;
 

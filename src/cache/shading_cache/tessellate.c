@@ -133,8 +133,8 @@ static void put_triangles(const sl_display *d, sl_tessellation *t) {
 /* ---- the whole ------------------------------------------------------------------------------- */
 
 void sl_tessellation_release(sl_tessellation *t) {
-    if (t->masked) sl_free(t->masked->material_index);
-    sl_free(t->masked);
+    if (t->scene) sl_free(t->scene->material_index);
+    sl_free(t->scene);
     void *all[] = {t->x,         t->y,         t->z,         t->u,     t->v,    t->vertex[0],
                    t->vertex[1], t->vertex[2], t->primitive, t->point};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
@@ -159,20 +159,12 @@ static bool allocate(sl_tessellation *t, size_t vertices, size_t triangles, size
     return ok;
 }
 
-static bool any_masked(const sl_display *d) {
-    const sl_primitives *p = d->primitives;
-    bool masked = false;
-    for (size_t s = 0; s < d->curved_count; s++)
-        masked |= sl_scene_has_alpha(p->scene, p->first_triangle[d->curved[s]]);
-    return masked;
-}
-
 /* The hardware tests alpha masks by a scene's materials and texture coordinates, and those of a surface are
  * its (u, v). */
-static sl_status make_masked(const sl_display *d, sl_tessellation *t, unsigned threads, sl_error *error) {
+static sl_status make_raster(const sl_display *d, const sl_scene *scene, unsigned threads, sl_tessellation *t,
+                             sl_error *error) {
     const sl_primitives *p = d->primitives;
-    const sl_scene *s = p->scene;
-    sl_scene *m = t->masked = sl_allocate(1, sizeof *m);
+    sl_scene *m = t->scene = sl_allocate(1, sizeof *m);
     if (!m || !(m->material_index = sl_allocate(t->triangle_count, sizeof *m->material_index)))
         return sl_fail_memory(error, "curved surfaces");
     m->vertex_count = t->vertex_count;
@@ -181,9 +173,10 @@ static sl_status make_masked(const sl_display *d, sl_tessellation *t, unsigned t
     m->triangle_count = t->triangle_count;
     for (int c = 0; c < 3; c++) m->vertex[c] = t->vertex[c];
     for (size_t i = 0; i < t->triangle_count; i++)
-        m->material_index[i] = s->material_index[p->first_triangle[t->primitive[i]]];
-    m->material_count = s->material_count, m->materials = s->materials;
-    m->texture_count = s->texture_count, m->textures = s->textures;
+        m->material_index[i] = scene->material_index[p->first_triangle[t->primitive[i]]];
+    m->material_count = scene->material_count, m->materials = scene->materials;
+    m->texture_count = scene->texture_count, m->textures = scene->textures;
+    m->observer = scene->observer;
     return sl_raster_create(m, threads, &t->raster, error);
 }
 
@@ -197,12 +190,7 @@ static sl_status make(const sl_display *d, const sl_scene *scene, unsigned threa
     put_triangles(d, t);
     t->vertex_count = vertices;
     t->camera = scene->camera;
-    if (any_masked(d)) return make_masked(d, t, threads, error);
-    t->mesh = (sl_raster_mesh){
-        vertices, t->triangle_count, t->x, t->y, t->z, {t->vertex[0], t->vertex[1], t->vertex[2]}};
-    sl_status status = sl_raster_create_mesh(&t->mesh, threads, &t->raster, error);
-    if (status == SL_OK) sl_raster_observe(t->raster, scene->observer);
-    return status;
+    return make_raster(d, scene, threads, t, error);
 }
 
 sl_status sl_tessellate(const sl_display *d, sl_window *w, sl_error *error) {
