@@ -86,44 +86,6 @@ typedef struct estimate {
     double mean, deviation;
 } estimate;
 
-static estimate irradiance(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 n, bool by_place) {
-    static sl_sequence sequence;
-    sl_sequence_make(&sequence);
-    double sum = 0.0, squares = 0.0;
-    for (uint32_t i = 0; i < SAMPLES; i++) {
-        float u[3];
-        sl_light_sample s;
-        sl_sequence_point(&sequence, 42, 7, i, u);
-        bool lit = by_place ? sl_light_sampler_sample_at(sampler, p, n, u[2], u[0], u[1], &s)
-                            : sl_light_sampler_sample(sampler, p, u[2], u[0], u[1], &s);
-        double e = lit ? (double)(s.radiance.r * fmaxf(0.0f, sl_dot(n, s.to_light))) : 0.0;
-        sum += e;
-        squares += e * e;
-    }
-    double mean = sum / SAMPLES;
-    return (estimate){mean, sqrt(fmax(0.0, squares / SAMPLES - mean * mean))};
-}
-
-static void choice_by_place_means_the_same_and_scatters_less(void **state) {
-    (void)state;
-    sl_scene *scene = ceiling_of_lamps();
-    sl_light_sampler *sampler;
-    assert_int_equal(sl_light_sampler_create(scene, &sampler, NULL), SL_OK);
-    assert_int_equal(sl_light_sampler_plant_tree(sampler, NULL), SL_OK);
-    const sl_vec3 places[3] = {{0.3f, 0.4f, 1.0f}, {5.0f, 3.0f, 0.0f}, {3.5f, 2.5f, 1.5f}};
-    const sl_vec3 normals[2] = {{0, 0, 1}, {0.6f, 0, 0.8f}};
-    for (int p = 0; p < 3; p++) {
-        for (int n = 0; n < 2; n++) {
-            estimate power = irradiance(sampler, places[p], normals[n], false),
-                     place = irradiance(sampler, places[p], normals[n], true);
-            assert_true(fabs(place.mean / power.mean - 1.0) < 0.01);
-            assert_true(place.deviation < 0.5 * power.deviation);
-        }
-    }
-    sl_light_sampler_destroy(sampler);
-    sl_scene_destroy(scene);
-}
-
 /* Positions that are not finite, on a lamp's own corner, and within its plane: a choice or none, never a NaN.
  */
 static void odd_places_are_survived(void **state) {
@@ -149,7 +111,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chances_are_those_of_being_chosen_and_sum_to_one),
         cmocka_unit_test(what_cannot_shine_on_the_receiver_is_not_chosen),
-        cmocka_unit_test(choice_by_place_means_the_same_and_scatters_less),
         cmocka_unit_test(odd_places_are_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -66,35 +66,6 @@ static void keys_choose_the_jitter(void **state) {
     world_free(w);
 }
 
-/* Three instruments look at one room: they agree within what their pixels can resolve. */
-static void instruments_agree(void **state) {
-    (void)state;
-    world *w = world_room(false);
-    gatherer g[3];
-    for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k]);
-        s.size = 64;
-        g[k] = gatherer_new(w, &s);
-    }
-    double hemicube = 0, plane = 0, count = 0;
-    for (uint64_t i = 0; i < 60; i++) {
-        sl_gather_point p = world_surface_point(w, i);
-        sl_irradiance e[3];
-        for (int k = 0; k < 3; k++) sl_gather_irradiance(g[k].gather, &p, g[k].scratch, &e[k], g[k].counters);
-        if (!(e[2].value.g > 0.01f)) continue;
-        double a = (double)(e[1].value.g / e[2].value.g) - 1, b = (double)(e[0].value.g / e[2].value.g) - 1;
-        hemicube += a * a;
-        plane += b * b;
-        count++;
-    }
-    print_message("against rays, rms: hemicube %.4f, plane %.4f\n", sqrt(hemicube / count),
-                  sqrt(plane / count));
-    assert_true(sqrt(hemicube / count) < 0.05);
-    assert_true(sqrt(plane / count) < 0.15);
-    for (int k = 0; k < 3; k++) gatherer_free(&g[k]);
-    world_free(w);
-}
-
 /* The picture is what was summed: radiance and distance where something is seen, bottom row first. */
 static void picture_shows_what_was_seen(void **state) {
     (void)state;
@@ -128,7 +99,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scratch_remembers_nothing),
         cmocka_unit_test(keys_choose_the_jitter),
-        cmocka_unit_test(instruments_agree),
         cmocka_unit_test(picture_shows_what_was_seen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

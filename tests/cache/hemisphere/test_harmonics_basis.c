@@ -122,17 +122,6 @@ static void functions_equal_the_form_with_factorials(void **state) {
     }
 }
 
-static void cosine_is_in_the_first_two_bands(void **state) {
-    (void)state;
-    for (int k = 0; k <= 1000; k++) {
-        double c = k / 1000.0, h[SL_HSH_STRIDE_MAX];
-        hsh_evaluate(2, direction_at(c, 0.1 * k), h);
-        double sum = 0.5 * sqrt(2.0 * SL_PI) * h[sl_hsh_even(0, 0)] +
-                     0.5 * sqrt(2.0 * SL_PI / 3.0) * h[sl_hsh_even(1, 0)];
-        assert_true(fabs(sum - c) < 1e-15);
-    }
-}
-
 static void functions_are_continuous_towards_the_zenith(void **state) {
     (void)state;
     double at_zenith[SL_HSH_STRIDE_MAX], h[SL_HSH_STRIDE_MAX];
@@ -193,7 +182,6 @@ int main(void) {
         cmocka_unit_test(functions_are_orthonormal_up_to_order_20),
         cmocka_unit_test(places_are_distinct_and_fill_all_but_the_padding),
         cmocka_unit_test(functions_equal_the_form_with_factorials),
-        cmocka_unit_test(cosine_is_in_the_first_two_bands),
         cmocka_unit_test(functions_are_continuous_towards_the_zenith),
         cmocka_unit_test(directions_off_the_hemisphere_are_harmless),
         cmocka_unit_test(gauss_nodes_are_exact_for_polynomials),
