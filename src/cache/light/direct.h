@@ -21,9 +21,10 @@ typedef struct sl_direct sl_direct;
 sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
                            sl_direct **direct, sl_error *error);
 void sl_direct_destroy(sl_direct *direct);
-/* Direct light of rows [row0, row1) of a G-buffer, diffuse and glossy lobes: radiance into the r, g, b planes
- * (bottom row first). */
-sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
-                         float *g, float *b, sl_counters *counters, sl_error *error);
+/* Direct light of the next `rows` rows of a G-buffer from *row on, which moves on: diffuse and glossy lobes,
+ * radiance into three planes (bottom row first). */
+enum { SL_DIRECT_ROWS = 64 }; /* enough of them for many threads */
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
+                         float *const radiance[3], sl_counters *counters, sl_error *error);
 
 #endif

@@ -148,10 +148,10 @@ bool sl_pixel_is_glossy(const sl_gbuffer *gbuffer, const sl_scene *scene, size_t
 /* ks (n+2)/(2 pi) cos^n alpha, alpha between the light and the mirror direction of the viewer. */
 sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light);
 
-/* Rows [row0, row1), into r, g, b. */
-sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
-                            float *g, float *b, sl_counters *counters, sl_error *error);
-sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
-                            float *g, float *b, sl_counters *counters, sl_error *error);
+/* Rows [row0, row1), into three planes. */
+sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1,
+                            float *const radiance[3], sl_counters *counters, sl_error *error);
+sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1,
+                            float *const radiance[3], sl_counters *counters, sl_error *error);
 
 #endif

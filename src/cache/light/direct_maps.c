@@ -67,12 +67,12 @@ static void light_row(void *context, size_t index, unsigned worker) {
     sl_count(&c->counters[index], SL_COUNT_FRAGMENTS_SHADED, width);
 }
 
-sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
-                            float *g, float *b, sl_counters *counters, sl_error *error) {
+sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1,
+                            float *const radiance[3], sl_counters *counters, sl_error *error) {
     size_t rows = (size_t)(row1 - row0);
     sl_counters *costs = sl_allocate(rows, sizeof *costs);
     if (!costs) return sl_fail_memory(error, "direct light");
-    rows_context context = {direct, gbuffer, row0, r, g, b, costs};
+    rows_context context = {direct, gbuffer, row0, radiance[0], radiance[1], radiance[2], costs};
     sl_parallel_for(direct->settings.threads, rows, light_row, &context);
     for (size_t i = 0; i < rows; i++) sl_counters_add(counters, &costs[i]);
     sl_free(costs);

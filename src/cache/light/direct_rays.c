@@ -268,8 +268,8 @@ static void run(pass *p, sl_task *task, int row0, int row1, int margin) {
     sl_parallel_for(p->direct->settings.threads, (size_t)(end - p->row), task, p);
 }
 
-sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1, float *r,
-                            float *g, float *b, sl_counters *counters, sl_error *error) {
+sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1,
+                            float *const radiance[3], sl_counters *counters, sl_error *error) {
     const int margin = PENUMBRA_MARGIN + FILTER_MARGIN;
     int first = larger(row0 - margin, 0), end = smaller(row1 + margin, gbuffer->height);
     size_t width = (size_t)gbuffer->width, rows = (size_t)(end - first);
@@ -278,7 +278,8 @@ sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, 
     void *scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
     bool made = make_sums((size_t)first * width, rows * width, &sums) && costs && scratch;
     if (made) {
-        pass p = {direct, gbuffer, first, first, &sums, {r, g, b}, costs, scratch, false};
+        pass p = {direct, gbuffer, first, first, &sums, {radiance[0], radiance[1], radiance[2]}, costs, scratch,
+                  false};
         run(&p, sample_row, row0, row1, margin);
         p.refine = true;
         if (samples_with_refinement(direct) > pilot_samples(direct))

@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-enum { DIRECT_ROWS = 64 /* an update's */ };
-
 /* How far the sky in the octree may rise above its own mean. */
 static const double sky_contrast = 10.0;
 
@@ -155,13 +153,9 @@ sl_status sl_octree_draw_gbuffer(sl_octree_state *s, sl_error *error) {
 }
 
 sl_status sl_octree_light_rows(sl_octree_state *s, sl_error *error) {
-    int end =
-        s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
-    sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0],
-                                      s->direct_light[1], s->direct_light[2], &s->counters, error);
-    if (status != SL_OK) return status;
-    s->direct_row = end;
-    if (end < s->settings.height) return status;
+    sl_status status = sl_direct_rows(s->direct, s->gbuffer, SL_DIRECT_ROWS, &s->direct_row, s->direct_light,
+                                      &s->counters, error);
+    if (status != SL_OK || s->direct_row < s->settings.height) return status;
     sl_octree_announce_picture(s, "direct light", "direct light beside the octree", s->direct_light[0]);
     s->phase = SL_OCTREE_PHASE_PHOTONS;
     return status;

@@ -3,7 +3,7 @@
  * splat_kernels.c.
  *
  *     step 1   G-buffer                                     the first update of a view
- *     step 1b  direct light                                 one update for every DIRECT_ROWS rows
+ *     step 1b  direct light                                 one update for every SL_DIRECT_ROWS rows
  *     step 2   splat the records of earlier views           nothing at the start
  *     step 3   read back the sums of weights                kept on this side: the same sums
  *     step 4   new records where a pixel is uncovered       one update a batch (traversal.c)
@@ -19,8 +19,6 @@
 #include "cache/splatting/state.h"
 
 #include <string.h>
-
-enum { DIRECT_ROWS = 64 };
 
 static void announce(sl_splat_state *s, const char *name, const char *source, int channels,
                      const float *planes, bool bottom_first) {
@@ -82,13 +80,9 @@ static void start_records(sl_splat_state *s, int class) {
 }
 
 static sl_status light_rows(sl_splat_state *s, sl_error *error) {
-    int end =
-        s->direct_row + DIRECT_ROWS < s->settings.height ? s->direct_row + DIRECT_ROWS : s->settings.height;
-    sl_status status = sl_direct_rows(s->direct, s->gbuffer, s->direct_row, end, s->direct_light[0],
-                                      s->direct_light[1], s->direct_light[2], &s->counters, error);
-    if (status != SL_OK) return status;
-    s->direct_row = end;
-    if (end < s->settings.height) return SL_OK;
+    sl_status status = sl_direct_rows(s->direct, s->gbuffer, SL_DIRECT_ROWS, &s->direct_row, s->direct_light,
+                                      &s->counters, error);
+    if (status != SL_OK || s->direct_row < s->settings.height) return status;
     announce(s, "direct light", "direct lighting", 3, s->planes, true);
     start_records(s, 0);
     return SL_OK;
