@@ -136,7 +136,7 @@ typedef enum sl_counter {
     /** ... updates from them to the pictures that show it first, the last one included: latency */
     SL_COUNT_UPDATES_TO_SHOW,
     SL_COUNT_FRAMES_DISPLAYED,
-    SL_COUNT_SAMPLES,              /**< path-tracer samples: pixels times samples a pixel */
+    SL_COUNT_SAMPLES,              /**< of pixels: by the path tracers, and in sub-frames of a film */
     SL_COUNT_NONFINITE,            /**< samples or pixels that were NaN or infinite and were set aside */
     SL_COUNTERS
 } sl_counter;
@@ -512,8 +512,8 @@ typedef struct sl_explanation {
 
 /** Tells what made the pixel of column x and row y, from the top, in the picture that sl_method_resolve()
  * gave last: the method must not have been updated or edited since. The caller destroys the explanation.
- * USAGE: the method tells none (the tracers; direct-radiance without layers), there is no such picture (known
- * by what is stamped on it), or the pixel lies outside. */
+ * USAGE: the method tells none (the tracers; direct-radiance without layers; any with filter=box), there is
+ * no such picture (known by what is stamped on it), or the pixel lies outside. */
 SL_API sl_status sl_method_explanation(sl_method *method, const sl_image *picture, int x, int y,
                                        sl_explanation **explanation, sl_error *error);
 /** Frees an explanation. NULL is allowed. */

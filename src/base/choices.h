@@ -4,11 +4,11 @@
 
 /* A place on a method's curve of speed against error: settings that are left at 0 follow it. */
 typedef enum sl_quality { SL_QUALITY_DRAFT, SL_QUALITY_NORMAL, SL_QUALITY_HIGH } sl_quality;
-/* Where in a pixel the reference tracers sample. */
+/* What a pixel is. */
 typedef enum sl_pixel_filter {
     SL_FILTER_METHOD, /* what the method or the matched method does */
-    SL_FILTER_BOX,    /* samples spread over the pixel */
-    SL_FILTER_CENTRE  /* all samples at the pixel's centre, as a rasterizer samples */
+    SL_FILTER_BOX,    /* the mean over its square: by a film, or the tracers' samples spread over it */
+    SL_FILTER_CENTRE  /* what its centre shows, as a rasterizer samples */
 } sl_pixel_filter;
 /* What plays the hemisphere over a point: rasterized planes of one view or of five, or rays. */
 typedef enum sl_gather_kind {

@@ -97,6 +97,9 @@ struct sl_view {
     /* not drawn (a gather's own triangle); SL_NO_INDEX, or any number that no triangle has: all are drawn */
     uint32_t skip_triangle;
     const uint8_t *left_out; /* by triangle: 1: not drawn (what another pass draws); NULL: all are drawn */
+    /* by pixel of the viewport, which fills the target then: 0: shows no triangle; depth is drawn everywhere.
+     * NULL: all pixels show theirs */
+    const uint8_t *stencil;
 };
 
 /* Perspective camera with near and far planes, window depth. */

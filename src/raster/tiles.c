@@ -135,6 +135,12 @@ static bool draw_pictures(tiled_passes *p, unsigned threads, sl_counters *counte
     return ok;
 }
 
+static void test_stencil(const sl_view *view, const sl_target *target) {
+    if (!view->stencil || !target->id) return;
+    for (size_t i = 0; i < (size_t)target->width * (size_t)target->height; i++)
+        if (!view->stencil[i]) target->id[i] = SL_NO_INDEX;
+}
+
 sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *views, unsigned threads,
                         const sl_target *targets, sl_counters *counters, sl_error *error) {
     tiled_view *pictures = sl_allocate(count, sizeof *pictures);
@@ -152,6 +158,7 @@ sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *vi
     }
     if (status == SL_OK && !draw_pictures(&p, threads, counters))
         status = sl_fail_memory(error, "a render's planes");
+    for (size_t n = 0; n < count && status == SL_OK; n++) test_stencil(&views[n], &targets[n]);
     sl_free(pictures);
     return status;
 }

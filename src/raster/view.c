@@ -100,17 +100,25 @@ static float plane_length(const float plane[4]) {
     return length > 1e-30 ? (float)length : INFINITY;
 }
 
-sl_view sl_view_of_camera(const sl_scene *scene, const sl_camera *camera, int width, int height) {
+static sl_view view_of(const sl_scene *scene, const sl_camera *camera, sl_sub_frame at, int width,
+                       int height) {
     sl_frame frame = {camera->right, camera->up, sl_neg(camera->back)};
-    float top = (float)sl_tan(0.5 * (double)camera->vertical_fov), right = top * (float)width / (float)height;
-    sl_view view =
-        sl_view_pyramid(&frame, camera->eye, -right, right, -top, top, width, height, 1e-5f * scene->scale);
+    float top = (float)sl_tan(0.5 * (double)camera->vertical_fov), right = top * (float)width / (float)height,
+          x = 2.0f * right * at.right / (float)width, y = 2.0f * top * at.up / (float)height;
+    sl_view view = sl_view_pyramid(&frame, camera->eye, x - right, x + right, y - top, y + top, width, height,
+                                   1e-5f * scene->scale);
     view.kind = SL_VIEW_CAMERA;
     return view;
 }
 
+sl_view sl_view_of_camera(const sl_scene *scene, const sl_camera *camera, int width, int height) {
+    return view_of(scene, camera, (sl_sub_frame){0}, width, height);
+}
+
 sl_view sl_view_scene(const sl_scene *scene, int width, int height) {
-    return sl_view_of_camera(scene, &scene->camera, width, height);
+    sl_view view = view_of(scene, &scene->camera, scene->sub_frame, width, height);
+    view.stencil = scene->sub_frame.wanted;
+    return view;
 }
 
 static sl_vec3d row_of(const sl_view *view, int row) {

@@ -97,6 +97,22 @@ typedef struct sl_camera {
     float vertical_fov;      /* radians */
 } sl_camera;
 
+/* What a sub-frame is for: methods whose cache grows by what is seen draw some to ask for it alone. */
+typedef enum sl_sub_frame_purpose {
+    SL_SUB_FRAME_BOTH,
+    SL_SUB_FRAME_ASKS,
+    SL_SUB_FRAME_SHOWS
+} sl_sub_frame_purpose;
+
+/* Which of a picture's sub-frames methods draw: the camera's picture with its samples beside the pixels'
+ * centres. {0}: the centres themselves. */
+typedef struct sl_sub_frame {
+    float right, up;       /* of the centre, in pixels: within half of one */
+    sl_sub_frame_purpose purpose;
+    unsigned turn, share;  /* light samples of a pixel are shared out among so many, and take turns; 0: one */
+    const uint8_t *wanted; /* pixels, rows from the bottom: nothing is drawn in others. NULL: all */
+} sl_sub_frame;
+
 typedef struct sl_animation sl_animation; /* keyframes of camera, objects and lights: scene/animation.h */
 
 struct sl_scene {
@@ -133,6 +149,7 @@ struct sl_scene {
     sl_environment environment;
 
     sl_camera camera;
+    sl_sub_frame sub_frame;     /* {0} but in copies that a film makes (cache/frame/film.h) */
     int film_width, film_height;
 
     size_t object_count;

@@ -270,7 +270,7 @@ static void settings_within_their_range_are_taken_whole(void **state) {
     sl_scene *scene = load_scene(box);
     for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
         char value[32];
-        if (strcmp(s->name, "size") == 0 || strcmp(s->name, "memory") == 0 || strcmp(s->name, "filter") == 0)
+        if (strcmp(s->name, "size") == 0 || strcmp(s->name, "memory") == 0)
             continue;
         if (strchr(s->unit, '|')) assert_choices_are_taken(scene, s);
         else if (!*s->unit) assert_rendered_by_its_methods(scene, s, "1");
@@ -299,9 +299,6 @@ static void methods_and_light_paths_that_do_not_exist_are_refused(void **state) 
     }
     sl_settings settings = least_settings("splatting", SIDE, SIDE);
     settings.transport = "full"; /* only the reference tracers take another than their own */
-    assert_refused(scene, &settings, SL_ERROR_USAGE);
-    settings.transport = NULL;
-    settings.filter = SL_FILTER_BOX; /* nor another filter */
     assert_refused(scene, &settings, SL_ERROR_USAGE);
     settings = least_settings("splatting", SIDE, SIDE);
     settings.memory_bytes = 1;

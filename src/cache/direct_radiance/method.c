@@ -278,6 +278,10 @@ static sl_status radiance_explanation(void *state, int x, int y, sl_explanation_
     return status;
 }
 
+static const sl_raster *radiance_raster(const void *state) {
+    return ((const sl_radiance_state *)state)->raster;
+}
+
 const sl_method_class sl_direct_radiance_method = {
     .name = "direct-radiance",
     .complete = sl_radiance_complete,
@@ -293,5 +297,6 @@ const sl_method_class sl_direct_radiance_method = {
     .explanation = radiance_explanation,
     .transport = sl_radiance_transport,
     .plan = sl_radiance_plan_write,
+    .raster = radiance_raster,
     .any_transport = false,
 };

@@ -13,8 +13,15 @@ static double all_of(const sl_memory_need *n, const sl_scene *scene) {
     return program + (double)sl_scene_memory_bytes(scene) + n->hierarchies + n->caches + n->picture;
 }
 
+static sl_memory_need parts_of(const sl_method_class *method, const sl_scene *scene,
+                               const sl_settings *settings) {
+    sl_memory_need need = method->need(scene, settings);
+    if (sl_method_has_film(method, settings)) need.picture += sl_film_need(scene, settings);
+    return need;
+}
+
 static double need_of(const sl_method_class *method, const sl_scene *scene, const sl_settings *settings) {
-    const sl_memory_need need = method->need(scene, settings);
+    const sl_memory_need need = parts_of(method, scene, settings);
     return all_of(&need, scene);
 }
 
@@ -103,7 +110,7 @@ static void tell(const sl_method_class *method, const sl_settings *before, const
 static sl_status refuse(const sl_method_class *method, const sl_scene *scene, const sl_settings *least,
                         const sl_settings *asked, double beside, sl_error *error) {
     const double mega = 0x1p20;
-    const sl_memory_need n = method->need(scene, least);
+    const sl_memory_need n = parts_of(method, scene, least);
     char besides[32] = "";
     if (beside > 0.0) snprintf(besides, sizeof besides, ", besides %.0f", beside / mega);
     return sl_fail(error, SL_ERROR_RESOURCES,

@@ -74,11 +74,6 @@ sl_status sl_method_transport(const sl_settings *settings, sl_transport *transpo
     if (!class) return unknown_method(settings->method, error);
     sl_status status = choose_transport(class, settings, transport, error);
     if (status != SL_OK || settings->filter == SL_FILTER_METHOD) return status;
-    if (!class->any_transport && settings->filter != transport->filter)
-        return sl_fail(
-            error, SL_ERROR_USAGE,
-            "%s samples pixels in its own way; another filter needs --method path or bidirectional",
-            class->name);
     transport->filter = settings->filter;
     return SL_OK;
 }
@@ -124,6 +119,50 @@ static bool region_has_moved(const sl_method *m) {
     return larger > 2.0f * smaller || !(moved <= 0.25 * fmin(before, now));
 }
 
+/* ---- the film ---- */
+
+/* Shows the class the scene as it stands, by a sub-frame. */
+static void look(sl_method *m, sl_sub_frame at) {
+    m->seen = *m->scene;
+    m->seen.sub_frame = at;
+}
+
+/* Shows it the first sub-frame, or the pixels' centres. */
+static void look_anew(sl_method *m, bool objects_moved) {
+    sl_sub_frame first = {0};
+    if (m->film) sl_film_begin(m->film, objects_moved);
+    if (m->film) sl_film_next(m->film, &first);
+    look(m, first);
+}
+
+/* Hands what the class has finished to the film, and goes on to its next sub-frame; *whole: there is none. */
+static sl_status expose(sl_method *m, bool *whole, sl_error *error) {
+    sl_image *picture = NULL;
+    sl_sub_frame next;
+    const bool shows = !m->class->asks || m->seen.sub_frame.purpose == SL_SUB_FRAME_SHOWS;
+    sl_status status = shows ? m->class->resolve(m->state, &picture, error) : SL_OK;
+    if (status == SL_OK) status = sl_film_add(m->film, m->class->raster(m->state), picture, error);
+    sl_image_destroy(picture);
+    *whole = status == SL_OK && !sl_film_next(m->film, &next);
+    if (status != SL_OK || *whole) return status;
+    look(m, next);
+    return m->class->edit(m->state, SL_CHANGED_CAMERA, error);
+}
+
+static sl_status update_film(sl_method *m, sl_progress *now, sl_error *error) {
+    sl_status status = m->class->update(m->state, now, error);
+    const bool drawn = now->done;
+    const double part = now->fraction;
+    if (status != SL_OK) return status;
+    now->done = now->frame_done = false;
+    if (drawn) status = expose(m, &now->done, error);
+    now->fraction = sl_film_share(m->film);
+    if (!drawn && now->fraction == 0.0) now->fraction = 0.5 * part;
+    return status;
+}
+
+/* ---- creation ---- */
+
 sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method,
                            sl_error *error) {
     return sl_method_create_beside(scene, settings, 0.0, method, error);
@@ -152,8 +191,12 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
     m->settings.transport = m->transport_name;
     m->memory_bytes = settings->memory_bytes;
     status = complete_settings(class, scene, &m->settings, bytes, m->reduced, sizeof m->reduced, error);
-    if (status == SL_OK) status = class->create(scene, &m->settings, &transport, &m->state, error);
+    if (status == SL_OK && sl_method_has_film(class, &m->settings))
+        status = sl_film_create(&m->seen, &m->settings, class->asks, &m->film, error);
+    look_anew(m, true);
+    if (status == SL_OK) status = class->create(&m->seen, &m->settings, &transport, &m->state, error);
     if (status != SL_OK) {
+        sl_film_destroy(m->film);
         sl_free(m);
         return status;
     }
@@ -166,6 +209,7 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
 void sl_method_destroy(sl_method *method) {
     if (!method) return;
     method->class->destroy(method->state);
+    sl_film_destroy(method->film);
     sl_free(method);
 }
 
@@ -189,7 +233,8 @@ sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *e
     sl_status status = check_health(method, error);
     if (status != SL_OK) return status;
     if (!method->progress.done) {
-        status = method->class->update(method->state, &now, error);
+        status = method->film ? update_film(method, &now, error)
+                              : method->class->update(method->state, &now, error);
         method->resolved = false;
         if (status != SL_OK) method->health = SL_METHOD_FAILED;
         if (status != SL_OK) return status;
@@ -210,7 +255,9 @@ static uint64_t scene_hash(sl_method *m) {
 /* Every picture carries what made it. */
 static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
     char text[24];
-    sl_status status = sl_settings_stamp(&method->settings, image, error);
+    sl_settings told = method->settings;
+    if (!method->film) told.sub_samples = 0;
+    sl_status status = sl_settings_stamp(&told, image, error);
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.version", SL_VERSION, error);
     snprintf(text, sizeof text, "%016" PRIx64, scene_hash(method));
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.scene_hash", text, error);
@@ -222,7 +269,7 @@ static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
     const char *reduced = sl_method_reduction(method);
     if (status == SL_OK && reduced)
         status = sl_image_set_metadata(image, "softlux.reduced", reduced, error);
-    const sl_counters *counters = method->class->counters(method->state);
+    const sl_counters *counters = sl_method_counters(method);
     for (int i = 0; i < SL_COUNTERS && status == SL_OK; i++) {
         if (!counters->value[i]) continue;
         char key[SL_METADATA_KEY_MAX];
@@ -239,7 +286,10 @@ sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error
     if (!method) return sl_fail_null(error, "a method");
     sl_image *result = NULL;
     sl_status status = check_health(method, error);
-    if (status == SL_OK) status = method->class->resolve(method->state, &result, error);
+    if (status == SL_OK)
+        status = method->film && sl_film_has_picture(method->film)
+                     ? sl_film_develop(method->film, &result, error)
+                     : method->class->resolve(method->state, &result, error);
     if (status == SL_OK) status = stamp(method, result, error);
     if (status != SL_OK) {
         sl_image_destroy(result);
@@ -263,6 +313,7 @@ sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
     method->progress.done = method->progress.frame_done = method->resolved = false;
     if (changes != SL_CHANGED_CAMERA) method->light_hash_known = false;
     method->scene_version = method->scene->version;
+    look_anew(method, changes & SL_CHANGED_OBJECTS);
     sl_status status = method->class->edit(method->state, changes, error);
     method->health = status == SL_OK ? SL_METHOD_SOUND : SL_METHOD_WANTS_EDIT;
     return status;
@@ -283,17 +334,20 @@ sl_status sl_method_load(sl_method *method, const char *path, sl_error *error) {
     if (!method->class->load)
         return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be loaded", method->class->name);
     sl_status status = check_health(method, error);
+    if (status == SL_OK) look_anew(method, false);
     if (status == SL_OK) status = method->class->load(method->state, path, error);
     if (status == SL_OK) method->progress.done = method->progress.frame_done = method->resolved = false;
     return status;
 }
 
 const sl_counters *sl_method_counters(const sl_method *method) {
-    return method->class->counters(method->state);
+    const sl_counters *own = method->class->counters(method->state);
+    return method->film ? sl_film_counters(method->film, own) : own;
 }
 
 size_t sl_method_memory_bytes(const sl_method *method) {
-    return sizeof *method + method->class->memory_bytes(method->state);
+    return sizeof *method + method->class->memory_bytes(method->state) +
+           (method->film ? sl_film_bytes(method->film) : 0);
 }
 
 sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settings, uint64_t *bytes,
@@ -338,6 +392,9 @@ sl_status sl_method_explanation(sl_method *method, const sl_image *picture, int 
     if (!explanation) return sl_fail_null(error, "a place for an explanation");
     *explanation = NULL;
     if (!method || !picture) return sl_fail_null(error, "a method and its picture");
+    if (method->film)
+        return sl_fail(error, SL_ERROR_USAGE,
+                       "a pixel is explained by what its centre shows: expected filter=centre");
     if (!is_the_last_one(method, picture))
         return sl_fail(error, SL_ERROR_USAGE,
                        "explanations want the picture that %s resolved last, and no update or edit since",

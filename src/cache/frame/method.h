@@ -3,6 +3,7 @@
 #ifndef SL_FRAME_METHOD_H
 #define SL_FRAME_METHOD_H
 
+#include "cache/frame/film.h"
 #include "cache/frame/settings.h"
 #include "scene/scene.h"
 #include "softlux.h"
@@ -87,6 +88,8 @@ typedef struct sl_method_class {
     /* What made a pixel, column x and row y of the target (bottom row first), from the state as it was last
      * resolved, which may keep what it wants for other explanations; NULL: no explanation. */
     sl_status (*explanation)(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
+    const sl_raster *(*raster)(const void *state); /* of the scene */
+    bool asks; /* the cache grows by what sub-frames see (scene/scene.h), and is asked before any is shown */
     bool any_transport; /* takes --transport: a reference tracer */
     const sl_window_class *window; /* NULL: pictures are resolved between updates alone */
     /* How wrong what is seen seems to be, in displayed levels (0 to 255), as the last update found it; NULL:
@@ -98,6 +101,8 @@ struct sl_method {
     const sl_method_class *class;
     void *state;
     const sl_scene *scene;
+    sl_scene seen; /* what the class is given: the scene's own arrays, and the sub-frame to draw */
+    sl_film *film; /* NULL: pixels are what their centres show */
     sl_settings settings; /* complete */
     char name[32], transport_name[64];
     uint64_t memory_bytes; /* as asked for */
@@ -128,6 +133,11 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
 /* Returns what a show's method does less than was asked for, so as to keep within settings->memory_bytes, as
  * far as that was known before its start; "": nothing. */
 const char *sl_live_reduction(const sl_live *live);
+
+/* Tells whether pictures are taken on a film: the tracers spread their samples over a pixel themselves. */
+static inline bool sl_method_has_film(const sl_method_class *class, const sl_settings *settings) {
+    return !class->any_transport && settings->filter == SL_FILTER_BOX;
+}
 
 /* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what
  * was asked for. */

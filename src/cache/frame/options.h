@@ -17,8 +17,10 @@
       "splatting, direct-radiance, light-octree, multi-mesh, shading-cache, path, bidirectional, auto") \
     O(const char *, transport, "transport", "PATHS", 0, 0, TOLD("the method's own"), "", USER(0), \
       "path, bidirectional: direct, one-bounce, full or matched:METHOD") \
-    O(sl_pixel_filter, filter, "filter", "method|box|centre", 0, 0, NOTHING, "", RESEARCH, \
-      "path, bidirectional: where in a pixel samples lie") \
+    O(sl_pixel_filter, filter, "filter", "method|box|centre", 0, 0, NOTHING, "", USER(0), \
+      "a pixel is the mean over its square, or what its centre shows") \
+    O(unsigned, sub_samples, "sub-samples", "N", 1, 4096, BY(16, 64, 256), "", RESEARCH, \
+      "filter box: places in a pixel, at most") \
     O(int, width, "size", "WxH", 1, 32768, TOLD("the scene's"), "", UNSTAMPED('s'), \
       "pixels, 16384 a side at most, 32768 for path and bidirectional") \
     O(unsigned, threads, "threads", "N", 1, 65536, TOLD("a processor each, 256 at most"), "", \
@@ -78,7 +80,7 @@
       "indirect shadows, which the paper leaves out") \
     O(int, shadow_size, "shadow-size", "TEXELS", 16, 8192, IS(512), "", RESEARCH, \
       "a side of a depth cube's face") \
-    O(int, emitter_samples, "emitter-samples", "N", 1, 64, BY(1, 2, 2), "", USER(0), \
+    O(int, emitter_samples, "emitter-samples", "N", 1, 64, BY(1, 2, 2), "", RESEARCH, \
       "area lights shine from N x N points, each with a map") \
     O(bool, eight_bit_positions, "8-bit-positions", "", 0, 1, NOTHING, "", RESEARCH, \
       "the map's positions as colours") \

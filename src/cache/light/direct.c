@@ -109,6 +109,11 @@ void sl_direct_destroy(sl_direct *direct) {
 
 /* ---- pixels ---- */
 
+uint32_t sl_direct_samples(const sl_direct *direct) {
+    const uint32_t all = direct->settings.light_samples, share = direct->scene->sub_frame.share;
+    return share > 1 ? (all + share - 1) / share : all;
+}
+
 sl_receiver sl_receiver_at(const sl_direct *direct, const sl_gbuffer *g, size_t i) {
     sl_receiver at = {
         .position = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),

@@ -141,7 +141,7 @@ static void take(const sl_direct *direct, const sl_lit_block *block, size_t side
     size_t rays = order_by_emitter(block, sides, s, scratch->order);
     sl_direct_trace(direct, block, rays, scratch->order, (sl_aims){s->x, s->y, s->z, false}, s->visible,
                     counters);
-    add_samples(block, s, 1.0f / (float)direct->settings.light_samples, sums, a->seen, a->of);
+    add_samples(block, s, 1.0f / (float)sl_direct_samples(direct), sums, a->seen, a->of);
 }
 
 static void conclude(const sl_lit_block *block, sl_sample_range range, const answers *a,

@@ -55,6 +55,8 @@ typedef struct sl_lit_block {
 
 enum { SL_SAMPLE_TILE = 8 };
 
+/* Light samples of a pixel in the scene's sub-frame. */
+uint32_t sl_direct_samples(const sl_direct *direct);
 sl_light_points sl_lit_points(const sl_lit_block *block);
 void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, sl_lit_block *block);
 

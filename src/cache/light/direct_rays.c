@@ -30,13 +30,13 @@ enum {
 static uint32_t smaller_count(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
 static uint32_t samples_with_refinement(const sl_direct *direct) {
-    uint32_t samples = direct->settings.light_samples;
+    uint32_t samples = sl_direct_samples(direct);
     return direct->exact_count > PENUMBRA_EMITTERS_MAX ? samples : (1 + PENUMBRA_FACTOR) * samples;
 }
 
 /* Of the first pass: what all agree on needs few, the others get more anyway. */
 static uint32_t pilot_samples(const sl_direct *direct) {
-    uint32_t samples = direct->settings.light_samples, quarter = (samples + 3) / 4;
+    uint32_t samples = sl_direct_samples(direct), quarter = (samples + 3) / 4;
     if (direct->exact_count > PENUMBRA_EMITTERS_MAX) return samples;
     return quarter < PILOT_MIN ? smaller_count(samples, PILOT_MIN) : quarter;
 }
@@ -70,6 +70,11 @@ void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *g, size_t p, sl
                                    (uint64_t)(y / SL_SAMPLE_TILE) << 32 | x / SL_SAMPLE_TILE);
 }
 
+/* Returns whose turn it is: the pixels of a tile, then those of the next sub-frame. */
+static uint32_t turn_of(const sl_direct *direct, uint32_t rank) {
+    return direct->scene->sub_frame.turn * SL_SAMPLE_TILE * SL_SAMPLE_TILE + rank;
+}
+
 /* The pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of
  * every size share samples that are spread evenly (Ahmed and Wonka 2020): what pixels are smoothed with then
  * tells most. */
@@ -87,7 +92,7 @@ void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sam
         for (uint32_t sample = range.first; sample < range.end; sample++) {
             float *restrict to = u[d] + (sample - range.first) * stride;
             for (size_t i = 0; i < block->count; i++) {
-                uint32_t index = block->rank[i] * all + sample;
+                uint32_t index = turn_of(direct, block->rank[i]) * all + sample;
                 to[i] = (float)((start[i] + index * step[d]) >> 8) * 0x1p-24f;
             }
         }
@@ -97,7 +102,7 @@ void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sam
 void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample,
                         uint64_t stream, float u[2]) {
     static const uint32_t step[2] = {3242174889u, 2447445414u}; /* of g^3 = g + 1 */
-    uint32_t index = block->rank[i] * 2 * direct->settings.light_samples + sample;
+    uint32_t index = turn_of(direct, block->rank[i]) * 2 * sl_direct_samples(direct) + sample;
     for (uint64_t d = 0; d < 2; d++)
         u[d] =
             (float)((sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]) >> 8) * 0x1p-24f;
@@ -230,7 +235,7 @@ static void finish_row(void *context, size_t index, unsigned worker) {
                glossy = {0.0f, 0.0f, 0.0f};
         if (lobe)
             glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->unit,
-                                    direct->settings.light_samples, sl_direct_scratch_of(p->scratch, worker),
+                                    sl_direct_samples(direct), sl_direct_scratch_of(p->scratch, worker),
                                     counters_of(p, y));
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {

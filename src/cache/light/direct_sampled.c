@@ -105,8 +105,8 @@ static bool draw(const sl_direct *direct, const sl_lit_block *block, size_t i, b
 void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, bool sun, sl_direct_sums *sums,
                        sl_counters *counters) {
     light_samples s;
-    float scale = 1.0f / (float)direct->settings.light_samples;
-    for (uint32_t sample = 0; sample < direct->settings.light_samples; sample++) {
+    float scale = 1.0f / (float)sl_direct_samples(direct);
+    for (uint32_t sample = 0; sample < sl_direct_samples(direct); sample++) {
         float u0[SL_LIGHT_BLOCK], u1[SL_LIGHT_BLOCK], u2[SL_LIGHT_BLOCK];
         sl_direct_points(direct, block, (sl_sample_range){sample, sample + 1}, sun ? 1 : 2, 0, u0, u1, u2);
         for (size_t i = 0; i < block->count; i++) {

@@ -253,6 +253,10 @@ static const sl_counters *octree_counters(const void *state) {
 
 static size_t octree_memory_bytes(const void *state) { return sl_octree_state_bytes(state); }
 
+static const sl_raster *octree_raster(const void *state) {
+    return ((const sl_octree_state *)state)->raster;
+}
+
 const sl_method_class sl_light_octree_method = {
     .name = "light-octree",
     .complete = sl_octree_complete,
@@ -268,5 +272,6 @@ const sl_method_class sl_light_octree_method = {
     .transport = sl_octree_transport,
     .plan = sl_octree_plan_write,
     .explanation = octree_explanation,
+    .raster = octree_raster,
     .any_transport = false,
 };

@@ -267,6 +267,10 @@ static size_t multi_mesh_bytes(const void *state) {
     return bytes;
 }
 
+static const sl_raster *multi_mesh_raster(const void *state) {
+    return ((const sl_multi_mesh_state *)state)->raster;
+}
+
 const sl_method_class sl_multi_mesh_method = {
     .name = "multi-mesh",
     .complete = sl_multi_mesh_complete,
@@ -282,5 +286,6 @@ const sl_method_class sl_multi_mesh_method = {
     .filled = sl_multi_mesh_filled,
     .transport = sl_multi_mesh_transport,
     .plan = sl_multi_mesh_plan_write,
+    .raster = multi_mesh_raster,
     .explanation = sl_multi_mesh_explanation,
 };

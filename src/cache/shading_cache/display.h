@@ -58,6 +58,8 @@ typedef struct sl_display_ids {
 sl_status sl_display_draw(sl_display *display, unsigned threads, float *const planes[3],
                           sl_counters *counters, sl_error *error);
 /* The id map of the same arrays, read back. Planes are the caller's. */
+/* The rasterizer of the scene that the display's own window draws with. */
+const sl_raster *sl_display_raster(const sl_display *display);
 sl_status sl_display_id_map(sl_display *display, unsigned threads, const sl_display_ids *ids,
                             sl_counters *counters, sl_error *error);
 

@@ -288,6 +288,8 @@ sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[3
     return sl_window_draw(d, &d->own, threads, planes, counters, error);
 }
 
+const sl_raster *sl_display_raster(const sl_display *d) { return d->own.raster; }
+
 sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_ids *ids, sl_counters *counters,
                             sl_error *error) {
     const sl_display_copy *copy = sl_display_take(d);

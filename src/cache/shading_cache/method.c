@@ -228,6 +228,8 @@ static sl_status note_motion(sl_shading_state *s, unsigned what, sl_error *error
  * frames_per_update-th waits for an update; the others show what there is, from where things are. */
 static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     sl_shading_state *s = state;
+    s->done = s->scene->sub_frame.purpose != SL_SUB_FRAME_BOTH; /* the others draw what there is */
+    if (s->done) return SL_OK;
     sl_status status = note_motion(s, of_the_eye(s, changes), error);
     s->done = s->late = false;
     if (!s->edited && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
@@ -276,6 +278,10 @@ static sl_status window_create(void *state, const sl_scene *copy, void **window,
 static const sl_window_class shading_window_class = {
     .create = window_create, .destroy = sl_window_destroy, .move = sl_window_move, .draw = sl_window_picture};
 
+static const sl_raster *shading_raster(const void *state) {
+    return sl_display_raster(((const sl_shading_state *)state)->display);
+}
+
 const sl_method_class sl_shading_cache_method = {
     .name = "shading-cache",
     .complete = sl_shading_complete,
@@ -290,6 +296,8 @@ const sl_method_class sl_shading_cache_method = {
     .reductions = sl_shading_reductions,
     .transport = sl_shading_transport,
     .plan = sl_shading_plan_write,
+    .raster = shading_raster,
+    .asks = true,
     .explanation = sl_shading_explanation,
     .window = &shading_window_class,
     .error_levels = shading_error_levels,

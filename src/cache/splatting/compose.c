@@ -28,15 +28,20 @@ typedef struct {
     const float *mean[MEANS]; /* irradiance, then reflected radiance per unit ks; bottom row first */
     float *layers;
     bool has_glossy;
-    sl_view view;
+    float right, top;         /* the picture's extent at unit distance */
 } composing;
 
 /* ---- emission ---- */
 
 static sl_rgb sky_at(const composing *c, int x, int y) {
-    const sl_environment *environment = &c->parts->scene->environment;
-    if (!environment->present) return sl_grey(0.0f);
-    return sl_environment_radiance(environment, sl_view_direction(&c->view, x + 0.5, y + 0.5));
+    const sl_scene *scene = c->parts->scene;
+    const sl_gbuffer *g = c->parts->gbuffer;
+    const sl_camera *camera = &scene->camera;
+    if (!scene->environment.present) return sl_grey(0.0f);
+    float u = (2.0f * ((float)x + 0.5f + scene->sub_frame.right) / (float)g->width - 1.0f) * c->right;
+    float v = (2.0f * ((float)y + 0.5f + scene->sub_frame.up) / (float)g->height - 1.0f) * c->top;
+    sl_vec3 direction = sl_mad(sl_mad(sl_neg(camera->back), u, camera->right), v, camera->up);
+    return sl_environment_radiance(&scene->environment, sl_normalize_or(direction, sl_neg(camera->back)));
 }
 
 static sl_rgb emission_at(const composing *c, int x, int y, size_t pixel) {
@@ -163,10 +168,12 @@ sl_status sl_compose(const sl_composition *parts, sl_image *image, sl_error *err
     sl_parallel_for(parts->threads, height, average_row, &means);
     sl_status status = fill(parts, glossy, mean, error);
     if (status == SL_OK) {
+        float top = (float)sl_tan(0.5 * (double)parts->scene->camera.vertical_fov);
         composing c = {.parts = parts,
                        .layers = image->planes,
                        .has_glossy = image->channels == SL_LAYERS_GLOSSY,
-                       .view = sl_view_scene(parts->scene, g->width, g->height)};
+                       .top = top,
+                       .right = top * (float)g->width / (float)g->height};
         for (size_t k = 0; k < (glossy ? MEANS : 3); k++) c.mean[k] = mean + k * pixels;
         sl_parallel_for(parts->threads, height, compose_row, &c);
         compose_mirrors(&c);

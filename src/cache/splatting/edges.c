@@ -44,7 +44,9 @@ static void find_edges(void *context, size_t y, unsigned worker) {
     const sl_gbuffer *g = p->gbuffer;
     const size_t width = (size_t)g->width, row = y * width, end = row + width;
     const bool below = y > 0, above = y + 1 < (size_t)g->height;
+    const uint8_t *wanted = p->scene->sub_frame.wanted;
     for (size_t i = row; i < end; i++) {
+        if (wanted && !wanted[i]) continue;
         const bool beside =
             (i > row && is_edge_between(g, i, i - 1)) || (i + 1 < end && is_edge_between(g, i, i + 1));
         p->edge[i] = beside || (below && is_edge_between(g, i, i - width)) ||
@@ -141,4 +143,20 @@ void sl_splat_classify(sl_splat_state *s) {
             s->cache[class].receivers++;
         }
     }
+}
+
+/* ---- progress ---- */
+
+double sl_splat_fraction(const sl_splat_state *s) {
+    double all = 0.0, done = 0.0;
+    if (s->phase == SL_PHASE_GBUFFER) return 0.0;
+    if (s->phase == SL_PHASE_DIRECT) return 0.2 * (double)s->direct_row / (double)s->settings.height;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        const sl_traversal *t = &s->cache[c].traversal;
+        double visited = c < s->class ? 1.0 : c > s->class ? 0.0 : (double)t->visited / (double)t->total;
+        if (c == s->class) visited = s->phase == SL_PHASE_SECOND ? 0.9 + 0.1 * visited : 0.9 * visited;
+        all += (double)s->cache[c].receivers;
+        done += (double)s->cache[c].receivers * visited;
+    }
+    return s->phase == SL_PHASE_DONE ? 1.0 : 0.2 + 0.8 * (done / all);
 }

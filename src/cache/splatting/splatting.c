@@ -26,18 +26,36 @@ static void announce(sl_splat_state *s, const char *name, const char *source, in
                 bottom_first);
 }
 
+/* A film's sub-frame may be drawn for records alone, or for its picture alone. */
+static bool is_for(const sl_splat_state *s, sl_sub_frame_purpose purpose) {
+    return s->scene->sub_frame.purpose == purpose;
+}
+
 /* ---- steps 2 and 3: splat what earlier views have left, and see what that covers ---- */
 
 static sl_status cover_by_old_records(sl_splat_state *s, sl_error *error) {
+    const bool grows = !is_for(s, SL_SUB_FRAME_SHOWS);
     sl_status status = SL_OK;
-    if (s->second) status = sl_second_cache_follow(s->second, s->raster, &s->counters, error);
+    if (s->second && grows)
+        status = sl_second_cache_follow(s->second, s->raster, &s->counters, error);
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) {
         sl_record_cache *cache = &s->cache[c];
         if (cache->receivers) status = sl_splat_open_cache(s, cache, error);
-        if (status == SL_OK && cache->receivers && cache->list.count)
+        if (status == SL_OK && cache->receivers && cache->list.count && grows)
             status = sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
     }
     return status;
+}
+
+/* The first class from `class` on that any pixel belongs to is next. */
+static void start_records(sl_splat_state *s, int class) {
+    while (class < SL_RECEIVER_CLASSES && !s->cache[class].receivers) class++;
+    s->class = class;
+    s->phase =
+        class < SL_RECEIVER_CLASSES && !is_for(s, SL_SUB_FRAME_SHOWS) ? SL_PHASE_RECORDS : SL_PHASE_DONE;
+    if (s->phase != SL_PHASE_RECORDS) return;
+    s->cache[class].known = s->cache[class].list.count;
+    sl_traversal_start(&s->cache[class].traversal, s->settings.order, s->settings.width, s->settings.height);
 }
 
 /* ---- step 1: G-buffer; what mirrors show takes their place ---- */
@@ -55,7 +73,7 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status =
         sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
-    if (status == SL_OK && s->tracer)
+    if (status == SL_OK && s->tracer && !is_for(s, SL_SUB_FRAME_SHOWS))
         status = sl_look_at_edges(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status == SL_OK) status = follow_mirrors(s, error);
     if (status != SL_OK) return status;
@@ -63,21 +81,13 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_splat_classify(s);
     s->direct_row = 0;
     s->frame_records = 0;
-    s->phase = s->plan.direct ? SL_PHASE_DIRECT : SL_PHASE_DONE;
+    if (!s->plan.direct) s->phase = SL_PHASE_DONE;
+    else if (is_for(s, SL_SUB_FRAME_ASKS)) start_records(s, 0);
+    else s->phase = SL_PHASE_DIRECT;
     return cover_by_old_records(s, error);
 }
 
 /* ---- step 1b: direct light ---- */
-
-/* The first class from `class` on that any pixel belongs to is next. */
-static void start_records(sl_splat_state *s, int class) {
-    while (class < SL_RECEIVER_CLASSES && !s->cache[class].receivers) class++;
-    s->class = class;
-    s->phase = class < SL_RECEIVER_CLASSES ? SL_PHASE_RECORDS : SL_PHASE_DONE;
-    if (s->phase != SL_PHASE_RECORDS) return;
-    s->cache[class].known = s->cache[class].list.count;
-    sl_traversal_start(&s->cache[class].traversal, s->settings.order, s->settings.width, s->settings.height);
-}
 
 static sl_status light_rows(sl_splat_state *s, sl_error *error) {
     sl_status status = sl_direct_rows(s->direct, s->gbuffer, SL_DIRECT_ROWS, &s->direct_row, s->direct_light,
@@ -207,21 +217,6 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
 
 /* ---- updates: one step, or a part of one, at a time ---- */
 
-/* For the progress bar alone. */
-static double fraction_done(const sl_splat_state *s) {
-    double all = 0.0, done = 0.0;
-    if (s->phase == SL_PHASE_GBUFFER) return 0.0;
-    if (s->phase == SL_PHASE_DIRECT) return 0.2 * (double)s->direct_row / (double)s->settings.height;
-    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
-        const sl_traversal *t = &s->cache[c].traversal;
-        double visited = c < s->class ? 1.0 : c > s->class ? 0.0 : (double)t->visited / (double)t->total;
-        if (c == s->class) visited = s->phase == SL_PHASE_SECOND ? 0.9 + 0.1 * visited : 0.9 * visited;
-        all += (double)s->cache[c].receivers;
-        done += (double)s->cache[c].receivers * visited;
-    }
-    return s->phase == SL_PHASE_DONE ? 1.0 : 0.2 + 0.8 * (done / all);
-}
-
 static sl_status splat_update(void *state, sl_progress *progress, sl_error *error) {
     sl_splat_state *s = state;
     const uint64_t budget = s->settings.records_per_frame;
@@ -237,7 +232,7 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
     case SL_PHASE_CLAMP: status = clamp_to_neighbours(s, error); break;
     case SL_PHASE_DONE: break;
     }
-    progress->fraction = fraction_done(s);
+    progress->fraction = sl_splat_fraction(s);
     progress->done = s->phase == SL_PHASE_DONE;
     progress->frame_done = progress->done || (budget && s->frame_records >= budget);
     return status;
@@ -271,6 +266,10 @@ static const sl_counters *splat_counters(const void *state) {
     return &((const sl_splat_state *)state)->counters;
 }
 
+static const sl_raster *splat_raster(const void *state) {
+    return ((const sl_splat_state *)state)->raster;
+}
+
 const sl_method_class sl_splatting_method = {
     .name = "splatting",
     .complete = sl_splat_complete,
@@ -289,5 +288,7 @@ const sl_method_class sl_splatting_method = {
     .explanation = sl_splat_explanation,
     .transport = sl_splat_transport,
     .plan = sl_splat_plan_write,
+    .raster = splat_raster,
+    .asks = true,
     .any_transport = false,
 };

@@ -105,6 +105,8 @@ typedef struct sl_splat_state {
 
 /* Marks and counts each class's receivers in the G-buffer. */
 void sl_splat_classify(sl_splat_state *state);
+/* Returns how much of a picture is done, for the progress bar alone. */
+double sl_splat_fraction(const sl_splat_state *state);
 
 /* ---- create.c ---- */
 

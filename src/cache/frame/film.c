@@ -1,0 +1,285 @@
+#include "cache/frame/film.h"
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/frame/picture_value.h"
+#include "raster/views/outlines.h"
+#include "trace/sequence.h"
+
+#include <math.h>
+#include <string.h>
+
+/* whole sub-frames; those of edges for which the cache is asked; and into how many light samples are shared
+ * out behind the pilot */
+enum { PILOT = 4, ASKED = 16, LATER_SHARE = 16 };
+
+struct sl_film {
+    const sl_scene *scene;
+    int width, height;
+    unsigned samples, threads;
+    bool asks;
+    sl_sequence sequence;
+    sl_outlines *outlines; /* NULL: none yet, of where objects stand */
+    bool edges_known;
+    unsigned asked, drawn; /* sub-frames */
+    unsigned most;         /* of any pixel, once the pilot is there */
+    uint16_t *count;       /* sub-frames that each pixel is in, its first so many; rows from the bottom */
+    uint8_t *edge;         /* pixels at edges */
+    uint8_t *wanted;       /* of the next sub-frame, behind the pilot */
+    sl_image *sums;        /* NULL: no sub-frame yet */
+    float *low, *high;     /* of the pilot's samples, in luminance; rows from the bottom */
+    sl_counters counters, with_method;
+};
+
+static size_t pixels_of(const sl_film *f) { return (size_t)f->width * (size_t)f->height; }
+
+sl_status sl_film_create(const sl_scene *scene, const sl_settings *settings, bool asks, sl_film **film,
+                         sl_error *error) {
+    sl_film *f = *film = sl_allocate(1, sizeof *f);
+    if (!f) return sl_fail_memory(error, "a film");
+    *f = (sl_film){.scene = scene, .width = settings->width, .height = settings->height,
+                   .samples = settings->sub_samples, .threads = settings->threads, .asks = asks};
+    const size_t pixels = pixels_of(f);
+    f->count = sl_allocate(pixels, sizeof *f->count);
+    f->edge = sl_allocate(pixels, sizeof *f->edge);
+    f->wanted = sl_allocate(pixels, sizeof *f->wanted);
+    f->low = sl_allocate(pixels, sizeof *f->low);
+    f->high = sl_allocate(pixels, sizeof *f->high);
+    sl_sequence_make(&f->sequence);
+    if (f->count && f->edge && f->wanted && f->low && f->high) return SL_OK;
+    sl_film_destroy(f);
+    *film = NULL;
+    return sl_fail_memory(error, "a film");
+}
+
+void sl_film_destroy(sl_film *f) {
+    if (!f) return;
+    sl_outlines_destroy(f->outlines);
+    sl_image_destroy(f->sums);
+    sl_free(f->count);
+    sl_free(f->edge);
+    sl_free(f->wanted);
+    sl_free(f->low);
+    sl_free(f->high);
+    sl_free(f);
+}
+
+/* ---- which sub-frames ---- */
+
+static sl_status find_edges(sl_film *f, const sl_raster *raster, sl_error *error) {
+    const sl_view view = sl_view_of_camera(f->scene, &f->scene->camera, f->width, f->height);
+    float *depth = sl_allocate(pixels_of(f), sizeof *depth);
+    const sl_target target = {f->width, f->height, NULL, depth};
+    sl_status status = depth ? SL_OK : sl_fail_memory(error, "a film");
+    if (status == SL_OK && !f->outlines) status = sl_outlines_create(f->scene, &f->outlines, error);
+    if (status == SL_OK) status = sl_raster_id(raster, &view, f->threads, &target, &f->counters, error);
+    if (status == SL_OK) status = sl_outlines_draw(f->outlines, &view, depth, f->edge, error);
+    sl_free(depth);
+    return status;
+}
+
+static unsigned smaller(unsigned a, unsigned b) { return a < b ? a : b; }
+
+/* Lists the pixels of sub-frame `index`. */
+static void set_wanted(sl_film *f, unsigned index) {
+    for (size_t i = 0; i < pixels_of(f); i++) f->wanted[i] = f->count[i] > index;
+}
+
+void sl_film_begin(sl_film *f, bool objects_moved) {
+    sl_image_destroy(f->sums);
+    f->sums = NULL;
+    f->asked = f->drawn = 0;
+    f->edges_known = false;
+    f->most = f->samples > PILOT ? PILOT + f->samples : f->samples;
+    if (!objects_moved) return;
+    sl_outlines_destroy(f->outlines);
+    f->outlines = NULL;
+}
+
+/* Finds where sub-frames behind the pilot will see what others do not. */
+static sl_status know_edges(sl_film *f, const sl_raster *raster, sl_error *error) {
+    if (f->edges_known || f->samples <= PILOT) return SL_OK;
+    memset(f->edge, 0, pixels_of(f));
+    sl_status status = find_edges(f, raster, error);
+    for (size_t i = 0; i < pixels_of(f); i++)
+        f->count[i] = (uint16_t)(f->edge[i] ? PILOT + f->samples : PILOT);
+    set_wanted(f, PILOT);
+    f->edges_known = status == SL_OK;
+    return status;
+}
+
+/* Everything is asked for but what light alone will want. */
+static unsigned asks_of(const sl_film *f) { return f->asks ? smaller(f->samples, PILOT + ASKED) : 0; }
+
+bool sl_film_next(const sl_film *f, sl_sub_frame *next) {
+    const bool asking = f->asked < asks_of(f);
+    const unsigned index = asking ? f->asked : f->drawn;
+    float point[3];
+    if (!asking && f->drawn >= f->most) return false;
+    sl_sequence_point(&f->sequence, 0, index < PILOT ? 0 : 1, index < PILOT ? index : index - PILOT, point);
+    *next = (sl_sub_frame){.right = point[0] - 0.5f,
+                           .up = point[1] - 0.5f,
+                           .purpose = !f->asks       ? SL_SUB_FRAME_BOTH
+                                      : !asking      ? SL_SUB_FRAME_SHOWS
+                                      : f->asked > 0 ? SL_SUB_FRAME_ASKS
+                                                     : SL_SUB_FRAME_BOTH,
+                           .turn = index,
+                           .share = index < PILOT ? smaller(f->samples, PILOT) : LATER_SHARE,
+                           .wanted = index < PILOT ? NULL : f->wanted};
+    return true;
+}
+
+double sl_film_share(const sl_film *f) {
+    const double asking = f->asks ? 0.7 * (double)f->asked / (double)asks_of(f) : 0.0;
+    return asking + (f->asks ? 0.3 : 1.0) * (double)f->drawn / (double)f->most;
+}
+
+/* ---- samples ---- */
+
+bool sl_film_has_picture(const sl_film *f) { return f->sums != NULL; }
+
+/* Makes a black picture of the same channels, with the metadata. */
+static sl_status make_like(const sl_image *picture, sl_image **like, sl_error *error) {
+    enum { MOST = 64 };
+    const char *names[MOST] = {NULL};
+    if (picture->channels > MOST)
+        return sl_fail(error, SL_ERROR_USAGE, "a film of %d channels: %d at most", picture->channels, MOST);
+    for (int c = 0; c < picture->channels; c++) names[c] = picture->channel_name[c];
+    sl_status status =
+        sl_image_create(picture->width, picture->height, picture->channels, names, like, error);
+    for (size_t i = 0; status == SL_OK && i < picture->metadata_count; i++)
+        status = sl_image_set_metadata(*like, picture->metadata[i].key, picture->metadata[i].value, error);
+    if (status == SL_OK) return SL_OK;
+    sl_image_destroy(*like);
+    *like = NULL;
+    return status;
+}
+
+/* Returns where a pixel of the film, whose rows run from the bottom, is in an image. */
+static size_t image_place(const sl_film *f, size_t pixel) {
+    const size_t width = (size_t)f->width;
+    return ((size_t)f->height - 1 - pixel / width) * width + pixel % width;
+}
+
+static float brightness(const sl_image *picture, size_t at) {
+    const size_t pixels = (size_t)picture->width * (size_t)picture->height;
+    const float *p = picture->planes + at;
+    return sl_picture_value(picture->channels < 3 ? p[0]
+                                                  : sl_luminance((sl_rgb){p[0], p[pixels], p[2 * pixels]}));
+}
+
+static void note_contrast(sl_film *f, const sl_image *picture) {
+    for (size_t i = 0; i < pixels_of(f); i++) {
+        const float y = brightness(picture, image_place(f, i));
+        f->low[i] = f->drawn ? fminf(f->low[i], y) : y;
+        f->high[i] = f->drawn ? fmaxf(f->high[i], y) : y;
+    }
+}
+
+/* Returns how much the pilot's samples differ around a pixel; infinite where it is alone. Its own have no
+ * say: if what is seen by chance brought more samples, it would weigh less than what is missed by chance. */
+static float contrast_around(const sl_film *f, int x, int y) {
+    float low = INFINITY, high = -INFINITY;
+    for (int v = y ? y - 1 : 0; v <= y + 1 && v < f->height; v++) {
+        for (int u = x ? x - 1 : 0; u <= x + 1 && u < f->width; u++) {
+            const size_t i = (size_t)v * (size_t)f->width + (size_t)u;
+            if (u == x && v == y) continue;
+            low = fminf(low, f->low[i]);
+            high = fmaxf(high, f->high[i]);
+        }
+    }
+    return low <= high ? high - low : INFINITY;
+}
+
+/* Returns how many samples leave, of such a contrast, no more than a share of the picture's mean: n samples
+ * that are spread well are off by about half the contrast over n^(3/4) at an edge. */
+static unsigned samples_for(const sl_film *f, float contrast, double mean, unsigned least) {
+    const double tolerance = 0.02, needed = 0.5 * (double)contrast / (tolerance * mean);
+    unsigned n = least;
+    while (n < f->samples && sqrt(n * sqrt(n)) < needed) n *= 4;
+    return smaller(n, f->samples);
+}
+
+static void settle_counts(sl_film *f) {
+    double mean = 0.0;
+    for (size_t i = 0; i < pixels_of(f); i++) mean += 0.5 * ((double)f->low[i] + (double)f->high[i]);
+    mean /= (double)pixels_of(f);
+    f->most = PILOT;
+    for (size_t i = 0; i < pixels_of(f); i++) {
+        const float contrast = contrast_around(f, (int)(i % (size_t)f->width), (int)(i / (size_t)f->width));
+        const unsigned n = f->edge[i] ? PILOT + samples_for(f, contrast, mean, 4 * PILOT)
+                                      : samples_for(f, contrast, mean, PILOT);
+        f->count[i] = (uint16_t)n;
+        if (n > f->most) f->most = n;
+    }
+}
+
+/* Adds the pixels that are wanted. At edges, where more samples follow in any case, the pilot's are left out:
+ * what they saw has told how many. */
+static void add_samples(sl_film *f, const sl_image *picture) {
+    const size_t pixels = pixels_of(f);
+    uint64_t added = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        if (f->drawn >= PILOT && !f->wanted[i]) continue;
+        const size_t at = image_place(f, i);
+        const bool anew = f->drawn == PILOT && f->edge[i];
+        for (size_t c = 0; c < (size_t)picture->channels; c++) {
+            float *sum = &f->sums->planes[c * pixels + at];
+            *sum = picture->planes[c * pixels + at] + (anew ? 0.0f : *sum);
+        }
+        added++;
+    }
+    sl_count(&f->counters, SL_COUNT_SAMPLES, added);
+}
+
+sl_status sl_film_add(sl_film *f, const sl_raster *raster, const sl_image *picture, sl_error *error) {
+    sl_status status = know_edges(f, raster, error);
+    if (!picture) f->asked++;
+    if (!picture || status != SL_OK) return status;
+    status = f->sums ? SL_OK : make_like(picture, &f->sums, error);
+    if (status != SL_OK) return status;
+    if (f->drawn < PILOT) note_contrast(f, picture);
+    add_samples(f, picture);
+    f->drawn++;
+    if (f->drawn == PILOT && f->samples > PILOT) settle_counts(f);
+    if (f->drawn >= PILOT) set_wanted(f, f->drawn);
+    return SL_OK;
+}
+
+sl_status sl_film_develop(const sl_film *f, sl_image **image, sl_error *error) {
+    sl_status status = make_like(f->sums, image, error);
+    const size_t pixels = pixels_of(f);
+    for (size_t i = 0; status == SL_OK && i < pixels; i++) {
+        const size_t at = image_place(f, i);
+        const unsigned drawn = f->drawn <= PILOT ? f->drawn : smaller(f->drawn, f->count[i]),
+                       count = f->drawn > PILOT && f->edge[i] ? drawn - PILOT : drawn;
+        for (size_t c = 0; c < (size_t)f->sums->channels; c++)
+            (*image)->planes[c * pixels + at] =
+                sl_picture_value(f->sums->planes[c * pixels + at] / (float)count);
+    }
+    return status;
+}
+
+const sl_counters *sl_film_counters(sl_film *f, const sl_counters *of_method) {
+    f->with_method = *of_method;
+    sl_counters_add(&f->with_method, &f->counters);
+    return &f->with_method;
+}
+
+/* ---- memory ---- */
+
+enum { BYTES_OF_PLANES = 4 + 2 * sizeof(float), LAYERS_AT_MOST = 17 };
+
+size_t sl_film_bytes(const sl_film *f) {
+    const size_t channels = f->sums ? (size_t)f->sums->channels : 0;
+    return sizeof *f + pixels_of(f) * (BYTES_OF_PLANES + channels * sizeof(float)) +
+           (f->outlines ? sl_outlines_bytes(f->outlines) : 0);
+}
+
+double sl_film_need(const sl_scene *scene, const sl_settings *settings) {
+    const double pixels = (double)settings->width * (double)settings->height;
+    const double pictures = 2.0 * LAYERS_AT_MOST * sizeof(float); /* the sums, and one that is developed */
+    return pixels * (BYTES_OF_PLANES + pictures + sizeof(float)) +
+           sl_outlines_need((double)scene->triangle_count);
+}

@@ -1,0 +1,43 @@
+/* The film: a pixel is the mean over its square, taken from sub-frames: pictures whose samples lie beside the
+ * pixels' centres, as an accumulation buffer takes them (Haeberli and Akeley 1990). Methods draw a sub-frame
+ * as they draw a view; their caches belong to the scene and stay.
+ *
+ * The first sub-frames, the pilot, are whole pictures. Others are drawn where they matter alone: at edges,
+ * which geometry tells (raster/views/outlines.h), and where the pilot's samples differ. How many samples a
+ * pixel gets is settled when the pilot is there, in such a way that the mean stays unbiased. */
+#ifndef SL_FRAME_FILM_H
+#define SL_FRAME_FILM_H
+
+#include "cache/frame/settings.h"
+#include "raster/raster.h"
+#include "scene/scene.h"
+#include "softlux.h"
+
+typedef struct sl_film sl_film;
+
+/* For pictures of that scene, as large as settings say, with at most settings->sub_samples a pixel. asks: the
+ * method's cache grows by what is seen, and has to be asked before any sub-frame is shown. */
+sl_status sl_film_create(const sl_scene *scene, const sl_settings *settings, bool asks, sl_film **film,
+                         sl_error *error);
+void sl_film_destroy(sl_film *film);
+/* Begins a picture; objects_moved: since the last one. */
+void sl_film_begin(sl_film *film, bool objects_moved);
+/* What to draw next. False: the picture is whole. */
+bool sl_film_next(const sl_film *film, sl_sub_frame *next);
+/* The next one is drawn: its picture, rows from the top; NULL where it was only asked for. raster: of the
+ * scene. */
+sl_status sl_film_add(sl_film *film, const sl_raster *raster, const sl_image *picture, sl_error *error);
+/* Returns what the film has counted on top of the method's own; valid until the next call. */
+const sl_counters *sl_film_counters(sl_film *film, const sl_counters *of_method);
+/* Returns how much of the picture is there, by sub-frames. */
+double sl_film_share(const sl_film *film);
+/* False: no sub-frame is there. */
+bool sl_film_has_picture(const sl_film *film);
+/* The mean of the samples that are there, of every channel, with the first sub-frame's metadata. The caller
+ * destroys it. */
+sl_status sl_film_develop(const sl_film *film, sl_image **image, sl_error *error);
+size_t sl_film_bytes(const sl_film *film);
+/* An upper estimate of that, and of what its making takes besides, before anything is there. */
+double sl_film_need(const sl_scene *scene, const sl_settings *settings);
+
+#endif

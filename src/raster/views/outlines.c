@@ -1,0 +1,285 @@
+#include "raster/views/outlines.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/random.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct edge {
+    uint32_t vertex[2];
+    uint32_t triangle[2]; /* of a silhouette; SL_NO_INDEX: the edge counts from everywhere */
+} edge;
+
+struct sl_outlines {
+    const sl_scene *scene;
+    edge *edges;
+    size_t count;
+};
+
+/* ---- which edges ---- */
+
+/* Edges are numbered 3 triangle + corner, and begin there. */
+static uint32_t vertex_at(const sl_scene *s, uint32_t code, uint32_t further) {
+    return s->vertex[(code % 3 + further) % 3][code / 3];
+}
+
+typedef struct place {
+    float ends[6]; /* the lower one first */
+} place;
+
+static bool is_lower(sl_vec3 a, sl_vec3 b) {
+    if (a.x != b.x) return a.x < b.x;
+    return a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
+static place place_of(const sl_scene *s, uint32_t code) {
+    sl_vec3 a = sl_scene_position(s, vertex_at(s, code, 0)), b = sl_scene_position(s, vertex_at(s, code, 1));
+    const bool turned = is_lower(b, a);
+    const sl_vec3 low = turned ? b : a, high = turned ? a : b;
+    /* -0 as +0 */
+    return (place){{low.x + 0.0f, low.y + 0.0f, low.z + 0.0f, high.x + 0.0f, high.y + 0.0f, high.z + 0.0f}};
+}
+
+static uint64_t hash_of(const place *p) {
+    uint64_t hash = 0, word;
+    for (int i = 0; i < 6; i += 2) {
+        memcpy(&word, &p->ends[i], sizeof word);
+        hash = sl_hash64(hash ^ word);
+    }
+    return hash;
+}
+
+enum { ALONE = UINT32_MAX, SECOND = UINT32_MAX - 1, MANY = UINT32_MAX - 2 };
+
+/* Finds each edge's partner, the other triangle's edge in its place; the first of the two has it. */
+static bool find_partners(const sl_scene *s, uint32_t *partner) {
+    const uint32_t codes = 3 * (uint32_t)s->triangle_count;
+    size_t slots = 16;
+    while (slots < 2 * (size_t)codes) slots *= 2;
+    uint32_t *table = sl_allocate_unset(slots, sizeof *table);
+    if (!table) return false;
+    memset(table, 0xff, slots * sizeof *table); /* SL_NO_INDEX */
+    for (uint32_t code = 0; code < codes; code++) {
+        const place here = place_of(s, code);
+        size_t slot = (size_t)hash_of(&here) & (slots - 1);
+        for (; table[slot] != SL_NO_INDEX; slot = (slot + 1) & (slots - 1)) {
+            const place other = place_of(s, table[slot]);
+            if (memcmp(&here, &other, sizeof here) == 0) break;
+        }
+        uint32_t first = table[slot];
+        partner[code] = first == SL_NO_INDEX ? ALONE : SECOND;
+        if (first == SL_NO_INDEX) table[slot] = code;
+        else partner[first] = partner[first] == ALONE ? code : MANY;
+    }
+    sl_free(table);
+    return true;
+}
+
+static bool agree(sl_vec3 a, sl_vec3 b, float cosine) { return sl_dot(a, b) >= cosine; }
+
+/* Does shading go on across the edge as if it were not there? */
+static bool is_smooth(const sl_scene *s, uint32_t a, uint32_t b) {
+    const float same = 0.9999f;
+    if (s->material_index[a / 3] != s->material_index[b / 3]) return false;
+    for (uint32_t end = 0; end < 2; end++) {
+        const uint32_t v = vertex_at(s, a, end);
+        const sl_vec3 p = sl_scene_position(s, v), q = sl_scene_position(s, vertex_at(s, b, 0));
+        const bool first = p.x == q.x && p.y == q.y && p.z == q.z;
+        if (!agree(sl_scene_normal(s, v), sl_scene_normal(s, vertex_at(s, b, first ? 0 : 1)), same))
+            return false;
+    }
+    return true;
+}
+
+static bool is_flat(const sl_scene *s, uint32_t a, uint32_t b) {
+    return agree(sl_scene_geometric_normal(s, a / 3), sl_scene_geometric_normal(s, b / 3), 0.999999f);
+}
+
+static void keep(sl_outlines *o, uint32_t code, uint32_t partner) {
+    const sl_scene *s = o->scene;
+    const bool two = partner < MANY, smooth = two && is_smooth(s, code, partner);
+    if (partner == SECOND || (smooth && is_flat(s, code, partner))) return;
+    o->edges[o->count++] = (edge){{vertex_at(s, code, 0), vertex_at(s, code, 1)},
+                                  {smooth ? code / 3 : SL_NO_INDEX, smooth ? partner / 3 : SL_NO_INDEX}};
+}
+
+sl_status sl_outlines_create(const sl_scene *scene, sl_outlines **outlines, sl_error *error) {
+    const size_t codes = 3 * scene->triangle_count;
+    sl_outlines *o = sl_allocate(1, sizeof *o);
+    uint32_t *partner = sl_allocate_unset(codes, sizeof *partner);
+    *outlines = NULL;
+    bool made = o && partner && find_partners(scene, partner);
+    size_t count = 0;
+    for (size_t i = 0; made && i < codes; i++) count += partner[i] != SECOND;
+    if (made) {
+        *o = (sl_outlines){.scene = scene, .edges = sl_allocate(count, sizeof *o->edges)};
+        made = o->edges != NULL;
+    }
+    for (size_t i = 0; made && i < codes; i++) keep(o, (uint32_t)i, partner[i]);
+    sl_free(partner);
+    if (made) *outlines = o;
+    else sl_outlines_destroy(o);
+    return made ? SL_OK : sl_fail_memory(error, "outlines");
+}
+
+void sl_outlines_destroy(sl_outlines *o) {
+    if (o) sl_free(o->edges);
+    sl_free(o);
+}
+
+size_t sl_outlines_bytes(const sl_outlines *o) { return sizeof *o + o->count * sizeof *o->edges; }
+
+/* Edges, partners, and a table of twice to four times as many slots as there are edges. */
+double sl_outlines_need(double triangles) {
+    return 3.0 * triangles * (sizeof(edge) + 5.0 * sizeof(uint32_t));
+}
+
+/* ---- which pixels ---- */
+
+typedef struct drawing {
+    const sl_view *view;
+    float *farthest; /* inverse w of the pixel and those around it */
+    uint8_t *touched;
+} drawing;
+
+/* Window x and y in pixels, and inverse w. */
+typedef struct window_point {
+    double x, y, inverse_w;
+} window_point;
+
+typedef struct clip_point {
+    double x, y, near, w;
+} clip_point;
+
+static double along(const float row[4], sl_vec3d q) {
+    return (double)row[0] * q.x + (double)row[1] * q.y + (double)row[2] * q.z + (double)row[3];
+}
+
+static clip_point clip_of(const sl_view *view, sl_vec3 p) {
+    const sl_vec3d q = sl_subd(sl_to_double(p), sl_to_double(view->origin));
+    return (clip_point){along(view->clip[0], q), along(view->clip[1], q), along(view->clip[2], q),
+                        along(view->clip[3], q)};
+}
+
+static clip_point between(clip_point a, clip_point b, double t) {
+    return (clip_point){a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.near + t * (b.near - a.near),
+                        a.w + t * (b.w - a.w)};
+}
+
+static window_point window_of(const sl_view *view, clip_point c) {
+    return (window_point){(c.x / c.w + 1.0) * 0.5 * (double)view->width,
+                          (c.y / c.w + 1.0) * 0.5 * (double)view->height, 1.0 / c.w};
+}
+
+static double at(double a, double b, double t) { return a + t * (b - a); }
+
+/* Cuts [*from, *to] of a to b down to where lo <= value <= hi. False: nothing is left, or no number. */
+static bool cut(double a, double b, double lo, double hi, double *from, double *to) {
+    const double d = b - a;
+    if (d == 0.0) return a >= lo && a <= hi;
+    double enter = (lo - a) / d, leave = (hi - a) / d;
+    if (enter > leave) {
+        double t = enter;
+        enter = leave, leave = t;
+    }
+    if (enter > *from) *from = enter;
+    if (leave < *to) *to = leave;
+    return *from <= *to;
+}
+
+static void touch(const drawing *d, int x, int y, double inverse_w) {
+    if (x < 0 || y < 0 || x >= d->view->width || y >= d->view->height) return;
+    const size_t i = (size_t)y * (size_t)d->view->width + (size_t)x;
+    if (inverse_w * 1.0001 >= (double)d->farthest[i]) d->touched[i] = 1;
+}
+
+/* Touches the squares of one column (or row, where steep) that the segment meets within it. */
+static void touch_column(const drawing *d, const window_point p[2], bool steep, int column) {
+    const double slack = 1e-3;
+    const double a[2] = {steep ? p[0].y : p[0].x, steep ? p[1].y : p[1].x},
+                 b[2] = {steep ? p[0].x : p[0].y, steep ? p[1].x : p[1].y};
+    double from = 0.0, to = 1.0;
+    if (!cut(a[0], a[1], (double)column - slack, (double)column + 1.0 + slack, &from, &to)) return;
+    const double b0 = at(b[0], b[1], from), b1 = at(b[0], b[1], to),
+                 w0 = at(p[0].inverse_w, p[1].inverse_w, from), w1 = at(p[0].inverse_w, p[1].inverse_w, to);
+    const int low = (int)floor(fmin(b0, b1) - slack), high = (int)floor(fmax(b0, b1) + slack);
+    for (int k = low; k <= high; k++) touch(d, steep ? k : column, steep ? column : k, fmax(w0, w1));
+}
+
+static void draw_segment(const drawing *d, window_point a, window_point b) {
+    double from = 0.0, to = 1.0;
+    if (!cut(a.x, b.x, -1.0, (double)d->view->width + 1.0, &from, &to) ||
+        !cut(a.y, b.y, -1.0, (double)d->view->height + 1.0, &from, &to))
+        return;
+    const window_point p[2] = {
+        {at(a.x, b.x, from), at(a.y, b.y, from), at(a.inverse_w, b.inverse_w, from)},
+        {at(a.x, b.x, to), at(a.y, b.y, to), at(a.inverse_w, b.inverse_w, to)}};
+    const bool steep = fabs(p[1].y - p[0].y) > fabs(p[1].x - p[0].x);
+    const double first = steep ? fmin(p[0].y, p[1].y) : fmin(p[0].x, p[1].x),
+                 last = steep ? fmax(p[0].y, p[1].y) : fmax(p[0].x, p[1].x);
+    for (int k = (int)floor(first - 1e-3); k <= (int)floor(last + 1e-3); k++) touch_column(d, p, steep, k);
+}
+
+static void draw_edge(const drawing *d, const sl_scene *s, const edge *e) {
+    clip_point c[2] = {clip_of(d->view, sl_scene_position(s, e->vertex[0])),
+                       clip_of(d->view, sl_scene_position(s, e->vertex[1]))};
+    if (!(c[0].near >= 0.0) && !(c[1].near >= 0.0)) return;
+    for (int k = 0; k < 2; k++)
+        if (c[k].near < 0.0) c[k] = between(c[k], c[1 - k], c[k].near / (c[k].near - c[1 - k].near));
+    if (c[0].w > 0.0 && c[1].w > 0.0) draw_segment(d, window_of(d->view, c[0]), window_of(d->view, c[1]));
+}
+
+static bool faces(const sl_scene *s, uint32_t triangle, sl_vec3 to_eye) {
+    return sl_dot(sl_scene_geometric_normal(s, triangle), to_eye) > 0.0f;
+}
+
+static bool counts(const sl_scene *s, const edge *e, sl_vec3 eye) {
+    const sl_vec3 to_eye = sl_sub(eye, sl_scene_position(s, e->vertex[0]));
+    return e->triangle[0] == SL_NO_INDEX ||
+           faces(s, e->triangle[0], to_eye) != faces(s, e->triangle[1], to_eye);
+}
+
+/* ---- pixels and those around them ---- */
+
+static float least(float a, float b) { return b < a ? b : a; }
+
+static void spread_farthest(const sl_view *view, const float *depth, float *to) {
+    for (int y = 0; y < view->height; y++) {
+        for (int x = 0; x < view->width; x++) {
+            float far = INFINITY;
+            for (int v = y ? y - 1 : 0; v <= y + 1 && v < view->height; v++)
+                for (int u = x ? x - 1 : 0; u <= x + 1 && u < view->width; u++)
+                    far = least(far, depth[(size_t)v * (size_t)view->width + (size_t)u]);
+            to[(size_t)y * (size_t)view->width + (size_t)x] = far;
+        }
+    }
+}
+
+static void spread_touched(const sl_view *view, const uint8_t *from, uint8_t *to) {
+    for (int y = 0; y < view->height; y++) {
+        for (int x = 0; x < view->width; x++) {
+            if (!from[(size_t)y * (size_t)view->width + (size_t)x]) continue;
+            for (int v = y ? y - 1 : 0; v <= y + 1 && v < view->height; v++)
+                for (int u = x ? x - 1 : 0; u <= x + 1 && u < view->width; u++)
+                    to[(size_t)v * (size_t)view->width + (size_t)u] = 1;
+        }
+    }
+}
+
+sl_status sl_outlines_draw(const sl_outlines *o, const sl_view *view, const float *depth, uint8_t *touched,
+                           sl_error *error) {
+    const size_t pixels = (size_t)view->width * (size_t)view->height;
+    drawing d = {view, sl_allocate_unset(pixels, sizeof(float)), sl_allocate(pixels, 1)};
+    bool made = d.farthest && d.touched;
+    if (made) {
+        spread_farthest(view, depth, d.farthest);
+        for (size_t i = 0; i < o->count; i++)
+            if (counts(o->scene, &o->edges[i], view->origin)) draw_edge(&d, o->scene, &o->edges[i]);
+        spread_touched(view, d.touched, touched);
+    }
+    sl_free(d.farthest);
+    sl_free(d.touched);
+    return made ? SL_OK : sl_fail_memory(error, "outlines");
+}

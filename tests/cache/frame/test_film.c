@@ -1,0 +1,220 @@
+/* The film: a pixel is the mean over its square. */
+#include "rendering.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh",
+                                      "shading-cache"};
+enum { METHODS = 5 };
+
+static sl_settings on_film(const char *method, int side, unsigned samples) {
+    sl_settings s = small_settings(method, side, side);
+    s.quality = SL_QUALITY_DRAFT;
+    s.filter = samples ? SL_FILTER_BOX : SL_FILTER_CENTRE;
+    s.sub_samples = samples;
+    return s;
+}
+
+/* ---- coverage, which is known ---- */
+
+/* A square that shines with radiance 1, turned by some degrees, before nothing: seen with 90 degrees. */
+static const char square_json[] =
+    "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"m\": {\"diffuse\": [0, 0, "
+    "0], "
+    "\"emission\": [1, 1, 1]}}, \"camera\": {\"eye\": [0, 0, 0], \"target\": [0, 0, -1], \"fov_deg\": 90}}";
+
+static sl_scene *shining_quad(double width, double height, double turn) {
+    char obj[400], *at = obj;
+    static const double corner[4][2] = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+    for (int k = 0; k < 4; k++) {
+        const double x = corner[k][0] * width, y = corner[k][1] * height;
+        at += sprintf(at, "v %.9f %.9f -1\n", x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn));
+    }
+    sprintf(at, "usemtl m\nf 1 2 3 4\n");
+    return scene_from_text(square_json, obj);
+}
+
+/* The share of a pixel that the square covers, by 64 x 64 points. */
+static double covered(int side, int x, int y, double width, double height, double turn) {
+    enum { POINTS = 64 };
+    int inside = 0;
+    for (int i = 0; i < POINTS * POINTS; i++) {
+        const double u = (x + (i % POINTS + 0.5) / POINTS) / side * 2.0 - 1.0,
+                     v = 1.0 - (y + (i / POINTS + 0.5) / POINTS) / side * 2.0;
+        const double a = u * cos(turn) + v * sin(turn), b = v * cos(turn) - u * sin(turn);
+        inside += fabs(a) < 0.5 * width && fabs(b) < 0.5 * height;
+    }
+    return (double)inside / (POINTS * POINTS);
+}
+
+static void a_pixel_shows_as_much_of_a_lamp_as_covers_it(void **state) {
+    (void)state;
+    enum { SIDE = 24 };
+    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
+    for (int m = 0; m < METHODS; m++) {
+        const sl_settings settings = on_film(methods[m], SIDE, 64);
+        sl_image *image = render(scene, &settings, NULL);
+        const float *red = sl_image_channel(image, "R");
+        double sum = 0.0, truth = 0.0;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const double c = covered(SIDE, i % SIDE, i / SIDE, 0.9, 0.7, 0.3);
+            assert_true(fabs((double)red[i] - c) < 0.06);
+            if (c == 0.0 || c == 1.0) assert_true((double)red[i] == c);
+            sum += (double)red[i], truth += c;
+        }
+        assert_true(fabs(sum / truth - 1.0) < 0.002);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void a_hair_of_light_is_as_bright_as_it_is_thick(void **state) {
+    (void)state;
+    enum { SIDE = 32, HAIRS = 60 };
+    const double thickness = 0.02 * 2.0 / SIDE; /* a fiftieth of a pixel */
+    double sum = 0.0;
+    for (int turn = 0; turn < HAIRS; turn++) {
+        sl_scene *scene = shining_quad(1.6, thickness, 0.05 + 0.37 * turn);
+        const sl_settings settings = on_film("splatting", SIDE, 64);
+        sl_image *image = render(scene, &settings, NULL);
+        for (int i = 0; i < SIDE * SIDE; i++) sum += (double)sl_image_channel(image, "R")[i];
+        sl_image_destroy(image);
+        sl_scene_destroy(scene);
+    }
+    const double truth = HAIRS * 1.6 * thickness * SIDE * SIDE / 4.0;
+    if (fabs(sum / truth - 1.0) > 0.1) fail_msg("%g, expected %g", sum, truth);
+}
+
+/* ---- pictures ---- */
+
+static double error_of(const sl_scene *scene, const sl_settings *settings, const sl_image *reference,
+                       double *bias) {
+    sl_comparison c;
+    sl_image *image = render(scene, settings, NULL);
+    assert_int_equal(sl_image_compare(image, reference, NULL, &c, NULL, NULL), SL_OK);
+    sl_image_destroy(image);
+    *bias = c.bias;
+    return c.rel_rmse;
+}
+
+static void every_method_comes_near_to_the_mean_over_pixels(void **state) {
+    (void)state;
+    enum { SIDE = 32 };
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    for (int m = 0; m < METHODS; m++) {
+        char paths[40];
+        snprintf(paths, sizeof paths, "matched:%s", methods[m]);
+        sl_settings path = small_settings("path", SIDE, SIDE);
+        path.transport = paths;
+        path.filter = SL_FILTER_BOX;
+        path.spp = 256;
+        sl_image *reference = render(scene, &path, NULL);
+        const sl_settings centres = on_film(methods[m], SIDE, 0), box = on_film(methods[m], SIDE, 64);
+        double bias, before = error_of(scene, &centres, reference, &bias),
+                     after = error_of(scene, &box, reference, &bias);
+        if (!(after < 0.15 * before) || !(fabs(bias) < 0.03))
+            fail_msg("%s: %g of %g, bias %g", methods[m], after, before, bias);
+        sl_image_destroy(reference);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Samples that light alone asks for lie where the pilot saw a border of a shadow; elsewhere four do. */
+static void samples_lie_where_they_matter(void **state) {
+    (void)state;
+    enum { SIDE = 48 };
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    const sl_settings settings = on_film("splatting", SIDE, 64);
+    sl_counters counters;
+    sl_image_destroy(render(scene, &settings, &counters));
+    const double samples = (double)counters.value[SL_COUNT_SAMPLES] / (SIDE * SIDE);
+    assert_true(samples > 5.0 && samples < 40.0);
+    sl_scene_destroy(scene);
+}
+
+static void the_bits_do_not_depend_on_threads(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-mirror.json");
+    for (int m = 0; m < METHODS; m++) {
+        sl_settings settings = on_film(methods[m], 24, 16);
+        assert_same_bits_with_any_threads(scene, &settings);
+    }
+    sl_scene_destroy(scene);
+}
+
+static void a_film_follows_edits(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/moving-ball.json"), *other = load_scene("scenes/moving-ball.json");
+    const sl_settings settings = on_film("direct-radiance", 32, 16);
+    sl_method *method;
+    sl_progress progress = {0};
+    sl_image *moved;
+    unsigned changes;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_int_equal(sl_scene_set_time(scene, 0.7, &changes, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    for (progress.done = false; !progress.done;)
+        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &moved, NULL), SL_OK);
+    assert_int_equal(sl_scene_set_time(other, 0.7, NULL, NULL), SL_OK);
+    sl_image *anew = render(other, &settings, NULL);
+    assert_true(same_picture(moved, anew));
+    sl_image_destroy(moved);
+    sl_image_destroy(anew);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+    sl_scene_destroy(other);
+}
+
+/* A picture of one pixel is the mean of one of many. */
+static void a_picture_may_have_one_pixel(void **state) {
+    (void)state;
+    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
+    const sl_settings settings = on_film("splatting", 1, 1024);
+    sl_image *image = render(scene, &settings, NULL);
+    const double mean = (double)sl_image_channel(image, "R")[0];
+    if (fabs(mean - 0.9 * 0.7 / 4.0) > 0.005) fail_msg("%g", mean);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
+static void a_pixel_of_a_film_is_not_explained(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    const sl_settings settings = on_film("splatting", 8, 4);
+    sl_method *method;
+    sl_progress progress = {0};
+    sl_image *image;
+    sl_explanation *explanation;
+    sl_error error;
+    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    assert_int_equal(sl_method_explanation(method, image, 3, 3, &explanation, &error), SL_ERROR_USAGE);
+    assert_non_null(strstr(error.message, "filter=centre"));
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_pixel_shows_as_much_of_a_lamp_as_covers_it),
+        cmocka_unit_test(a_hair_of_light_is_as_bright_as_it_is_thick),
+        cmocka_unit_test(every_method_comes_near_to_the_mean_over_pixels),
+        cmocka_unit_test(samples_lie_where_they_matter),
+        cmocka_unit_test(the_bits_do_not_depend_on_threads),
+        cmocka_unit_test(a_film_follows_edits),
+        cmocka_unit_test(a_picture_may_have_one_pixel),
+        cmocka_unit_test(a_pixel_of_a_film_is_not_explained),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
