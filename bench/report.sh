@@ -2,9 +2,9 @@
 # bench/report.sh BUILD: speed against error of every method (softlux bench) on the scenes of this repository and, where they are there, on real ones;
 # the tables and plots go to docs/report/, the page with everything in it stays in BUILD/report/report.html. Interrupted, the same command goes on.
 #
-# From outside: SIZE (128x128), REPEATS (3), LIMIT of one trial in seconds (60), BUDGET of a scene's trials in seconds (none), REFERENCES (folder, the user's cache),
+# From outside: SIZE (128x128), REPEATS (3), LIMIT of one trial in seconds (60), REFERENCES (folder, the user's cache),
 # REFERENCE_BUDGET of each reference in processor seconds (60), THREADS of a trial (1), JOBS: scenes measured at once (1), SCENES (those below),
-# SHARED (../shared/scenes), STEPS (trials report; references before them), OPTIONS (more of softlux bench).
+# SHARED (../shared/scenes), STEPS (trials report), OPTIONS (more of softlux bench).
 set -eu
 cd "$(dirname "$0")/.."
 build=$1
@@ -36,13 +36,11 @@ fi
 # shellcheck disable=SC2086 # lists
 # Scenes of bench/scenes name files elsewhere.
 set -- -o "$out" --allow-outside --size "${SIZE:-128x128}" --repeats "${REPEATS:-3}" --limit "${LIMIT:-60}" --reference-budget "${REFERENCE_BUDGET:-60}" \
-    --threads "${THREADS:-1}" ${REFERENCES:+--references "$REFERENCES"} ${BUDGET:+--budget "$BUDGET"} ${OPTIONS:-}
+    --threads "${THREADS:-1}" ${REFERENCES:+--references "$REFERENCES"} ${OPTIONS:-}
 softlux=${SOFTLUX:-$build/softlux}
 
 for step in ${STEPS:-trials report}; do
     case $step in
-    references) # as good as the budget allows, ahead of time: who else works on the machine does not matter to them
-        for scene in $SCENES; do "$softlux" bench "$scene" "$@" --references-only --quiet || echo "$scene: no references"; done ;;
     trials) # what a busy machine spoils
         # shellcheck disable=SC2086 # a list
         printf '%s\n' $SCENES | xargs -P "${JOBS:-1}" -I SCENE "$softlux" bench SCENE "$@" --trials-only --quiet || echo "a scene could not be measured" ;;
@@ -54,6 +52,6 @@ for step in ${STEPS:-trials report}; do
         cp "$out/results.csv" docs/report/
         cp "$out/report.md" docs/report/README.md
         bench/fill_tables.sh "$out/tables.md" docs/speed-against-error.md ;;
-    *) echo "STEPS: references, trials, report; not '$step'" >&2 && exit 2 ;;
+    *) echo "STEPS: trials, report; not '$step'" >&2 && exit 2 ;;
     esac
 done

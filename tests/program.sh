@@ -135,7 +135,7 @@ expect 5 'path needs at least [0-9]+M for this \(program' render scenes/cornell.
 expect 0 'keep within --memory: [0-9]+ stored photons instead of 5000000' render scenes/cornell.json -s 32x32 -q draft -m light-octree --depth 3 --stored-photons 5000000 --memory 0.1G -o "$folder/m.exr"
 expect 0 'with less memory +[0-9]+ stored photons' info scenes/cornell.json -s 32x32 -m light-octree --stored-photons 50000000 --memory 300M
 expect 2 'did you mean splatting' bench scenes/cornell.json --methods path,splating -o "$folder/report"
-expect 2 "unknown 'best'" bench scenes/cornell.json --qualities best -o "$folder/report"
+expect 2 "got 'best'" bench scenes/cornell.json --qualities best -o "$folder/report"
 expect 3 'nowhere.json' bench nowhere.json --quiet -o "$folder/report"
 expect 4 'cannot make the folder' bench scenes/cornell.json -o "$folder/bad.json/report"
 expect 0 'skip *mirrors' info scenes/cornell.json

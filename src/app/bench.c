@@ -43,18 +43,15 @@ static int complain(const sl_error *error) {
     return (int)error->status;
 }
 
-/* Complains of the first name in a list that is none of those known. */
-static bool check_list(const char *option, const char *list, const char *const *known, size_t count,
-                       int *status) {
+/* Complains of the first name in a list that is none of the choices. */
+static bool check_list(const char *option, const char *list, const char *choices, int *status) {
     for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',') {
-        char word[64], one[64];
-        bool found = false;
+        char word[64];
+        int index;
+        sl_error error;
         snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
-        for (size_t i = 0; i < count; i++) found = found || strcmp(word, known[i]) == 0;
-        if (found) continue;
-        const char *near = sl_nearest_word(word, known, count);
-        snprintf(one, sizeof one, "%s%s", near ? "; did you mean " : "", near ? near : "");
-        fprintf(stderr, "softlux: --%s: unknown '%s'%s\n", option, word, one);
+        if (sl_value_choice(word, choices, &index, &error) == SL_OK) continue;
+        fprintf(stderr, "softlux: --%s: %s\n", option, error.message);
         *status = SL_ERROR_USAGE;
         return false;
     }
@@ -62,13 +59,11 @@ static bool check_list(const char *option, const char *list, const char *const *
 }
 
 static bool check_lists(const sl_bench_options *o, int *status) {
-    enum { MOST = 32 };
-    const char *methods[MOST], *qualities[SL_BENCH_QUALITIES];
-    size_t count = 0;
-    for (; count < MOST && sl_method_name(count); count++) methods[count] = sl_method_name(count);
-    for (int q = 0; q < SL_BENCH_QUALITIES; q++) qualities[q] = sl_bench_quality_name((sl_bench_quality)q);
-    return check_list("methods", o->methods, methods, count, status) &&
-           check_list("qualities", o->qualities, qualities, SL_BENCH_QUALITIES, status);
+    char methods[256] = "";
+    for (size_t m = 0, at = 0; sl_method_name(m) && at < sizeof methods; m++)
+        at += (size_t)snprintf(methods + at, sizeof methods - at, "%s%s", m ? "|" : "", sl_method_name(m));
+    return check_list("methods", o->methods, methods, status) &&
+           check_list("qualities", o->qualities, "draft|normal|high|curve", status);
 }
 
 static bool parse(int argc, char **argv, request *q, int *status) {
@@ -87,8 +82,6 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         SL_PIXELS("size", 's', q->size, "pixels [the scene's film, at most 192 a side]"),
         SL_NUMBER("repeats", 'r', &q->repeats, "R", 1, 50, "runs of what takes less than a second [3]"),
         SL_NUMBER("threads", 't', &q->threads, "N", 1, 256, "workers of each trial [1]"),
-        SL_REAL("budget", &o->budget, NULL, "SECONDS", 0.1, 1e9,
-                "for a scene's trials; the rest is left out [no limit]"),
         SL_REAL("limit", &o->limit, NULL, "SECONDS", 0.1, 1e9,
                 "for one trial, by the clock; then it is stopped [60]"),
         SL_NUMBER("memory", 0, &q->memory, "MB", 16, 1e7, "of addresses for one trial [no limit]"),
@@ -101,8 +94,6 @@ static bool parse(int argc, char **argv, request *q, int *status) {
                   "workers of the references [all processors]"),
         SL_FLAG("report-only", &o->report_only,
                 "run no trial: the report anew, of what the last run measured"),
-        SL_FLAG("references-only", &o->references_only,
-                "make references, as good as their budget allows, and nothing else"),
         SL_FLAG("trials-only", &o->trials_only,
                 "measure, and write no report: several of these may fill one folder, with a scene each, on a "
                 "processor each"),
@@ -174,7 +165,7 @@ static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_r
     sl_status status = sl_bench_scene_read(o, path, s, error);
     tell_apart(r);
     if (status != SL_OK || s->trouble[0]) return status;
-    if (!o->references_only) status = sl_schedule_run(o, s, journal, error);
+    status = sl_schedule_run(o, s, journal, error);
     if (status == SL_OK) status = sl_schedule_rows(o, s, journal, error);
     if (status == SL_OK && !o->trials_only && sl_evaluate(o, s, error) != SL_OK) {
         fprintf(stderr, "softlux: %s: no errors: %s\n", s->name, error->message);
@@ -234,7 +225,7 @@ static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_res
         status = measure(&q->options, q->scenes[i], r, journal, error);
         r->interrupted = sl_interrupted();
         sl_bench_find_unrest(r);
-        if (status == SL_OK && !q->options.trials_only && !q->options.references_only)
+        if (status == SL_OK && !q->options.trials_only)
             status = sl_report_write(r, q->options.folder, error);
     }
     return status;
@@ -249,7 +240,7 @@ static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_sta
         if (r->scenes[i].trouble[0] && o->quiet)
             fprintf(stderr, "softlux: %s\n", r->scenes[i].trouble);
     }
-    if (!o->quiet && !o->trials_only && !o->references_only) sl_report_terminal(r, stdout);
+    if (!o->quiet && !o->trials_only) sl_report_terminal(r, stdout);
     if (r->interrupted) return sl_interrupted_status();
     return measured ? 0 : SL_ERROR_INPUT;
 }

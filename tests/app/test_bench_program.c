@@ -268,8 +268,6 @@ static void two_programs_measure_and_a_third_tells(void **state) {
     assert_int_equal(finish(a), 0);
     assert_int_equal(finish(b), 0);
     assert_false(is_there("shared", "report.html"));
-    assert_int_equal(finish(start("shared", "--references-only -s 16x16")), 0);
-    assert_false(is_there("shared", "report.html"));
     assert_int_equal(finish(start("shared", "--report-only -s 16x16")), 0);
     char *text = file_of("shared", "results.csv"), *tables = file_of("shared", "tables.md");
     csv c = parse_csv(text);

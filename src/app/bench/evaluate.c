@@ -32,7 +32,7 @@ static bool list_references(const sl_bench_options *o, sl_bench_scene *s) {
     if (o->trials->truth[SL_BENCH_FULL]) add_reference(s, "full");
     if (o->trials->truth[SL_BENCH_ONE_BOUNCE]) add_reference(s, "one-bounce");
     for (size_t i = 0; i < s->row_count; i++) {
-        if (o->trials->truth[SL_BENCH_MATCHED] && (s->rows[i].end == SL_BENCH_RAN || o->references_only))
+        if (o->trials->truth[SL_BENCH_MATCHED] && s->rows[i].end == SL_BENCH_RAN)
             add_reference(s, s->rows[i].trial->transport);
     }
     if (o->trials->truth[SL_BENCH_FULL]) add_reference(s, "direct");
@@ -103,8 +103,8 @@ static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench
 static uint64_t next_samples(const sl_bench_options *o, const sl_bench_reference *r) {
     const double first = 64.0, growth = 16.0, least = 1.5, most = 1e8;
     if (!r->samples) return (uint64_t)first;
-    if (r->wanted > 0.0 ? r->noise <= r->wanted : !o->references_only) return 0;
-    double times = r->wanted > 0.0 ? 1.1 * pow(r->noise / r->wanted, 1.0 / 0.65) : growth;
+    if (!(r->wanted > 0.0) || r->noise <= r->wanted) return 0;
+    double times = 1.1 * pow(r->noise / r->wanted, 1.0 / 0.65);
     times = fmin(fmax(times, least), fmin(growth, most / (double)r->samples));
     if (o->reference_budget > 0.0 && r->seconds > 0.0) times = fmin(times, o->reference_budget / r->seconds);
     return times < least ? 0 : (uint64_t)(times * (double)r->samples);
@@ -196,7 +196,7 @@ sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *er
         s->pixels_compared += mask->planes[i] > 0.5f;
     for (size_t i = 0; i < s->reference_count && status == SL_OK; i++)
         status = refine(o, s, &s->references[i], mask, error);
-    if (status == SL_OK && !o->references_only) judge_all(o, s, mask);
+    if (status == SL_OK) judge_all(o, s, mask);
     sl_progress_clear(o->quiet);
     sl_image_destroy(mask);
     return status;

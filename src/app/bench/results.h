@@ -11,7 +11,7 @@ typedef enum sl_bench_end {
     SL_BENCH_FAILED,  /* with an error message of its own: out of memory, a scene that it cannot do */
     SL_BENCH_CRASHED,
     SL_BENCH_STOPPED, /* by the limit of seconds */
-    SL_BENCH_LEFT_OUT /* the budget was spent */
+    SL_BENCH_LEFT_OUT /* cheaper settings took too long, or somebody interrupted */
 } sl_bench_end;
 
 /* The middle of repeated measurements, and the first and last of them in order of size. */

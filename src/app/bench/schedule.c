@@ -164,7 +164,7 @@ static sl_status run_rank(const sl_bench_options *o, const sl_bench_scene *s, sl
     for (size_t i = 0; i < o->trials->count && status == SL_OK && !sl_interrupted(); i++) {
         const sl_trial *t = &o->trials->trial[i];
         double spent = sl_seconds_now() - from;
-        if (t->rank != rank || (run == LOOK && !t->look) || (o->budget > 0.0 && spent > o->budget) ||
+        if (t->rank != rank || (run == LOOK && !t->look) ||
             !is_wanted(o, s, t) || !is_due(o, s, journal, t, run))
             continue;
         sl_progress_show(o->quiet, (double)round / (o->repeats + 1), "%s, %.0f s: %s, %s", s->name, spent,
@@ -201,7 +201,7 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     if (cheaper)
         snprintf(row->why, sizeof row->why, "'%s' took most of the limit of seconds, and this takes longer",
                  cheaper->name);
-    else snprintf(row->why, sizeof row->why, "there was no time left for it");
+    else snprintf(row->why, sizeof row->why, "it was interrupted");
     picture_path(o, s, t, row->picture);
     row->look = cJSON_GetObjectItem(find_entry(o, s, journal, t, LOOK), "result");
     for (int run = 0; run < o->repeats && run < MOST; run++) {

@@ -16,20 +16,18 @@ typedef struct sl_bench_options {
     bool own_scenes;                  /* not those of the trials' file */
     int width, height;                /* 0: as the scene says, made small */
     int repeats;
-    /* seconds: of all trials of a scene; of one; of processor time of each reference. 0: none */
-    double budget, limit, reference_budget;
+    /* seconds: of a trial; of processor time of each reference. 0: none */
+    double limit, reference_budget;
     uint64_t memory_bytes;            /* of one trial; 0: none */
     unsigned threads, reference_threads; /* 0: all processors */
     bool quiet;
     bool report_only; /* no trial is run: the journal is taken as it is */
     bool trials_only; /* no errors, no report */
-    bool references_only; /* as good as their budget makes them */
     sl_load_options load;
     char program[17]; /* the fingerprint of what measures, or measured */
 } sl_bench_options;
 
-/* Runs what the journal does not hold yet. Returns when all is done, the budget is spent, or somebody
- * interrupts. */
+/* Runs what the journal does not hold yet. Returns when all is done, or somebody interrupts. */
 sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_journal *journal,
                           sl_error *error);
 /* Makes the rows of the scene from what the journal holds of it. */

@@ -20,7 +20,7 @@ static const double noise_of_noise = 0.3;
 typedef struct checking {
     const char *only, *method; /* or NULL */
     double seconds;            /* that a picture may take */
-    bool markdown, list;
+    bool list;
     char folder[64];
     /* of the method at hand */
     const char *name;
@@ -226,29 +226,27 @@ static bool is_wanted(const checking *c, const sl_hard_case *hard) {
     return !c->only || strstr(hard->name, c->only);
 }
 
-static void print_row(const checking *c, const char *name, const verdict *v) {
+static void print_row(const char *name, const verdict *v) {
     char difference[32] = "", bound[32] = "";
     if (v->difference >= 0.0) snprintf(difference, sizeof difference, "%.2g %%", 100.0 * v->difference);
     if (v->difference >= 0.0) snprintf(bound, sizeof bound, "%.2g %%", 100.0 * v->bound);
-    printf(c->markdown ? "| %s | %s | %s | %s | %s |\n" : "  %-24s %-7s %10s of %-8s %s\n", name,
-           v->good ? "ok" : "FAILED", difference, bound, v->text);
+    printf("| %-24s | %-6s | %10s | %8s | %s |\n", name, v->good ? "ok" : "FAILED", difference, bound,
+           v->text);
     fflush(stdout);
 }
 
 static sl_status check_method(checking *c, size_t *failures, sl_error *error) {
     sl_status status = prepare(c, error);
     if (status == SL_OK) {
-        printf(
-            c->markdown
-                ? "\n### %s\n\nNoise (another seed): %.2g %%. Error (against %d samples a pixel of the same "
-                  "light paths): %.2g %%.\n\n| case | | off by | bound | |\n|:---|:---|---:|---:|:---|\n"
-                : "%s (noise %.2g %%, against %d path samples a pixel %.2g %%)\n",
-            c->name, 100.0 * c->noise, REFERENCE_SAMPLES, 100.0 * c->error);
+        printf("\n### %s\n\nNoise (another seed): %.2g %%. Error (against %d samples a pixel of the same "
+               "light paths): "
+               "%.2g %%.\n\n| case | | off by | bound | |\n|:---|:---|---:|---:|:---|\n",
+               c->name, 100.0 * c->noise, REFERENCE_SAMPLES, 100.0 * c->error);
         for (size_t i = 0; i < sl_hard_case_count; i++) {
             if (!is_wanted(c, &sl_hard_cases[i])) continue;
             verdict v = check_case(c, &sl_hard_cases[i]);
             *failures += !v.good;
-            print_row(c, sl_hard_cases[i].name, &v);
+            print_row(sl_hard_cases[i].name, &v);
         }
     }
     sl_image_destroy(c->plain);
@@ -288,7 +286,6 @@ int sl_command_check_numerics(int argc, char **argv) {
         SL_TEXT("method", 'm', &c.method, "NAME", "this method alone [all]"),
         SL_TEXT("only", 0, &c.only, "TEXT", "cases whose names hold the text"),
         SL_REAL("limit", &c.seconds, NULL, "SECONDS", 1e-3, 1e6, "that a picture may take [120]"),
-        SL_FLAG("markdown", &c.markdown, "tables as Markdown"),
         SL_FLAG("list", &c.list, "print the cases, and run none"),
         {.name = NULL}};
     const sl_command_line line = {
