@@ -59,13 +59,13 @@ static sl_status trace_photons(sl_octree_state *s, sl_error *error) {
  * be seen. */
 static sl_octree_root root_of(const sl_octree_state *s) {
     const sl_photon_list *photons = sl_photon_tree_list(s->tree);
-    const sl_octree_root core = sl_octree_root_of_core(s->scene);
+    const sl_octree_root central = sl_octree_root_of_central_region(s->scene);
     size_t inside = 0;
     for (size_t i = 0; i < photons->count; i++) {
         const float *p = photons->photon[i].position;
-        inside += sl_octree_root_holds(&core, sl_v3(p[0], p[1], p[2]));
+        inside += sl_octree_root_holds(&central, sl_v3(p[0], p[1], p[2]));
     }
-    return 2 * inside >= photons->count ? core : sl_octree_root_of_all(s->scene);
+    return 2 * inside >= photons->count ? central : sl_octree_root_of_all(s->scene);
 }
 
 static void show_level(sl_octree_state *s) {

@@ -10,8 +10,8 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-/* What lies around a core takes light from it, too. */
-static const double AROUND_CORE = 1.5;
+/* What lies around the central region takes light from it, too. */
+static const double AROUND_CENTRE = 1.5;
 
 enum { CHUNK = 2048, LEAF_BLOCK = 128, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS };
 
@@ -310,9 +310,9 @@ sl_octree_root sl_octree_root_of_all(const sl_scene *scene) {
     return root_around(scene->box_min, scene->box_max, 1.0);
 }
 
-sl_octree_root sl_octree_root_of_core(const sl_scene *scene) {
+sl_octree_root sl_octree_root_of_central_region(const sl_scene *scene) {
     return root_around(scene->central_min, scene->central_max,
-                       sl_scene_is_scattered(scene) ? AROUND_CORE : 1.0);
+                       sl_scene_is_scattered(scene) ? AROUND_CENTRE : 1.0);
 }
 
 sl_status sl_octree_create(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,

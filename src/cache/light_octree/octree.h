@@ -41,9 +41,9 @@ typedef struct sl_octree_root {
 } sl_octree_root;
 
 sl_octree_root sl_octree_root_of_all(const sl_scene *scene);
-/* The core of a scattered scene and half as much again: voxels of all of it would be larger than the central
- * region is. Else of all. */
-sl_octree_root sl_octree_root_of_core(const sl_scene *scene);
+/* Of a scattered scene the central region and half as much again: voxels of all of it would be larger than
+ * that region is. Else of all. */
+sl_octree_root sl_octree_root_of_central_region(const sl_scene *scene);
 static inline bool sl_octree_root_holds(const sl_octree_root *root, sl_vec3 p) {
     sl_vec3d u = sl_subd(sl_to_double(p), root->origin);
     return u.x >= 0.0 && u.y >= 0.0 && u.z >= 0.0 && u.x <= root->edge && u.y <= root->edge &&

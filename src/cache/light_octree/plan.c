@@ -52,7 +52,7 @@ void sl_octree_transport(const sl_settings *settings, sl_transport *transport) {
 /* ---- what can be said before anything has run ---- */
 
 double sl_octree_voxels_expected(const sl_scene *scene, double voxel) {
-    double area = 0.0, cells = ceil(sl_octree_root_of_core(scene).edge / ((1.0 + 1e-4) * voxel));
+    double area = 0.0, cells = ceil(sl_octree_root_of_central_region(scene).edge / ((1.0 + 1e-4) * voxel));
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
         if (!sl_takes_photons(&scene->materials[scene->material_index[t]])) continue;
         sl_vec3 p[3];
@@ -103,7 +103,7 @@ bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_setting
 
 static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o, const sl_octree_plan *p,
                         sl_plan_writer *writer) {
-    double voxel = sl_octree_root_of_core(scene).edge / (1.0 + 1e-4) / (double)(1u << o->depth),
+    double voxel = sl_octree_root_of_central_region(scene).edge / (1.0 + 1e-4) / (double)(1u << o->depth),
            voxels = voxel > 0.0 ? sl_octree_voxels_expected(scene, voxel) : 0.0;
     double a_voxel = voxels > 1.0 ? (double)o->photons / voxels : (double)o->photons;
     size_t small = voxel > 0.0 ? sl_octree_small_objects(scene, voxel) : 0;

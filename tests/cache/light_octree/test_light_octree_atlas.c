@@ -299,11 +299,6 @@ static void a_sphere_is_cut_into_few_charts(void **state) {
     assert_in_range(charts, 4, 16);
 }
 
-static void a_torus_is_cut_into_few_charts(void **state) {
-    (void)state;
-    assert_in_range(charts_of_sound_atlas(scene_of(torus, 48, 24), 256), 6, 40);
-}
-
 static void a_box_has_a_chart_a_side(void **state) {
     (void)state;
     trace_mesh mesh = trace_mesh_begin();
@@ -547,7 +542,6 @@ int main(void) {
         cmocka_unit_test(what_would_lie_on_its_own_chart_leaves_it),
         cmocka_unit_test(the_search_for_overlaps_finds_what_is_there),
         cmocka_unit_test(a_sphere_is_cut_into_few_charts),
-        cmocka_unit_test(a_torus_is_cut_into_few_charts),
         cmocka_unit_test(a_box_has_a_chart_a_side),
         cmocka_unit_test(a_rough_surface_keeps_all_promises),
         cmocka_unit_test(many_pages_at_one_edge_and_a_moebius_strip),

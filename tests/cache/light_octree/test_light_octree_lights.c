@@ -568,41 +568,6 @@ static void batches_and_threads_give_the_same_bits(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Small triangles are taken whole or not at all: on a fine floor each voxel's area is that of the coarse
- * floor but for its rim. */
-static void fine_meshes_have_the_areas_of_coarse_ones(void **state) {
-    (void)state;
-    enum { FINE = 100 };
-    float coarse[18], *fine = malloc(18 * FINE * FINE * sizeof *fine), step = 4.0f / FINE;
-    assert_non_null(fine);
-    add_quad(coarse, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
-    for (size_t i = 0; i < FINE * FINE; i++) {
-        add_quad(fine, 2 * i, sl_v3(step * (float)(i % FINE), 0, step * (float)(i / FINE)), sl_v3(0, 0, step),
-                 sl_v3(step, 0, 0));
-    }
-    sl_scene *scenes[2] = {scene_of_triangles(coarse, 2), scene_of_triangles(fine, 2 * FINE * FINE)};
-    lit l[2];
-    for (int k = 0; k < 2; k++) {
-        sl_photon_list *list = even_floor(20000, 1.0f, 3);
-        sl_voxel_light_options o = plain_options(4);
-        o.neighbours = 300;
-        l[k] = light_up(scenes[k], 4, list, &o, 1);
-    }
-    double error = 0.0, count = (double)l[0].lights->set_count;
-    assert_true(l[0].lights->set_count == l[1].lights->set_count);
-    for (size_t i = 0; i < l[0].lights->set_count; i++) {
-        double ratio = (double)l[1].lights->set[i].area / (double)l[0].lights->set[i].area - 1.0;
-        assert_true(fabs(ratio) < 0.06);
-        error += ratio * ratio / count;
-    }
-    assert_true(sqrt(error) < 0.012 && error > 0.0); /* a fifth of what 300 photons leave open */
-    for (int k = 0; k < 2; k++) {
-        end_lit(&l[k]);
-        sl_scene_destroy(scenes[k]);
-    }
-    free(fine);
-}
-
 /* Boards that lie on it hide a floor: it is met by no photon, and must not dilute theirs. */
 static void what_lies_under_a_surface_takes_none_of_its_light(void **state) {
     (void)state;
@@ -700,7 +665,6 @@ int main(void) {
         cmocka_unit_test(a_bright_photon_among_dim_ones_is_reported),
         cmocka_unit_test(statistics_tell_spread_and_flux),
         cmocka_unit_test(batches_and_threads_give_the_same_bits),
-        cmocka_unit_test(fine_meshes_have_the_areas_of_coarse_ones),
         cmocka_unit_test(what_lies_under_a_surface_takes_none_of_its_light),
         cmocka_unit_test(flat_matt_surfaces_have_one_light_along_their_normal),
     };

@@ -71,25 +71,11 @@ static void what_is_no_direction_becomes_one(void **state) {
     assert_true(sizeof(sl_directional_light) == 16);
 }
 
-/* Why the texture of lights has 32 bits a channel: half floats have no odd integers beyond 2048. */
-static void a_code_fits_a_float_and_not_half_of_one(void **state) {
-    (void)state;
-    uint32_t lost = 0;
-    for (uint32_t code = 0; code < 65505; code++) {
-        assert_true((uint32_t)(float)code == code);
-        uint32_t step = 1; /* between half floats of that size: 11 bits */
-        while (code >= 2048 * step) step *= 2;
-        lost += code % step != 0;
-    }
-    assert_int_equal(lost, 58337);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_error_stays_below_its_bound),
         cmocka_unit_test(axes_and_codes_are_exact),
         cmocka_unit_test(what_is_no_direction_becomes_one),
-        cmocka_unit_test(a_code_fits_a_float_and_not_half_of_one),
     };
     return cmocka_run_group_tests_name("light octree: packed directions", tests, NULL, NULL);
 }

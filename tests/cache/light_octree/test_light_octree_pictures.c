@@ -93,36 +93,6 @@ static void an_integrating_sphere_holds_rho_over_one_minus_rho(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Voxels that clip slivers of the sphere count few photons: their own number is right on the mean, but
- * scatters; the nearest ones do not know about voxels (figure 16a of the paper). */
-static void own_photons_alone_are_right_on_the_mean_but_scatter(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/sphere.json");
-    double mean[2] = {0.0, 0.0}, scatter[2];
-    for (int own = 0; own < 2; own++) {
-        sl_settings settings = octree_settings(32);
-        settings.light_octree.indirect_only = true;
-        settings.light_octree.photons = 150000;
-        settings.light_octree.depth = 6;
-        settings.light_octree.own_photons = own;
-        sl_counters counters;
-        sl_image *image = render(scene, &settings, &counters);
-        double square = 0.0;
-        for (int i = 0; i < 32 * 32; i++) {
-            double v = (double)sl_image_channel(image, "indirect.G")[i];
-            mean[own] += v / 1024.0;
-            square += v * v / 1024.0;
-        }
-        scatter[own] = sqrt(fmax(0.0, square - mean[own] * mean[own])) / mean[own];
-        sl_image_destroy(image);
-    }
-    print_message("radiance %.4f and %.4f, scatter %.2f %% and %.2f %%\n", mean[0], mean[1],
-                  100.0 * scatter[0], 100.0 * scatter[1]);
-    assert_true(fabs(mean[1] / mean[0] - 1.0) < 0.03);
-    assert_true(scatter[1] > 1.5 * scatter[0]);
-    sl_scene_destroy(scene);
-}
-
 /* ---- depth by depth ---- */
 
 typedef struct {
@@ -421,7 +391,6 @@ int main(void) {
         cmocka_unit_test(the_cornell_box_is_lit_as_by_all_of_its_paths),
         cmocka_unit_test(photons_gathered_at_pixels_light_the_cornell_box_too),
         cmocka_unit_test(an_integrating_sphere_holds_rho_over_one_minus_rho),
-        cmocka_unit_test(own_photons_alone_are_right_on_the_mean_but_scatter),
         cmocka_unit_test(each_depth_on_the_way_is_what_that_depth_gives_alone),
         cmocka_unit_test(a_new_camera_keeps_photons_and_voxels),
         cmocka_unit_test(mirrors_show_what_they_reflect),
