@@ -95,14 +95,37 @@ static unsigned long line_of(const char *text, const char *at) {
     return line;
 }
 
-/* Returns a comma before a closing bracket, of which the parser tells at the end of the file; NULL: none. */
-static const char *find_stray_comma(const char *text) {
+static const char *behind_digits(const char *at) { return at + strspn(at, "0123456789"); }
+
+/* Returns what is behind a number as JSON has it: -12, 0.5, 1e-3; at itself where it is none (012, 2., +1). */
+static const char *behind_number(const char *at) {
+    const char *digits = at + (*at == '-'), *end = behind_digits(digits);
+    if (end == digits || (*digits == '0' && end > digits + 1)) return at;
+    if (*end == '.') {
+        digits = end + 1, end = behind_digits(digits);
+        if (end == digits) return at;
+    }
+    if (*end == 'e' || *end == 'E') {
+        digits = end + 1 + strspn(end + 1, "+-") % 2, end = behind_digits(digits);
+        if (end == digits) return at;
+    }
+    return strchr(",]} \t\r\n", *end) ? end : at;
+}
+
+/* Returns what the parser takes, or tells at the end of the file: numbers in other words, a comma before a
+ * closing bracket. NULL: nothing. */
+static const char *find_what_is_no_json(const char *text) {
     for (const char *at = text; *at; at++) {
         if (*at == '"') {
             for (at++; *at && *at != '"'; at++) at += *at == '\\' && at[1];
             if (!*at) return NULL;
+        } else if (*at == ',' && strchr("]}", at[1 + strspn(at + 1, " \t\r\n")])) {
+            return at;
+        } else if (strchr("+-.0123456789", *at)) {
+            const char *end = behind_number(at);
+            if (end == at) return at;
+            at = end - 1;
         }
-        if (*at == ',' && strchr("]}", at[1 + strspn(at + 1, " \t\r\n")])) return at;
     }
     return NULL;
 }
@@ -127,8 +150,8 @@ sl_status sl_json_open(const char *path, sl_json *json, sl_error *error) {
     const char *start = json->text, *end = start + strlen(start);
     /* a byte order mark says nothing */
     if (strncmp(start, "\xef\xbb\xbf", 3) == 0) memset(json->text, ' ', 3);
-    const char *comma = find_stray_comma(start);
-    if (comma) return json->status = fail_syntax(json, comma);
+    const char *stray = find_what_is_no_json(start);
+    if (stray) return json->status = fail_syntax(json, stray);
     /* It does not tell want of memory from bad text: which is bad again. */
     for (int i = 0; i < 2 && !json->root && strlen(start) == bytes.size; i++)
         json->root = cJSON_ParseWithOpts(start, &end, 1);
