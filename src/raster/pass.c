@@ -60,9 +60,9 @@ void sl_raster_scratch_destroy(sl_raster_scratch *s) {
     sl_free(s);
 }
 
-/* Kept for later passes: a pass over a large target would otherwise begin by having a megabyte faulted in page
- * by page and cleared. Passes run at the same time, so each takes what it needs for itself alone and gives it
- * back afterwards. */
+/* Kept for later passes: a pass over a large target would otherwise begin by having a megabyte faulted in
+ * page by page and cleared. Passes run at the same time, so each takes what it needs for itself alone and
+ * gives it back afterwards. */
 enum { SPARES = 8 };
 
 struct sl_spares {

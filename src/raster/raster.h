@@ -127,7 +127,8 @@ sl_frame sl_cube_face_frame(int face);
  * neighbouring pixels see neighbouring directions. */
 sl_view sl_view_hemicube_face(const sl_frame *frame, sl_vec3 eye, int face, int size, float near);
 
-/* The planes of a pbuffer; all caller-owned arrays of width*height (NULL: not wanted), row 0 at the bottom. */
+/* The planes of a pbuffer; all caller-owned arrays of width*height (NULL: not wanted), row 0 at the bottom.
+ */
 typedef struct sl_target {
     int width, height;
     uint32_t *id;   /* triangle index, SL_NO_INDEX where nothing is */

@@ -97,7 +97,8 @@ static unsigned long line_of(const char *text, const char *at) {
 
 static const char *behind_digits(const char *at) { return at + strspn(at, "0123456789"); }
 
-/* Returns what is behind a number as JSON has it: -12, 0.5, 1e-3; at itself where it is none (012, 2., +1). */
+/* Returns what is behind a number as JSON has it: -12, 0.5, 1e-3; at itself where it is none (012, 2., +1).
+ */
 static const char *behind_number(const char *at) {
     const char *digits = at + (*at == '-'), *end = behind_digits(digits);
     if (end == digits || (*digits == '0' && end > digits + 1)) return at;

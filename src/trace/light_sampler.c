@@ -27,8 +27,9 @@ static double power_of(const sl_scene *scene, size_t entry) {
     double power = sl_light_power(scene, (uint32_t)entry), least = 0.0;
     if (entry >= scene->emitter_count && entry < scene->emitter_count + scene->light_count) {
         const sl_light *light = &scene->lights[entry - scene->emitter_count];
-        double extent = light->type == SL_LIGHT_DIRECTIONAL ? (double)scene->diagonal * (double)scene->diagonal
-                                                            : 2.0 * SL_PI;
+        double extent = light->type == SL_LIGHT_DIRECTIONAL
+                            ? (double)scene->diagonal * (double)scene->diagonal
+                            : 2.0 * SL_PI;
         least = 1e-6 * extent * (double)sl_luminance(light->intensity);
     }
     power = fmax(power, least);

@@ -1,6 +1,6 @@
 /* The pages of `softlux steps` and the report of `softlux bench`, in a browser: they show what they hold, on
- * paper of any width, and fetch nothing; the slider and the pixels' explanations work by mouse and by keys, and
- * an explanation adds up to the very value that a render has. */
+ * paper of any width, and fetch nothing; the slider and the pixels' explanations work by mouse and by keys,
+ * and an explanation adds up to the very value that a render has. */
 #include "webdriver.h"
 
 #include <cjson/cJSON.h>

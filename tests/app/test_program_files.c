@@ -373,7 +373,8 @@ static void who_ignores_that_the_terminal_closes_goes_on(void **state) { /* nohu
     assert_int_equal(WEXITSTATUS(ended), 128 + SIGTERM);
 }
 
-/* Whoever runs these tests may ignore signals: a shell does for what it runs in the background, nohup does. */
+/* Whoever runs these tests may ignore signals: a shell does for what it runs in the background, nohup does.
+ */
 static int make_folder(void **state) {
     signal(SIGINT, SIG_DFL);
     signal(SIGHUP, SIG_DFL);

@@ -37,11 +37,31 @@ static const struct {
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
 /* What ends a command that renders: last words win. Some only go with others. */
-static const char *const least[] = {
-    "--size", "3x2", "--threads", "1", "--spp", "1", "--photons", "2", "--depth", "2", "--stored-photons", "100",
-    "--set", "gather-size=8", "--set", "direct-radiance.map-size=4",
-    "--set", "direct-radiance.shadow-size=16", "--set", "shading-cache.points=20",
-    "--set", "shading-cache.indirect-samples=2", "--set", "shading-cache.area-samples=4", "--quiet"};
+static const char *const least[] = {"--size",
+                                    "3x2",
+                                    "--threads",
+                                    "1",
+                                    "--spp",
+                                    "1",
+                                    "--photons",
+                                    "2",
+                                    "--depth",
+                                    "2",
+                                    "--stored-photons",
+                                    "100",
+                                    "--set",
+                                    "gather-size=8",
+                                    "--set",
+                                    "direct-radiance.map-size=4",
+                                    "--set",
+                                    "direct-radiance.shadow-size=16",
+                                    "--set",
+                                    "shading-cache.points=20",
+                                    "--set",
+                                    "shading-cache.indirect-samples=2",
+                                    "--set",
+                                    "shading-cache.area-samples=4",
+                                    "--quiet"};
 static const char *const least_of_series[] = {"--frames", "1"}, *const least_of_others[] = {"--time", "0.05"},
                          *const least_without_error[] = {"--batches", "2"};
 

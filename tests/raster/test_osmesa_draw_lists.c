@@ -1,9 +1,9 @@
 /* What OSMesa judges is what draws: the passes that every method asks for while it renders the Cornell box, a
  * room and a cave are handed to OSMesa as they come, all large ones and every fiftieth small view, and whole
- * frames are compared. Triangle numbers agree in every bit, and so do depths of large views, told OpenGL's way
- * (the methods' own is 1/w, which OpenGL does not store); in small views depths may be 256 steps of a float
- * (1.5e-5) apart and are counted by themselves; Gouraud's values agree within the roundings of OSMesa's planes,
- * which begin at the target's corner. */
+ * frames are compared. Triangle numbers agree in every bit, and so do depths of large views, told OpenGL's
+ * way (the methods' own is 1/w, which OpenGL does not store); in small views depths may be 256 steps of a
+ * float (1.5e-5) apart and are counted by themselves; Gouraud's values agree within the roundings of OSMesa's
+ * planes, which begin at the target's corner. */
 #define _XOPEN_SOURCE 700
 #include "osmesa_soup.h"
 
@@ -39,7 +39,8 @@ static sl_view with_window_depth(const sl_view *view) {
     if (v.depth == SL_DEPTH_WINDOW) return v;
     float along = 0.0f;
     for (int k = 0; k < 3; k++) along += v.clip[2][k] * v.clip[3][k];
-    for (int k = 0; k < 3; k++) v.clip[2][k] = along < 0.0f ? v.clip[3][k] : 2.0f * v.clip[2][k] - v.clip[3][k];
+    for (int k = 0; k < 3; k++)
+        v.clip[2][k] = along < 0.0f ? v.clip[3][k] : 2.0f * v.clip[2][k] - v.clip[3][k];
     v.clip[2][3] = along < 0.0f ? -2e-3f * v.clip[2][3] : 2.0f * v.clip[2][3] - v.clip[3][3];
     v.depth = SL_DEPTH_WINDOW;
     return v;

@@ -247,7 +247,8 @@ sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double 
 
 /* ---- two pictures ---------------------------------------------------------------------------- */
 
-/* Tells whether more than `share` of the first error is left in the second picture, which chose the pixels. */
+/* Tells whether more than `share` of the first error is left in the second picture, which chose the pixels.
+ */
 static bool leaves_more(audit *a, const sl_audit_view *first, double share) {
     for (size_t i = 0; i < a->count; i++) {
         double x[3], y[3], p[3], q[3];

@@ -4,10 +4,11 @@
  *
  * O(type, field, name, unit, least, most, default, the paper's symbol, audience, help)
  *
- * unit: what --help calls a value; DEGREES are radians in the field; BYTES may have K, M, G or T; choices stand
- * as the enumeration in base/choices.h has them; "" is a flag. A field of 0 is the default: IS, BY quality, or what
- * the method decides, as TOLD in words. USER: an option of the program, with a letter or without. RESEARCH: by --set,
- * for experiments with the paper. UNSTAMPED: as USER, but no bit of a pixel depends on it. */
+ * unit: what --help calls a value; DEGREES are radians in the field; BYTES may have K, M, G or T; choices
+ * stand as the enumeration in base/choices.h has them; "" is a flag. A field of 0 is the default: IS, BY
+ * quality, or what the method decides, as TOLD in words. USER: an option of the program, with a letter or
+ * without. RESEARCH: by --set, for experiments with the paper. UNSTAMPED: as USER, but no bit of a pixel
+ * depends on it. */
 #ifndef SL_FRAME_OPTIONS_H
 #define SL_FRAME_OPTIONS_H
 

@@ -283,8 +283,8 @@ sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, 
     void *scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
     bool made = make_sums((size_t)first * width, rows * width, &sums) && costs && scratch;
     if (made) {
-        pass p = {direct, gbuffer, first, first, &sums, {radiance[0], radiance[1], radiance[2]}, costs, scratch,
-                  false};
+        pass p = {direct, gbuffer, first, first, &sums, {radiance[0], radiance[1], radiance[2]},
+                  costs,  scratch, false};
         run(&p, sample_row, row0, row1, margin);
         p.refine = true;
         if (samples_with_refinement(direct) > pilot_samples(direct))

@@ -104,8 +104,8 @@ typedef enum sl_light_shot {
     SL_SHOT_IMPOSSIBLE       /* no frustum holds the light: take rays */
 } sl_light_shot;
 
-/* closed_forms.c. Area-weighted middle of what faces the point and is above its horizons, from the point; (0,0,0): nothing
- * is. */
+/* closed_forms.c. Area-weighted middle of what faces the point and is above its horizons, from the point;
+ * (0,0,0): nothing is. */
 sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *point);
 
 /* window.c */

@@ -39,8 +39,8 @@ static inline uint32_t sl_changes_since(const sl_changes *changes, uint32_t obje
 /* At an update's end: objects whose change has ended. still_stale[i]: some visible leaf of the object has
  * vertices from before. */
 void sl_changes_settle(sl_changes *changes, const bool *still_stale, uint32_t now);
-/* Smallest projected area of quads of changing objects that T_c leaves time for: A / (r T_c); of triangles half
- * of it, as their grids have half as many vertices as leaves. A: their visible pixels. */
+/* Smallest projected area of quads of changing objects that T_c leaves time for: A / (r T_c); of triangles
+ * half of it, as their grids have half as many vertices as leaves. A: their visible pixels. */
 float sl_changes_coarsest(double visible_pixels, double rate, double seconds);
 /* Drops children that are at or below that, a quarter of their parent's projected area, where they belong to
  * changing objects, once for each change: what is left is no more than there is time for. */

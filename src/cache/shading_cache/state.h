@@ -88,7 +88,8 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
 void sl_shading_find_stale(sl_shading_state *s);
 void sl_shading_drop_resolution(sl_shading_state *s);
 void sl_shading_note_latency(sl_shading_state *s);
-/* Pixels squared below which quads of changing objects are not split, triangles below half of it; 0: no limit.
+/* Pixels squared below which quads of changing objects are not split, triangles below half of it; 0: no
+ * limit.
  */
 float sl_shading_coarsest(const sl_shading_state *s);
 

@@ -26,8 +26,8 @@ static double second_difference(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
     return sl_lengthd(sl_subd(sl_addd(a, c), sl_scaled(b, 2.0)));
 }
 
-/* Returns a bound of the second derivatives of a Bezier surface, from differences of control points: 6 |second
- * differences|, 9 |mixed ones|. */
+/* Returns a bound of the second derivatives of a Bezier surface, from differences of control points: 6
+ * |second differences|, 9 |mixed ones|. */
 static double curvature_of(const sl_bicubic *b) {
     double most = 0.0;
     for (int j = 0; j < 4; j++) {

@@ -46,8 +46,9 @@ bool sl_vertex_is_stale(const sl_patches *patches, const sl_work_settings *setti
  * Where that holds for all visible leaves a picture of a still scene is done. */
 bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *settings, uint32_t patch);
 
-/* Handles all places, patch by patch: requests vertices never evaluated or stale; else splits and hands places
- * on. vertex: the vertices to be shaded, each once, in that order; room for (4 + SL_HANGING_A_PATCH) * count + 64. */
+/* Handles all places, patch by patch: requests vertices never evaluated or stale; else splits and hands
+ * places on. vertex: the vertices to be shaded, each once, in that order; room for (4 + SL_HANGING_A_PATCH) *
+ * count + 64. */
 sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, size_t count,
                       const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count,
                       sl_counters *counters, sl_error *error);

@@ -4,8 +4,8 @@
 #include <string.h>
 
 /* Neighbouring pixels may show triangles that lie far apart in memory. Asked for all together, before the
- * first is needed, they come in the time of a few. So many pixels, where triangles are so small that a block's
- * runs are all in use: as many as the next may take. */
+ * first is needed, they come in the time of a few. So many pixels, where triangles are so small that a
+ * block's runs are all in use: as many as the next may take. */
 enum { AHEAD = 128 };
 
 static void find_vertices(const sl_raster *raster, size_t count, sl_resolve_block *block) {

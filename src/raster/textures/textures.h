@@ -1,9 +1,8 @@
 /* The hardware's texture units: 2D textures and cube maps with MIP maps, read linearly between texels and
  * between levels; and 3D textures of bytes, read a texel at a time.
  *
- *     texels ── sl_texture_image_build() ── MIP chain ──┬── sl_texture_sample()       one lookup: the plain form
- *                                                       └── sl_texture_sample_many()  many, vectorised: the
- *                                                                                     same bits
+ *     texels ── sl_texture_image_build() ── MIP chain ──┬── sl_texture_sample()       one lookup: the plain
+ * form └── sl_texture_sample_many()  many, vectorised: the same bits
  *
  * Texels are four floats (RGBA) side by side: a filter reads four texels at unrelated places, and so it reads
  * four cache lines instead of sixteen. Row 0 is at the bottom, t = 0 its lower edge; texel i of n has its
@@ -46,8 +45,8 @@ void sl_texture_image_destroy(sl_texture_image *image);
  * weighted by their share. So the mean of every level is the mean of the picture. */
 void sl_texture_image_build(sl_texture_image *image, unsigned threads);
 
-/* `count` lookups at level of detail `lod` (0 and below: the finest; NaN counts as 0; NULL: 0). plane[c][n] is
- * channel c of lookup n; NULL planes are not wanted. */
+/* `count` lookups at level of detail `lod` (0 and below: the finest; NaN counts as 0; NULL: 0). plane[c][n]
+ * is channel c of lookup n; NULL planes are not wanted. */
 void sl_texture_sample_many(const sl_texture_image *image, size_t count, const float *s, const float *t,
                             const float *lod, float *const plane[4]);
 

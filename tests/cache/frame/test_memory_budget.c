@@ -74,8 +74,8 @@ static void run(sl_scene *scene, const sl_settings *settings, outcome *o) {
     unlink(path);
 }
 
-/* Making a scene by hand takes more for a moment than the scene: that is given back, and the process's peak is
- * counted from here. */
+/* Making a scene by hand takes more for a moment than the scene: that is given back, and the process's peak
+ * is counted from here. */
 static void forget_peak(void) {
     FILE *file = fopen("/proc/self/clear_refs", "w");
     malloc_trim(0);

@@ -1,5 +1,5 @@
-/* Gradients, and second derivatives along the tangent plane, against closed forms (Lambert's of polygon lights
- * with an occluder before them and without, the inside of a sphere) and against differences. */
+/* Gradients, and second derivatives along the tangent plane, against closed forms (Lambert's of polygon
+ * lights with an occluder before them and without, the inside of a sphere) and against differences. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -66,7 +66,8 @@ static picture *direct_light(const sl_scene *scene, options o) {
     assert_int_equal(sl_raster_gbuffer(raster, &view, 1, p->gbuffer, &p->counters, NULL), SL_OK);
     float *const planes[3] = {p->rgb, p->rgb + PIXELS, p->rgb + 2 * PIXELS};
     for (int row = 0; row < SIZE;)
-        assert_int_equal(sl_direct_rows(direct, p->gbuffer, o.strip, &row, planes, &p->counters, NULL), SL_OK);
+        assert_int_equal(sl_direct_rows(direct, p->gbuffer, o.strip, &row, planes, &p->counters, NULL),
+                         SL_OK);
     sl_direct_destroy(direct);
     sl_shadow_maps_destroy(maps);
     sl_environment_release(&sky);

@@ -314,7 +314,8 @@ static void mirrors_show_a_far_environment_alone_as_by_rays(void **state) {
     sl_image *cube = render(scene, &settings, &counters);
     sl_comparison c;
     assert_int_equal(sl_image_compare(cube, rays, NULL, &c, NULL, NULL), SL_OK);
-    print_message("the environment alone: relRMSE %.3f %%, bias %.3f %%\n", 100.0 * c.rel_rmse, 100.0 * c.bias);
+    print_message("the environment alone: relRMSE %.3f %%, bias %.3f %%\n", 100.0 * c.rel_rmse,
+                  100.0 * c.bias);
     assert_true(c.rel_rmse < 0.03 && fabs(c.bias) < 0.003);
     assert_true(c.mean_image > 0.5);
     /* one for each pixel of the mirror */

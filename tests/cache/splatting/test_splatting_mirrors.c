@@ -138,7 +138,8 @@ static void every_pixel_that_a_sphere_reaches_lies_in_its_rectangles(void **stat
             reached += holds(tile, x, y);
         }
         held += (size_t)(part.x1 - part.x0) * (size_t)(part.y1 - part.y0);
-        assert_true(part.x1 == part.x0 || (holds(tile, part.x0, part.y0) && holds(tile, part.x1 - 1, part.y1 - 1)));
+        assert_true(part.x1 == part.x0 ||
+                    (holds(tile, part.x0, part.y0) && holds(tile, part.x1 - 1, part.y1 - 1)));
     }
     print_message("%zu pixels reached, %zu in rectangles\n", reached, held);
     assert_true(reached > 5000 && held < 10 * reached);
