@@ -73,8 +73,6 @@ static void note_fork(void) { atomic_store_explicit(&forked, true, memory_order_
  * that. */
 __attribute__((constructor)) static void watch_forks(void) { pthread_atfork(NULL, NULL, note_fork); }
 
-static bool was_forked(void) { return atomic_load_explicit(&forked, memory_order_relaxed); }
-
 /* ---- threads that last for one loop ---------------------------------------------------------- */
 
 typedef struct {
@@ -114,6 +112,8 @@ static void run_on_own_threads(unsigned threads, size_t count, sl_task *task, vo
 /* ---- the loop -------------------------------------------------------------------------------- */
 
 #ifndef SL_THREADS_WITHOUT_OPENMP
+
+static bool was_forked(void) { return atomic_load_explicit(&forked, memory_order_relaxed); }
 
 /* Once a thread was refused, now or in another loop. */
 static atomic_bool threads_are_scarce;

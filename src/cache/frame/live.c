@@ -218,6 +218,7 @@ static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error)
     sl_transport ignored;
     sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, error);
     own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
+    own.filter = SL_FILTER_CENTRE;           /* frames are drawn beside updates, once each */
     if (status == SL_OK)
         status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
     if (status == SL_OK) status = sl_scene_copy(l->scene, &l->scene_copy, error);

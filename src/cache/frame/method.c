@@ -127,11 +127,12 @@ static void look(sl_method *m, sl_sub_frame at) {
     m->seen.sub_frame = at;
 }
 
-/* Shows it the first sub-frame, or the pixels' centres. */
+/* Shows it the first sub-frame. Without a film it sees the scene itself. */
 static void look_anew(sl_method *m, bool objects_moved) {
     sl_sub_frame first = {0};
-    if (m->film) sl_film_begin(m->film, objects_moved);
-    if (m->film) sl_film_next(m->film, &first);
+    if (!m->film) return;
+    sl_film_begin(m->film, objects_moved);
+    sl_film_next(m->film, &first);
     look(m, first);
 }
 
@@ -194,7 +195,8 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
     if (status == SL_OK && sl_method_has_film(class, &m->settings))
         status = sl_film_create(&m->seen, &m->settings, class->asks, &m->film, error);
     look_anew(m, true);
-    if (status == SL_OK) status = class->create(&m->seen, &m->settings, &transport, &m->state, error);
+    const sl_scene *seen = m->film ? &m->seen : scene;
+    if (status == SL_OK) status = class->create(seen, &m->settings, &transport, &m->state, error);
     if (status != SL_OK) {
         sl_film_destroy(m->film);
         sl_free(m);
