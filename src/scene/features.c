@@ -35,5 +35,5 @@ bool sl_scene_is_in_view(const sl_scene *scene) {
     sl_sight sight;
     sl_sight_view(&sight, &scene->camera, (double)scene->film_width / (double)scene->film_height);
     sl_sight_cast(&sight, scene);
-    return sl_sight_counted(&sight).hit > 0;
+    return sl_sight_counted(&sight, scene).hit > 0;
 }

@@ -1,7 +1,8 @@
 /* The camera of a file that brings none. Things are framed from outside, at a three-quarter view unless that
- * shows more backs than fronts. Rooms are shown from inside: where walls face inwards, and where all lamps
- * are shut in. */
+ * shows more backs than fronts. Rooms are shown from inside: where walls face inwards, where all lamps are
+ * shut in, and where there is more to be seen within than without. */
 #include <math.h>
+#include <stdlib.h>
 
 #include "base/math.h"
 #include "scene/derive.h"
@@ -14,7 +15,7 @@ typedef struct view_angle {
 /* In the order in which they are preferred. */
 static const view_angle angles[] = {{30, 20},  {-30, 20}, {0, 12},   {150, 20}, {-150, 20},
                                     {180, 12}, {90, 12},  {-90, 12}, {30, 55},  {150, 55}};
-enum { ANGLES = sizeof angles / sizeof angles[0], STARTS = 10 };
+enum { ANGLES = sizeof angles / sizeof angles[0], STARTS = 10, VIEWS = 4 };
 
 static const double outside_fov = 0.78539816339744828,
                     inside_fov = 1.1344640137963142; /* 45 and 65 degrees */
@@ -22,6 +23,7 @@ static const double outside_fov = 0.78539816339744828,
  * looked for. */
 static const double few_backs = 0.25, many_backs = 0.5;
 /* A point is inside where so many rays hit something, and so many of these a front. */
+enum { MORE_MATERIALS = 2 };
 static const double inside_hits = 0.92, inside_fronts = 0.75;
 
 static double aspect_of(const sl_scene *s) { return (double)s->film_width / (double)s->film_height; }
@@ -61,11 +63,12 @@ static sl_camera from_outside(const sl_scene *s, view_angle angle) {
     return (sl_camera){eye, sl_to_float(right), sl_to_float(up), sl_to_float(back), (float)outside_fov};
 }
 
-static double backs_seen(const sl_scene *s, const sl_camera *camera) {
+static double backs_seen(const sl_scene *s, const sl_camera *camera, int *materials) {
     sl_sight sight;
     sl_sight_view(&sight, camera, aspect_of(s));
     sl_sight_cast(&sight, s);
-    sl_sight_count count = sl_sight_counted(&sight);
+    sl_sight_count count = sl_sight_counted(&sight, s);
+    *materials = count.materials;
     return count.hit ? 1.0 - (double)count.front / count.hit : 0.0;
 }
 
@@ -76,7 +79,8 @@ static sl_camera best_outside(const sl_scene *s, sl_camera first, double first_b
     double least = first_backs - few_backs;
     for (int i = 1; i < ANGLES; i++) {
         sl_camera camera = from_outside(s, angles[i]);
-        double backs = backs_seen(s, &camera);
+        int materials;
+        double backs = backs_seen(s, &camera, &materials);
         if (backs <= few_backs) return camera;
         if (backs < least) least = backs, best = camera;
     }
@@ -125,31 +129,48 @@ static bool lamps_are_shut_in(const sl_scene *s, sl_vec3 *place) {
     return true;
 }
 
-/* Returns how much room there is around a point; 0 where it is not inside. */
-static double room_around(const sl_scene *s, sl_vec3 point) {
+/* Returns how much room there is around a point; 0 where it is not inside, or fewer materials are seen from
+ * there. */
+static double room_around(const sl_scene *s, sl_vec3 point, int materials) {
     sl_sight sight;
     sl_sight_sphere(&sight, point);
     sl_sight_cast(&sight, s);
-    sl_sight_count count = sl_sight_counted(&sight);
+    sl_sight_count count = sl_sight_counted(&sight, s);
     bool inside = count.hit >= inside_hits * SL_SIGHT_RAYS && count.front >= inside_fronts * count.hit;
-    return inside ? count.mean_distance : 0.0;
+    return inside && count.materials >= materials ? count.mean_distance : 0.0;
+}
+
+/* Half-way between what is hit in one direction and in the opposite one, axis by axis. */
+static sl_vec3 middle_of_room(const sl_scene *s, sl_vec3 point) {
+    static const sl_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int k = 0; k < 3; k++) {
+        sl_sight sight = {.origin = point};
+        for (int i = 0; i < SL_SIGHT_RAYS; i++) sl_sight_set(&sight, i, i % 2 ? axis[k] : sl_neg(axis[k]));
+        sl_sight_cast(&sight, s);
+        if (!isfinite(sight.distance[0]) || !isfinite(sight.distance[1])) continue;
+        point = sl_mad(point, 0.5f * (sight.distance[1] - sight.distance[0]), axis[k]);
+    }
+    return point;
 }
 
 /* The roomiest of some points; false where none is inside. */
-static bool find_room(const sl_scene *s, const sl_vec3 *lamp, sl_vec3 *middle) {
+static bool find_room(const sl_scene *s, const sl_vec3 *lamp, int materials, sl_vec3 *middle) {
     static const double offset[STARTS / 2][2] = {
         {0, 0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}};
     const sl_vec3d centre = centre_of(s), size = sl_subd(sl_to_double(s->box_max), sl_to_double(s->box_min));
-    double most = lamp ? room_around(s, *lamp) : 0.0;
+    double most = lamp ? room_around(s, *lamp, materials) : 0.0;
     if (most > 0.0) *middle = *lamp;
     for (int i = 0; i < STARTS && !(lamp && most > 0.0); i++) {
         sl_vec3 point =
             sl_to_float(sl_addd(centre, sl_v3d(offset[i / 2][0] * size.x, i % 2 ? 0.2 * size.y : 0.0,
                                                offset[i / 2][1] * size.z)));
-        double room = room_around(s, point);
+        double room = room_around(s, point, materials);
         if (room > most) most = room, *middle = point;
     }
-    return most > 0.0;
+    if (!(most > 0.0)) return false;
+    sl_vec3 moved = middle_of_room(s, *middle);
+    if (room_around(s, moved, materials) > 0.0) *middle = moved;
+    return true;
 }
 
 /* Looking along the direction, from near to what is behind the middle of the room. */
@@ -162,17 +183,37 @@ static bool look_along(const sl_sight *horizon, int ray, sl_camera *camera) {
                              sl_v3(0, 1, 0), (float)inside_fov);
 }
 
-/* The longest line through the middle, towards where there is more of it. */
-static int longest_line(const sl_sight *horizon) {
-    const int half = SL_SIGHT_RAYS / 2;
-    float longest = -1.0f;
-    int found = 0;
-    for (int i = 0; i < half; i++) {
-        const float ahead = horizon->distance[i], behind = horizon->distance[i + half],
-                    whole = fminf(ahead, 1e30f) + fminf(behind, 1e30f);
-        if (whole > longest) longest = whole, found = ahead >= behind ? i : i + half;
+/* Returns how much of a view is far from its eye: fronts count by their distance, up to the span; what is
+ * close up or a back, less than nothing. */
+static double worth_of_view(const sl_scene *s, const sl_camera *camera, double span) {
+    sl_sight sight;
+    double sum = 0.0;
+    sl_sight_view(&sight, camera, aspect_of(s));
+    sl_sight_cast(&sight, s);
+    for (int i = 0; i < SL_SIGHT_RAYS; i++) {
+        double share = fmin((double)sight.distance[i] / span, 1.0);
+        bool good = share > 0.1 && isfinite(sight.distance[i]) && sight.facing[i] > 0.0f;
+        sum += good ? share : -0.5;
     }
-    return found;
+    return sum;
+}
+
+static double span_of(const sl_sight *horizon, int ray) {
+    return fmin((double)horizon->distance[ray], 1e30) +
+           fmin((double)horizon->distance[(ray + SL_SIGHT_RAYS / 2) % SL_SIGHT_RAYS], 1e30);
+}
+
+/* The longest lines through the middle, an eighth of a turn apart at least, each from both of its ends. */
+static void longest_lines(const sl_sight *horizon, int ray[VIEWS]) {
+    const int half = SL_SIGHT_RAYS / 2;
+    int first = 0, second = -1;
+    for (int i = 1; i < half; i++) first = span_of(horizon, i) > span_of(horizon, first) ? i : first;
+    for (int i = 0; i < half; i++) {
+        int apart = abs(i - first) < half / 2 ? abs(i - first) : half - abs(i - first);
+        if (apart >= SL_SIGHT_RAYS / 8 && (second < 0 || span_of(horizon, i) > span_of(horizon, second)))
+            second = i;
+    }
+    ray[0] = first, ray[1] = first + half, ray[2] = second, ray[3] = second + half;
 }
 
 /* Tells whether a side is missing: doors and windows are narrower, and a missing roof is no way out. */
@@ -185,21 +226,34 @@ static bool has_open_side(const sl_sight *horizon) {
     return false;
 }
 
-static bool from_inside(const sl_scene *s, const sl_vec3 *lamp, sl_camera *camera) {
+static bool from_inside(const sl_scene *s, const sl_vec3 *lamp, int materials, sl_camera *camera) {
     sl_sight horizon;
     sl_vec3 middle;
-    if (!find_room(s, lamp, &middle)) return false;
+    int ray[VIEWS];
+    double best = -INFINITY;
+    if (!find_room(s, lamp, materials, &middle)) return false;
     sl_sight_horizon(&horizon, middle);
     sl_sight_cast(&horizon, s);
-    return !has_open_side(&horizon) && look_along(&horizon, longest_line(&horizon), camera);
+    if (has_open_side(&horizon)) return false;
+    longest_lines(&horizon, ray);
+    for (int i = 0; i < VIEWS; i++) {
+        sl_camera view;
+        if (!look_along(&horizon, ray[i], &view)) continue;
+        double worth = worth_of_view(s, &view, span_of(&horizon, ray[i]));
+        if (worth > best) best = worth, *camera = view;
+    }
+    return best > -INFINITY;
 }
 
 sl_camera sl_camera_framed(const sl_scene *scene, bool *inside, bool *shut_out) {
     sl_camera outside = from_outside(scene, angles[0]), camera;
-    const double backs = backs_seen(scene, &outside);
+    int materials;
+    double backs = backs_seen(scene, &outside, &materials);
     sl_vec3 lamp;
-    const bool shut_in = lamps_are_shut_in(scene, &lamp);
-    *inside = (shut_in || backs > many_backs) && from_inside(scene, shut_in ? &lamp : NULL, &camera);
+    bool shut_in = lamps_are_shut_in(scene, &lamp), is_room = shut_in || backs > many_backs;
+    int more = is_room ? 0 : MORE_MATERIALS * materials;
+    *inside = (is_room || more <= (int)fmin((double)scene->material_count, SL_SIGHT_RAYS)) &&
+              from_inside(scene, shut_in ? &lamp : NULL, more, &camera);
     *shut_out = shut_in && !*inside;
     if (*inside) return camera;
     return backs <= few_backs ? outside : best_outside(scene, outside, backs);

@@ -93,7 +93,7 @@ static void add_lamp(sl_scene *s, const sl_sight *from_eye) {
     sl_vec3 place = below_ceiling(s, from_eye);
     sl_sight_sphere(&around, place);
     sl_sight_cast(&around, s);
-    float reach = (float)sl_sight_counted(&around).mean_distance;
+    float reach = (float)sl_sight_counted(&around, s).mean_distance;
     float intensity = lamp_irradiance * reach * reach;
     if (!(intensity > 0.0f) || !isfinite(intensity) || !sl_is_finite(place)) return;
     s->lights[s->light_count++] =
@@ -112,7 +112,7 @@ sl_status sl_scene_light_by_default(sl_scene *scene, sl_error *error) {
         return sl_fail_memory(error, "the scene's lights");
     sl_sight_sphere(&sight, scene->camera.eye);
     sl_sight_cast(&sight, scene);
-    int leave = SL_SIGHT_RAYS - sl_sight_counted(&sight).hit;
+    int leave = SL_SIGHT_RAYS - sl_sight_counted(&sight, scene).hit;
     if (dark && leave <= FEW_LEAVE) add_lamp(scene, &sight);
     if (leave > 0 || scene->light_count + scene->emitter_count == 0)
         add_sun_and_sky(scene, dark ? "no light" : "no light but behind walls");

@@ -45,7 +45,7 @@ void sl_sight_view(sl_sight *s, const sl_camera *c, double aspect) {
 
 /* Möller and Trumbore 1997, every ray against one triangle; from is its first corner as the origin sees
  * it. */
-static void meet(sl_sight *restrict s, sl_vec3 from, sl_vec3 e1, sl_vec3 e2) {
+static void meet(sl_sight *restrict s, uint32_t triangle, sl_vec3 from, sl_vec3 e1, sl_vec3 e2) {
     sl_vec3 q = sl_cross(from, e1);
     float along = sl_dot(e2, q);
 #pragma omp simd
@@ -57,27 +57,43 @@ static void meet(sl_sight *restrict s, sl_vec3 from, sl_vec3 e1, sl_vec3 e2) {
                    (distance < s->distance[i]);
         s->distance[i] = hit ? distance : s->distance[i];
         s->facing[i] = hit ? determinant : s->facing[i];
+        s->triangle[i] = hit ? triangle : s->triangle[i];
     }
 }
 
 void sl_sight_cast(sl_sight *s, const sl_scene *scene) {
     for (int i = 0; i < SL_SIGHT_RAYS; i++)
-        s->distance[i] = INFINITY, s->facing[i] = 0.0f;
+        s->distance[i] = INFINITY, s->facing[i] = 0.0f, s->triangle[i] = SL_NO_INDEX;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         sl_vec3 a = sl_scene_position(scene, scene->vertex[0][t]),
                 b = sl_scene_position(scene, scene->vertex[1][t]);
-        meet(s, sl_sub(s->origin, a), sl_sub(b, a),
+        meet(s, (uint32_t)t, sl_sub(s->origin, a), sl_sub(b, a),
              sl_sub(sl_scene_position(scene, scene->vertex[2][t]), a));
     }
 }
 
-sl_sight_count sl_sight_counted(const sl_sight *s) {
+static bool front_is_hit(const sl_sight *s, int ray) {
+    return isfinite(s->distance[ray]) && s->facing[ray] > 0.0f;
+}
+
+static bool is_first_of_its_material(const sl_sight *s, const sl_scene *scene, int ray) {
+    for (int i = 0; i < ray; i++) {
+        if (front_is_hit(s, i) &&
+            scene->material_index[s->triangle[i]] == scene->material_index[s->triangle[ray]])
+            return false;
+    }
+    return true;
+}
+
+sl_sight_count sl_sight_counted(const sl_sight *s, const sl_scene *scene) {
     sl_sight_count count = {0};
     for (int i = 0; i < SL_SIGHT_RAYS; i++) {
         if (!isfinite(s->distance[i])) continue;
         count.hit++;
         count.mean_distance += (double)s->distance[i];
-        count.front += s->facing[i] > 0.0f;
+        if (!front_is_hit(s, i)) continue;
+        count.front++;
+        count.materials += is_first_of_its_material(s, scene, i);
     }
     count.mean_distance /= count.hit ? count.hit : 1;
     return count;

@@ -14,6 +14,7 @@ typedef struct sl_sight {
     float distance[SL_SIGHT_RAYS]; /* to the nearest triangle, in lengths of the direction; infinite: there is
                                       none */
     float facing[SL_SIGHT_RAYS];   /* above 0: its front is seen */
+    uint32_t triangle[SL_SIGHT_RAYS]; /* which, if any */
 } sl_sight;
 
 void sl_sight_set(sl_sight *sight, int ray, sl_vec3 direction);
@@ -32,8 +33,9 @@ void sl_sight_cast(sl_sight *sight, const sl_scene *scene);
 /* Of the rays that were cast: how many hit something, and how many of these a front. */
 typedef struct sl_sight_count {
     int hit, front;
+    int materials;        /* different ones among these */
     double mean_distance; /* of all that hit */
 } sl_sight_count;
-sl_sight_count sl_sight_counted(const sl_sight *sight);
+sl_sight_count sl_sight_counted(const sl_sight *sight, const sl_scene *scene);
 
 #endif

@@ -1,5 +1,5 @@
 /* What stands has its centre of mass above its feet. So the axis that points up is one along which the middle
- * of all corners lies within the box of what is lowest; legs and floors make that box a good part of the
+ * of the surface lies within the box of what is lowest; legs and floors make that box a good part of the
  * model's, a tail that hangs down or a wall's edge does not. */
 #include "scene/up_axis.h"
 
@@ -13,28 +13,51 @@
 static const double lowest = 0.02, least_support = 0.1, far_more = 4.0;
 /* What is flatter than that share of its width hangs on a wall as well as it lies on the ground. */
 static const double flat = 0.05;
+/* Cosine of the angle to the horizontal up to which a triangle is level. */
+static const double level = 0.95;
+
 bool sl_up_axis_is_unsaid(const char *path) {
     return sl_file_has_extension(path, ".obj") || sl_file_has_extension(path, ".stl") ||
            sl_file_has_extension(path, ".ply") || sl_file_has_extension(path, ".off");
 }
 
 typedef struct shape {
-    double low[3], high[3], middle[3]; /* the box, and the mean of all triangles' corners */
+    double low[3], high[3], middle[3]; /* the box, and the mean of the surface */
+    double area, level[3];             /* of all triangles, and of those that are level, by axis */
 } shape;
+
+static void corners_of(const sl_model *m, size_t triangle, double p[3][3]) {
+    for (int c = 0; c < 3; c++) {
+        for (size_t a = 0; a < 3; a++)
+            p[c][a] = (double)m->positions[3 * (size_t)m->indices[3 * triangle + (size_t)c] + a];
+    }
+}
+
+static void add_triangle(shape *s, double p[3][3]) {
+    double normal[3];
+    for (int a = 0; a < 3; a++) {
+        int b = (a + 1) % 3, c = (a + 2) % 3;
+        normal[a] = (p[1][b] - p[0][b]) * (p[2][c] - p[0][c]) - (p[1][c] - p[0][c]) * (p[2][b] - p[0][b]);
+    }
+    double area = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    if (!(area > 0.0) || !isfinite(area)) return;
+    s->area += area;
+    for (int a = 0; a < 3; a++) {
+        s->level[a] += fabs(normal[a]) > level * area ? area : 0.0;
+        s->middle[a] += area * (p[0][a] + p[1][a] + p[2][a]) / 3.0;
+        for (int c = 0; c < 3; c++)
+            s->low[a] = fmin(s->low[a], p[c][a]), s->high[a] = fmax(s->high[a], p[c][a]);
+    }
+}
 
 static shape shape_of(const sl_model *m) {
     shape s = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
-    double count = 0.0;
-    for (size_t i = 0; i < 3 * m->triangle_count; i++) {
-        const float *p = m->positions + 3 * (size_t)m->indices[i];
-        if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2])) continue;
-        count++;
-        for (int a = 0; a < 3; a++) {
-            s.middle[a] += (double)p[a];
-            s.low[a] = fmin(s.low[a], (double)p[a]), s.high[a] = fmax(s.high[a], (double)p[a]);
-        }
+    double p[3][3];
+    for (size_t t = 0; t < m->triangle_count; t++) {
+        corners_of(m, t, p);
+        add_triangle(&s, p);
     }
-    for (int a = 0; a < 3; a++) s.middle[a] /= fmax(count, 1.0);
+    for (int a = 0; a < 3; a++) s.middle[a] /= s.area > 0.0 ? s.area : 1.0;
     return s;
 }
 
@@ -67,7 +90,7 @@ bool sl_model_stands_on_z(const sl_model *m) {
     const support y = support_along(m, &s, 1), z = support_along(m, &s, 2);
     const double height = s.high[2] - s.low[2], width = fmax(s.high[0] - s.low[0], s.high[1] - s.low[1]);
     return height > flat * width && !y.stable && z.stable && z.share >= least_support &&
-           z.share >= far_more * y.share;
+           z.share >= far_more * y.share && s.level[2] >= s.level[1];
 }
 
 static void turn(float *xyz) {

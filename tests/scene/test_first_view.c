@@ -99,6 +99,17 @@ static void lamps_that_are_all_shut_in_are_looked_for_inside(void **state) {
     sl_scene_destroy(s);
 }
 
+static void a_room_whose_outside_is_blank_is_seen_from_inside(void **state) {
+    (void)state;
+    scene_file_text("four.mtl", "newmtl a\nKd 0.1\nnewmtl b\nKd 0.2\nnewmtl c\nKd 0.3\n");
+    sl_scene *s = obj(
+        "mtllib four.mtl\n" ROOM
+        "usemtl a\nf 3 7 5 1\nf 5 6 2 1\nusemtl b\nf 4 8 7 3\nf 2 4 3 1\nusemtl c\nf 7 8 6 5\n" RIGHT_INWARDS
+        "usemtl a\n" WALLS_AROUND);
+    assert_true(is_within(s->camera.eye, room_low, room_high));
+    sl_scene_destroy(s);
+}
+
 static void what_has_its_lamps_in_a_solid_is_lit_from_outside(void **state) {
     (void)state;
     scene_file_text("lamp.mtl", lamp_library);
@@ -274,6 +285,7 @@ int main(void) {
         cmocka_unit_test(a_closed_room_is_seen_from_inside_in_the_light_of_a_lamp),
         cmocka_unit_test(a_room_without_one_side_is_seen_through_it),
         cmocka_unit_test(lamps_that_are_all_shut_in_are_looked_for_inside),
+        cmocka_unit_test(a_room_whose_outside_is_blank_is_seen_from_inside),
         cmocka_unit_test(what_has_its_lamps_in_a_solid_is_lit_from_outside),
         cmocka_unit_test(the_sun_stands_to_the_left_behind_the_camera_wherever_that_looks),
         cmocka_unit_test(a_camera_that_stands_in_a_dark_room_gets_a_lamp_there),
