@@ -145,6 +145,17 @@ static const cJSON *material_of(const cJSON *gltf, const char *name) {
     return NULL;
 }
 
+double sl_gltf_vertical_fov(const cJSON *gltf, const char *node) {
+    const cJSON *camera = NULL, *item;
+    cJSON_ArrayForEach(item, member(gltf, "nodes")) {
+        const cJSON *name = member(item, "name"), *index = member(item, "camera");
+        const bool named = cJSON_IsString(name) && strcmp(name->valuestring, node) == 0;
+        if (cJSON_IsNumber(index) && (named || !camera))
+            camera = cJSON_GetArrayItem(member(gltf, "cameras"), index->valueint);
+    }
+    return number_or(member(member(camera, "perspective"), "yfov"), 0.0);
+}
+
 double sl_gltf_emissive_strength(const cJSON *gltf, const char *material) {
     const cJSON *extensions = member(material_of(gltf, material), "extensions");
     return number_or(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0);

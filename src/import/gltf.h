@@ -17,6 +17,9 @@ typedef struct sl_gltf_transform {
  * or requires an extension that is not had (compressed geometry, say). Warns of what is not had. */
 sl_status sl_gltf_read(const char *path, sl_model *model, cJSON **gltf, sl_error *error);
 
+/* Of the camera of the node of that name, or of the first that has one; in radians, 0: none. Assimp tells the
+ * horizontal one, by a formula that depends on its version. */
+double sl_gltf_vertical_fov(const cJSON *gltf, const char *node);
 /* Of the first material of that name; gltf may be NULL. */
 double sl_gltf_emissive_strength(const cJSON *gltf, const char *material); /* 1 where it is not given */
 /* Of the base texture, or that of the diffuse colour. */

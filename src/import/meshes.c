@@ -165,7 +165,8 @@ static sl_status add_light(const importer *in, const struct aiLight *from) {
 }
 
 /* The vertical field of view; 0 where the camera has none. */
-static float vertical_fov(const struct aiCamera *camera) {
+static float vertical_fov(const importer *in, const struct aiCamera *camera) {
+    if (in->gltf) return (float)sl_gltf_vertical_fov(in->gltf, camera->mName.data);
     if (camera->mOrthographicWidth > 0.0f || !(camera->mHorizontalFOV > 0.0f)) return 0.0f;
     if (!(camera->mAspect > 0.0f)) return camera->mHorizontalFOV;
     return (float)(2.0 * sl_atan(sl_tan(0.5 * (double)camera->mHorizontalFOV) / (double)camera->mAspect));
@@ -183,7 +184,7 @@ static bool place_camera(const importer *in, unsigned index) {
     /* Looking from the origin along the direction keeps all its bits, wherever the eye is. */
     const bool good =
         sl_camera_look_at(&in->model->camera, sl_neg(direction), sl_v3(0, 0, 0),
-                          sl_to_float(sl_affine_vector(&to_world, up)), vertical_fov(from));
+                          sl_to_float(sl_affine_vector(&to_world, up)), vertical_fov(in, from));
     in->model->camera.eye = eye;
     return good && sl_is_finite(eye);
 }

@@ -147,7 +147,7 @@ static void what_is_read_of_materials_and_cameras_is_that_of_their_own(void **st
     static char text[8192];
     snprintf(text, sizeof text, form,
              "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.5,\"znear\":1}},{\"type\":"
-             "\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}],",
+             "\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1,\"aspectRatio\":1.5}}],",
              "\"emissiveFactor\":[1,0,0],\"extensions\":{\"KHR_materials_emissive_strength\":{"
              "\"emissiveStrength\":2}}},"
              "{\"name\":\"b\",\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":4}}},"

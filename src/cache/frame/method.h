@@ -101,7 +101,7 @@ struct sl_method {
     const sl_method_class *class;
     void *state;
     const sl_scene *scene;
-    sl_scene seen; /* with a film what the class is given: the scene's own arrays, and the sub-frame to draw */
+    sl_scene seen; /* with a film, what the class is given: the scene's arrays and the sub-frame to draw */
     sl_film *film; /* NULL: pixels are what their centres show */
     sl_settings settings; /* complete */
     char name[32], transport_name[64];
