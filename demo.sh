@@ -35,4 +35,4 @@ printf '\n%-12s %-15s %8s %10s %10s %10s %12s  %s\n' scene method seconds relRMS
 cat demo/table.txt
 echo
 echo '* less the noise of the reference; `softlux compare --help` defines the errors. demo/*-difference.png show where they are.'
-echo 'Direct radiance mapping has no shadows between surfaces, and its mirrors show environment cubes: that is most of its error here.'
+echo 'Direct radiance mapping has no shadows between surfaces: that is most of its error here.'
