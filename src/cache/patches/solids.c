@@ -1,10 +1,10 @@
 #include "cache/patches/solids.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "scene/edges.h"
 #include "trace/bsdf.h"
 
 typedef enum solid_kind { NO_SOLID, OPEN_SOLID, CLOSED_SOLID, LIT_SOLID } solid_kind;
@@ -32,31 +32,6 @@ struct sl_solids {
 
 /* ---- what hangs together --------------------------------------------------------------------- */
 
-typedef struct place {
-    float x, y, z;
-    uint32_t vertex;
-} place;
-
-typedef struct edge {
-    uint32_t low, high, triangle;
-    bool upwards;              /* the triangle goes from low to high */
-} edge;
-
-static int compare_places(const void *a, const void *b) {
-    const place *p = a, *q = b;
-    if (p->x != q->x) return p->x < q->x ? -1 : 1;
-    if (p->y != q->y) return p->y < q->y ? -1 : 1;
-    if (p->z != q->z) return p->z < q->z ? -1 : 1;
-    return (p->vertex > q->vertex) - (p->vertex < q->vertex);
-}
-
-static int compare_edges(const void *a, const void *b) {
-    const edge *e = a, *f = b;
-    if (e->low != f->low) return e->low < f->low ? -1 : 1;
-    if (e->high != f->high) return e->high < f->high ? -1 : 1;
-    return (e->triangle > f->triangle) - (e->triangle < f->triangle);
-}
-
 static uint32_t root_of(uint32_t *parent, uint32_t t) {
     while (parent[t] != t) {
         parent[t] = parent[parent[t]];
@@ -65,66 +40,38 @@ static uint32_t root_of(uint32_t *parent, uint32_t t) {
     return t;
 }
 
-/* By vertex the first one at its place. */
-static void join_places(const sl_scene *s, place *places, uint32_t *first) {
-    for (size_t v = 0; v < s->vertex_count; v++) {
-        places[v] =
-            (place){s->position_x[v] + 0.0f, s->position_y[v] + 0.0f, s->position_z[v] + 0.0f, (uint32_t)v};
-    }
-    qsort(places, s->vertex_count, sizeof *places, compare_places);
-    for (size_t i = 0; i < s->vertex_count; i++) {
-        bool same = i > 0 && places[i].x == places[i - 1].x && places[i].y == places[i - 1].y &&
-                    places[i].z == places[i - 1].z;
-        first[places[i].vertex] = same ? first[places[i - 1].vertex] : places[i].vertex;
-    }
-}
-
 /* Triangles that share an edge get the lowest of their numbers as parent. */
-static void join_edges(const sl_scene *s, const uint32_t *first, edge *edges, uint32_t *parent) {
-    for (size_t t = 0; t < s->triangle_count; t++) {
-        parent[t] = (uint32_t)t;
-        for (size_t c = 0; c < 3; c++) {
-            uint32_t a = first[s->vertex[c][t]], b = first[s->vertex[(c + 1) % 3][t]];
-            edges[3 * t + c] = (edge){a < b ? a : b, a < b ? b : a, (uint32_t)t, a < b};
-        }
-    }
-    qsort(edges, 3 * s->triangle_count, sizeof *edges, compare_edges);
-    for (size_t i = 1; i < 3 * s->triangle_count; i++) {
+static void join_edges(const sl_half_edge *edges, size_t count, uint32_t *parent) {
+    for (uint32_t t = 0; t < count / 3; t++) parent[t] = t;
+    for (size_t i = 1; i < count; i++) {
         if (edges[i].low != edges[i - 1].low || edges[i].high != edges[i - 1].high) continue;
-        uint32_t a = root_of(parent, edges[i - 1].triangle), b = root_of(parent, edges[i].triangle);
+        uint32_t a = root_of(parent, edges[i - 1].index / 3), b = root_of(parent, edges[i].index / 3);
         parent[a < b ? b : a] = a < b ? a : b;
     }
 }
 
-static bool same_edge(const edge *a, const edge *b) { return a->low == b->low && a->high == b->high; }
-
-/* Edges are sorted. What stands alone, or three in a place, may be the border of a hole. */
-static bool is_between_two(const edge *edges, size_t count, size_t i) {
-    const edge *e = &edges[i], *other = i > 0 && same_edge(e, e - 1) ? e - 1 : e + 1;
-    size_t first = other < e ? i - 1 : i, end = first + 2;
-    if (end > count || !same_edge(e, other) || e->upwards == other->upwards) return false;
-    return !(first > 0 && same_edge(&edges[first - 1], e)) && !(end < count && same_edge(&edges[end], e));
-}
-
-static void find_sealed(sl_solids *solids, const edge *edges) {
+/* An edge that has one triangle, or three, or two that run the same way, may be the border of a hole. */
+static void find_sealed(sl_solids *solids, const sl_half_edge *edges) {
     const sl_scene *s = solids->scene;
-    for (size_t i = 0; i < 3 * s->triangle_count; i++) {
-        uint32_t t = edges[i].triangle, b = solids->body_of[t];
-        bool whole = is_between_two(edges, 3 * s->triangle_count, i) && !sl_scene_has_alpha(s, t);
-        if (!whole || s->object_index[t] != solids->bodies[b].object) solids->bodies[b].sealed = false;
+    const size_t count = 3 * s->triangle_count;
+    for (size_t i = 0, end; i < count; i = end) {
+        end = sl_half_edges_of_one(edges, i, count);
+        const bool whole = end == i + 2 && edges[i].upwards != edges[i + 1].upwards;
+        for (size_t k = i; k < end; k++) {
+            const uint32_t t = edges[k].index / 3;
+            body *b = &solids->bodies[solids->body_of[t]];
+            if (!whole || sl_scene_has_alpha(s, t) || s->object_index[t] != b->object) b->sealed = false;
+        }
     }
 }
 
 static bool find_bodies(sl_solids *solids) {
     const sl_scene *s = solids->scene;
-    place *places = sl_allocate(s->vertex_count, sizeof *places);
-    uint32_t *first = sl_allocate(s->vertex_count, sizeof *first);
-    edge *edges = sl_allocate(3 * s->triangle_count, sizeof *edges);
-    uint32_t *parent = sl_allocate(s->triangle_count, sizeof *parent);
-    bool done = places && first && edges && parent;
+    uint32_t *places = sl_scene_places(s), *parent = sl_allocate(s->triangle_count, sizeof *parent);
+    sl_half_edge *edges = places ? sl_scene_half_edges(s, places) : NULL;
+    bool done = edges && parent;
     if (done) {
-        join_places(s, places, first);
-        join_edges(s, first, edges, parent);
+        join_edges(edges, 3 * s->triangle_count, parent);
         for (uint32_t t = 0; t < s->triangle_count; t++) {
             uint32_t root = root_of(parent, t); /* root <= t */
             solids->body_of[t] = root == t ? (uint32_t)solids->count++ : solids->body_of[root];
@@ -138,7 +85,6 @@ static bool find_bodies(sl_solids *solids) {
         find_sealed(solids, edges);
     }
     sl_free(places);
-    sl_free(first);
     sl_free(edges);
     sl_free(parent);
     return done;

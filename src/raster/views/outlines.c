@@ -2,10 +2,9 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/random.h"
+#include "scene/edges.h"
 
 #include <math.h>
-#include <string.h>
 
 typedef struct edge {
     uint32_t vertex[2];
@@ -20,108 +19,60 @@ struct sl_outlines {
 
 /* ---- which edges ---- */
 
-/* Edges are numbered 3 triangle + corner, and begin there. */
-static uint32_t vertex_at(const sl_scene *s, uint32_t code, uint32_t further) {
-    return s->vertex[(code % 3 + further) % 3][code / 3];
-}
-
-typedef struct place {
-    float ends[6]; /* the lower one first */
-} place;
-
-static bool is_lower(sl_vec3 a, sl_vec3 b) {
-    if (a.x != b.x) return a.x < b.x;
-    return a.y != b.y ? a.y < b.y : a.z < b.z;
-}
-
-static place place_of(const sl_scene *s, uint32_t code) {
-    sl_vec3 a = sl_scene_position(s, vertex_at(s, code, 0)), b = sl_scene_position(s, vertex_at(s, code, 1));
-    const bool turned = is_lower(b, a);
-    const sl_vec3 low = turned ? b : a, high = turned ? a : b;
-    /* -0 as +0 */
-    return (place){{low.x + 0.0f, low.y + 0.0f, low.z + 0.0f, high.x + 0.0f, high.y + 0.0f, high.z + 0.0f}};
-}
-
-static uint64_t hash_of(const place *p) {
-    uint64_t hash = 0, word;
-    for (int i = 0; i < 6; i += 2) {
-        memcpy(&word, &p->ends[i], sizeof word);
-        hash = sl_hash64(hash ^ word);
-    }
-    return hash;
-}
-
-enum { ALONE = UINT32_MAX, SECOND = UINT32_MAX - 1, MANY = UINT32_MAX - 2 };
-
-/* Finds each edge's partner, the other triangle's edge in its place; the first of the two has it. */
-static bool find_partners(const sl_scene *s, uint32_t *partner) {
-    const uint32_t codes = 3 * (uint32_t)s->triangle_count;
-    size_t slots = 16;
-    while (slots < 2 * (size_t)codes) slots *= 2;
-    uint32_t *table = sl_allocate_unset(slots, sizeof *table);
-    if (!table) return false;
-    memset(table, 0xff, slots * sizeof *table); /* SL_NO_INDEX */
-    for (uint32_t code = 0; code < codes; code++) {
-        const place here = place_of(s, code);
-        size_t slot = (size_t)hash_of(&here) & (slots - 1);
-        for (; table[slot] != SL_NO_INDEX; slot = (slot + 1) & (slots - 1)) {
-            const place other = place_of(s, table[slot]);
-            if (memcmp(&here, &other, sizeof here) == 0) break;
-        }
-        uint32_t first = table[slot];
-        partner[code] = first == SL_NO_INDEX ? ALONE : SECOND;
-        if (first == SL_NO_INDEX) table[slot] = code;
-        else partner[first] = partner[first] == ALONE ? code : MANY;
-    }
-    sl_free(table);
-    return true;
-}
-
 static bool agree(sl_vec3 a, sl_vec3 b, float cosine) { return sl_dot(a, b) >= cosine; }
 
 /* Does shading go on across the edge as if it were not there? */
-static bool is_smooth(const sl_scene *s, uint32_t a, uint32_t b) {
+static bool is_smooth(const sl_scene *s, const sl_half_edge *a, const sl_half_edge *b) {
     const float same = 0.9999f;
-    if (s->material_index[a / 3] != s->material_index[b / 3]) return false;
+    const uint32_t turned = a->upwards != b->upwards;
+    if (s->material_index[a->index / 3] != s->material_index[b->index / 3]) return false;
     for (uint32_t end = 0; end < 2; end++) {
-        const uint32_t v = vertex_at(s, a, end);
-        const sl_vec3 p = sl_scene_position(s, v), q = sl_scene_position(s, vertex_at(s, b, 0));
-        const bool first = p.x == q.x && p.y == q.y && p.z == q.z;
-        if (!agree(sl_scene_normal(s, v), sl_scene_normal(s, vertex_at(s, b, first ? 0 : 1)), same))
-            return false;
+        const sl_vec3 n = sl_scene_normal(s, sl_half_edge_vertex(s, a->index, end)),
+                      m = sl_scene_normal(s, sl_half_edge_vertex(s, b->index, turned ? 1 - end : end));
+        if (!agree(n, m, same)) return false;
     }
     return true;
 }
 
-static bool is_flat(const sl_scene *s, uint32_t a, uint32_t b) {
-    return agree(sl_scene_geometric_normal(s, a / 3), sl_scene_geometric_normal(s, b / 3), 0.999999f);
+static bool is_flat(const sl_scene *s, uint32_t t, uint32_t u) {
+    return agree(sl_scene_geometric_normal(s, t), sl_scene_geometric_normal(s, u), 0.999999f);
 }
 
-static void keep(sl_outlines *o, uint32_t code, uint32_t partner) {
+/* Keeps the edge of `count` triangles, unless it is one of two that go on into each other in one plane. */
+static void keep(sl_outlines *o, const sl_half_edge *e, size_t count) {
     const sl_scene *s = o->scene;
-    const bool two = partner < MANY, smooth = two && is_smooth(s, code, partner);
-    if (partner == SECOND || (smooth && is_flat(s, code, partner))) return;
-    o->edges[o->count++] = (edge){{vertex_at(s, code, 0), vertex_at(s, code, 1)},
-                                  {smooth ? code / 3 : SL_NO_INDEX, smooth ? partner / 3 : SL_NO_INDEX}};
+    const uint32_t t = e[0].index / 3, u = count == 2 ? e[1].index / 3 : SL_NO_INDEX;
+    const bool smooth = count == 2 && is_smooth(s, &e[0], &e[1]);
+    if (smooth && is_flat(s, t, u)) return;
+    o->edges[o->count++] =
+        (edge){{sl_half_edge_vertex(s, e[0].index, 0), sl_half_edge_vertex(s, e[0].index, 1)},
+               {smooth ? t : SL_NO_INDEX, smooth ? u : SL_NO_INDEX}};
+}
+
+static bool find_edges(sl_outlines *o) {
+    const size_t count = 3 * o->scene->triangle_count;
+    uint32_t *places = sl_scene_places(o->scene);
+    sl_half_edge *halves = places ? sl_scene_half_edges(o->scene, places) : NULL;
+    size_t edges = 0;
+    for (size_t i = 0; halves && i < count; edges++) i = sl_half_edges_of_one(halves, i, count);
+    o->edges = sl_allocate(edges, sizeof *o->edges);
+    for (size_t i = 0, end; halves && o->edges && i < count; i = end) {
+        end = sl_half_edges_of_one(halves, i, count);
+        keep(o, &halves[i], end - i);
+    }
+    const bool found = halves && o->edges;
+    sl_free(places);
+    sl_free(halves);
+    return found;
 }
 
 sl_status sl_outlines_create(const sl_scene *scene, sl_outlines **outlines, sl_error *error) {
-    const size_t codes = 3 * scene->triangle_count;
-    sl_outlines *o = sl_allocate(1, sizeof *o);
-    uint32_t *partner = sl_allocate_unset(codes, sizeof *partner);
+    sl_outlines *o = *outlines = sl_allocate(1, sizeof *o);
+    if (o) o->scene = scene;
+    if (o && find_edges(o)) return SL_OK;
+    sl_outlines_destroy(o);
     *outlines = NULL;
-    bool made = o && partner && find_partners(scene, partner);
-    size_t count = 0;
-    for (size_t i = 0; made && i < codes; i++) count += partner[i] != SECOND;
-    if (made) {
-        *o = (sl_outlines){.scene = scene, .edges = sl_allocate(count, sizeof *o->edges)};
-        made = o->edges != NULL;
-    }
-    for (size_t i = 0; made && i < codes; i++) keep(o, (uint32_t)i, partner[i]);
-    sl_free(partner);
-    if (made) *outlines = o;
-    else sl_outlines_destroy(o);
-    return made ? SL_OK : sl_fail_memory(error, "outlines");
+    return sl_fail_memory(error, "outlines");
 }
 
 void sl_outlines_destroy(sl_outlines *o) {
@@ -131,9 +82,10 @@ void sl_outlines_destroy(sl_outlines *o) {
 
 size_t sl_outlines_bytes(const sl_outlines *o) { return sizeof *o + o->count * sizeof *o->edges; }
 
-/* Edges, partners, and a table of twice to four times as many slots as there are edges. */
+/* Edges, half-edges with what sorting takes, and places of vertices, of which there are no more than corners.
+ */
 double sl_outlines_need(double triangles) {
-    return 3.0 * triangles * (sizeof(edge) + 5.0 * sizeof(uint32_t));
+    return 3.0 * triangles * (sizeof(edge) + 2.0 * sizeof(sl_half_edge) + sizeof(uint32_t));
 }
 
 /* ---- which pixels ---- */
