@@ -189,7 +189,7 @@ double shading_rival_error(shading_world *w, render_cache *cache, bool wide_fill
 double shading_path_error(shading_world *w, uint32_t samples, double *seconds) {
     int size = w->settings.width;
     size_t pixels = (size_t)size * (size_t)size;
-    sl_path_settings settings = {size, size, 1, 77, {0}};
+    sl_path_settings settings = {.width = size, .height = size, .threads = 1, .seed = 77};
     sl_path_tracer *path;
     sl_counters counters = {{0}};
     sl_error error;

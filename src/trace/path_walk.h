@@ -31,14 +31,22 @@ typedef struct sl_path_lens {
     float tan_x, tan_y;
 } sl_path_lens;
 
+/* A place on the film, in pixels from its upper left corner; and seen from the eye, at distance 1. */
+typedef struct sl_path_place {
+    float x, y;
+} sl_path_place;
+typedef struct sl_path_tangents {
+    float x, y;
+} sl_path_tangents;
+
 sl_path_lens sl_path_lens_of(const sl_scene *scene, int width, int height);
-/* Ray i, through a place on the film, in pixels from its upper left corner. */
-void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, float x, float y, sl_ray16 *rays,
+sl_path_tangents sl_path_lens_tangents(const sl_path_lens *lens, sl_path_place place);
+sl_vec3 sl_path_lens_direction(const sl_scene *scene, sl_path_tangents tangents);
+/* Sets ray i. */
+void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, sl_path_place place, sl_ray16 *rays,
                       unsigned i);
-/* Ray i, through pixel (x, y): where in it, point (key, ., index) says, if the transport's filter is the box.
- */
-void sl_path_camera_ray(const sl_path_walk *walk, const sl_path_lens *lens, int x, int y, uint64_t key,
-                        uint32_t index, sl_ray16 *rays, unsigned i);
+/* A place in pixel (x, y): where, point (key, ., index) says, if the transport's filter is the box. */
+sl_path_place sl_path_place_in(const sl_path_walk *walk, int x, int y, uint64_t key, uint32_t index);
 /* A sample that is not a number would spoil its pixel for good. */
 sl_rgb sl_path_finite_or_black(sl_rgb radiance, sl_counters *counters);
 

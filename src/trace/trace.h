@@ -101,7 +101,7 @@ bool sl_light_sampler_choose(const sl_light_sampler *sampler, float *u, uint32_t
 double sl_light_sampler_chance(const sl_light_sampler *sampler, uint32_t entry);
 double sl_light_sampler_power(const sl_light_sampler *sampler);
 
-/* ---- the reference path tracer ---- */
+/* ---- the reference path tracers ---- */
 
 typedef struct sl_path_tracer sl_path_tracer;
 
@@ -110,6 +110,9 @@ typedef struct sl_path_settings {
     unsigned threads;
     uint64_t seed;
     sl_transport transport; /* filter must be BOX or CENTRE */
+    /* the same light paths are found from either end, and those that only light can find (caustics of lights
+     * without extent): bidirectional/bidirectional.h */
+    bool bidirectional;
 } sl_path_settings;
 
 sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer,
@@ -122,8 +125,8 @@ sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counte
  * and odd samples alone, two independent pictures whose difference is the noise; -1: all. */
 void sl_path_tracer_mean(const sl_path_tracer *path, int half, float *r, float *g, float *b);
 size_t sl_path_tracer_memory_bytes(const sl_path_tracer *path);
-/* Radiance along given rays instead of a film: for tests with closed forms and for gathers. radiance: count
- * values. */
+/* Radiance along given rays instead of a film, by walks from their ends alone: for tests with closed forms.
+ * radiance: count values. */
 void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, unsigned count,
                              uint64_t stream, uint64_t sample, sl_rgb *radiance, sl_counters *counters);
 

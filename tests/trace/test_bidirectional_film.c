@@ -13,7 +13,7 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "rendering.h"
-#include "trace/bidirectional/bidirectional.h"
+#include "trace/trace.h"
 #include "trace_scenes.h"
 
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__ || defined SL_THREADS_WITHOUT_OPENMP
@@ -35,48 +35,32 @@ typedef struct picture {
     float planes[3][3 * PIXELS]; /* all, even, odd samples */
 } picture;
 
-static picture *render_path(const sl_scene *scene, const sl_transport *transport, unsigned samples) {
+static picture *render_film(const sl_scene *scene, const sl_path_settings *settings, unsigned samples) {
     picture *p = calloc(1, sizeof *p);
     sl_counters counters = {{0}};
     sl_tracer *tracer;
     sl_path_tracer *path;
-    sl_path_settings settings = {WIDTH, HEIGHT, 2, 11, *transport};
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
-    assert_int_equal(sl_path_tracer_create(scene, tracer, &settings, &path, NULL), SL_OK);
+    assert_int_equal(sl_path_tracer_create(scene, tracer, settings, &path, NULL), SL_OK);
     for (unsigned i = 0; i < samples; i++)
         assert_int_equal(sl_path_tracer_sample(path, i, &counters, NULL), SL_OK);
+    assert_int_equal(counters.value[SL_COUNT_NONFINITE], 0);
     for (int h = -1; h < 2; h++) {
         float *q = p->planes[h + 1];
         sl_path_tracer_mean(path, h, q, q + PIXELS, q + 2 * PIXELS);
     }
+    for (int i = 0; i < 3 * PIXELS; i++) assert_true(p->planes[0][i] >= 0.0f && isfinite(p->planes[0][i]));
     sl_path_tracer_destroy(path);
     sl_tracer_destroy(tracer);
     return p;
 }
 
-static picture *render_both_ways(const sl_scene *scene, const sl_bidirectional_settings *asked,
-                                 unsigned samples) {
-    picture *p = calloc(1, sizeof *p);
-    sl_counters counters = {{0}};
-    sl_tracer *tracer;
-    sl_bidirectional *film;
-    sl_bidirectional_settings settings = *asked;
-    settings.width = WIDTH;
-    settings.height = HEIGHT;
-    if (settings.threads == 0) settings.threads = 2;
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
-    assert_int_equal(sl_bidirectional_create(scene, tracer, &settings, &film, NULL), SL_OK);
-    for (unsigned i = 0; i < samples; i++)
-        assert_int_equal(sl_bidirectional_sample(film, i, &counters, NULL), SL_OK);
-    assert_int_equal(counters.value[SL_COUNT_NONFINITE], 0);
-    for (int h = -1; h < 2; h++) {
-        float *q = p->planes[h + 1];
-        sl_bidirectional_mean(film, h, q, q + PIXELS, q + 2 * PIXELS);
-    }
-    for (int i = 0; i < 3 * PIXELS; i++) assert_true(p->planes[0][i] >= 0.0f && isfinite(p->planes[0][i]));
-    sl_bidirectional_destroy(film);
-    sl_tracer_destroy(tracer);
-    return p;
+static picture *render_path(const sl_scene *scene, const sl_transport *transport, unsigned samples) {
+    return render_film(scene, &(sl_path_settings){WIDTH, HEIGHT, 2, 11, *transport, false}, samples);
+}
+
+static picture *render_both_ways(const sl_scene *scene, const sl_transport *transport, unsigned samples) {
+    return render_film(scene, &(sl_path_settings){WIDTH, HEIGHT, 2, 5, *transport, true}, samples);
 }
 
 /* Two pictures of the same: how far the means of blocks of 4 x 4 pixels are apart, over what the pictures'
@@ -122,8 +106,7 @@ static void check_equal(const char *what, const picture *a, const picture *b) {
 }
 
 static void check_transport(const char *what, const sl_scene *scene, const sl_transport *transport) {
-    const sl_bidirectional_settings settings = {.seed = 5, .transport = *transport};
-    picture *a = render_path(scene, transport, 2 * SAMPLES), *b = render_both_ways(scene, &settings, SAMPLES);
+    picture *a = render_path(scene, transport, 2 * SAMPLES), *b = render_both_ways(scene, transport, SAMPLES);
     check_equal(what, b, a);
     free(a);
     free(b);
@@ -288,8 +271,8 @@ static void a_point_light_throws_caustics(void **unused) {
     mesh.has_camera = true;
     assert_true(sl_camera_look_at(&mesh.camera, sl_v3(1.0f, 0, 3), sl_v3(1.0f, 0, 0), sl_v3(0, 1, 0), 0.3f));
     sl_scene *scene = trace_mesh_build(&mesh);
-    sl_bidirectional_settings settings = {.transport = transport_of("full")};
-    picture *p = render_both_ways(scene, &settings, 20 * SAMPLES);
+    sl_transport full = transport_of("full");
+    picture *p = render_both_ways(scene, &full, 20 * SAMPLES);
     double expected = 0.0, found = 0.0, half = 3.0 * tan(0.15);
     for (int y = 0; y < HEIGHT; y++) {
         for (int x = 0; x < WIDTH; x++) {
@@ -304,7 +287,7 @@ static void a_point_light_throws_caustics(void **unused) {
     }
     print_message("mean radiance %.6f, expected %.6f\n", found, expected);
     assert_true(fabs(found / expected - 1.0) < 0.005);
-    picture *direct = render_path(scene, &settings.transport, 16);
+    picture *direct = render_path(scene, &full, 16);
     double lost = 0.0;
     for (int i = 0; i < PIXELS; i++) lost += (double)direct->planes[0][i] / PIXELS;
     assert_true(lost < 0.99 * expected);

@@ -77,22 +77,19 @@ static void furnace_irradiance_is_the_geometric_series(void **unused) {
     const double albedo = 0.6, radiance = 2.0;
     static const uint32_t bounces[] = {1, 2, 6, SL_BOUNCES_UNLIMITED};
     for (int i = 0; i < 4; i++) {
-        for (int balance = 0; balance < 2; balance++) {
-            trace_mesh mesh = trace_mesh_begin();
-            uint32_t wall = trace_mesh_material(&mesh, (float)albedo, 0, 0, 0, (float)radiance);
-            trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
-            const sl_bidirectional_point_settings settings = {
-                .samples = 2000, .bounces = bounces[i], .balance = balance};
-            world w = open_world(trace_mesh_build(&mesh), &settings);
-            double sum = albedo / (1.0 - albedo);
-            if (bounces[i] != SL_BOUNCES_UNLIMITED) sum *= 1.0 - sl_pow(albedo, (double)bounces[i]);
-            for (uint32_t t = 0; t < w.scene->triangle_count; t += 5) {
-                sl_bidirectional_request request = point_of(w.scene, t, 0.2f, 0.3f, true);
-                sl_bidirectional_value v = irradiance(&w, &request);
-                check("furnace", &v, SL_PI * radiance * sum, 0.0);
-            }
-            close_world(&w);
+        trace_mesh mesh = trace_mesh_begin();
+        uint32_t wall = trace_mesh_material(&mesh, (float)albedo, 0, 0, 0, (float)radiance);
+        trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
+        const sl_bidirectional_point_settings settings = {.samples = 2000, .bounces = bounces[i]};
+        world w = open_world(trace_mesh_build(&mesh), &settings);
+        double sum = albedo / (1.0 - albedo);
+        if (bounces[i] != SL_BOUNCES_UNLIMITED) sum *= 1.0 - sl_pow(albedo, (double)bounces[i]);
+        for (uint32_t t = 0; t < w.scene->triangle_count; t += 5) {
+            sl_bidirectional_request request = point_of(w.scene, t, 0.2f, 0.3f, true);
+            sl_bidirectional_value v = irradiance(&w, &request);
+            check("furnace", &v, SL_PI * radiance * sum, 0.0);
         }
+        close_world(&w);
     }
 }
 

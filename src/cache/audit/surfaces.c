@@ -29,8 +29,9 @@ static bool box_shows_light(const looking *l, int x, int y, sl_counters *counter
     sl_ray16 rays;
     sl_hit16 hits;
     for (unsigned i = 0; i < SL_PACKET; i++)
-        sl_path_lens_ray(l->walk->scene, l->lens, (float)x + (float)(i % 4) / 3.0f,
-                         (float)y + (float)(i / 4) / 3.0f, &rays, i);
+        sl_path_lens_ray(l->walk->scene, l->lens,
+                         (sl_path_place){(float)x + (float)(i % 4) / 3.0f, (float)y + (float)(i / 4) / 3.0f},
+                         &rays, i);
     sl_trace(l->walk->tracer, &rays, SL_PACKET, true, &hits, counters);
     for (unsigned i = 0; i < SL_PACKET; i++) {
         if (shines(l->walk->scene, &rays, &hits, i)) return true;
@@ -43,7 +44,8 @@ static void look_at_centres(const looking *l, int first, unsigned count, int y, 
     sl_ray16 rays;
     sl_hit16 hits;
     for (unsigned i = 0; i < count; i++)
-        sl_path_lens_ray(l->walk->scene, l->lens, (float)(first + (int)i) + 0.5f, (float)y + 0.5f, &rays, i);
+        sl_path_lens_ray(l->walk->scene, l->lens,
+                         (sl_path_place){(float)(first + (int)i) + 0.5f, (float)y + 0.5f}, &rays, i);
     sl_trace(l->walk->tracer, &rays, count, true, &hits, counters);
     for (unsigned i = 0; i < count; i++)
         out[first + (int)i] = shines(l->walk->scene, &rays, &hits, i) ? 0.0f : 1.0f;

@@ -55,7 +55,8 @@ static void trace_packet(const sl_probe_tracer *t, const uint32_t *pixels, unsig
     for (unsigned i = 0; i < count; i++) {
         int x = (int)(pixels[i] % (uint32_t)t->lens.width), y = (int)(pixels[i] / (uint32_t)t->lens.width);
         keys[i] = sl_random_key(t->seed, (uint64_t)STREAMS * pixels[i] + stream);
-        sl_path_camera_ray(&t->walk, &t->lens, x, y, keys[i], index, &rays, i);
+        sl_path_place place = sl_path_place_in(&t->walk, x, y, keys[i], index);
+        sl_path_lens_ray(t->scene, &t->lens, place, &rays, i);
     }
     sl_path_walk_radiance(&t->walk, &rays, count, false, keys, index, radiance, counters);
     sl_count(counters, SL_COUNT_SAMPLES, count);

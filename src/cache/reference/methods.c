@@ -1,57 +1,10 @@
-/* The reference tracers as methods: what their films can do, and what they need. */
+/* The reference tracers as methods, and what they need. */
 #include "cache/frame/budget.h"
 #include "cache/reference/sampled_method.h"
-#include "trace/bidirectional/bidirectional.h"
 
-/* ---- unidirectional ---- */
-
-static sl_status path_create(const sl_scene *scene, const sl_tracer *tracer, const sl_settings *settings,
-                             const sl_transport *transport, void **film, sl_error *error) {
-    const sl_path_settings own = {settings->width, settings->height, settings->threads, settings->seed,
-                                  *transport};
-    sl_path_tracer *made = NULL;
-    sl_status status = sl_path_tracer_create(scene, tracer, &own, &made, error);
-    *film = made;
-    return status;
-}
-static void path_destroy(void *film) { sl_path_tracer_destroy(film); }
-static sl_status path_sample(void *film, uint64_t sample, sl_counters *counters, sl_error *error) {
-    return sl_path_tracer_sample(film, sample, counters, error);
-}
-static void path_mean(const void *film, int half, float *r, float *g, float *b) {
-    sl_path_tracer_mean(film, half, r, g, b);
-}
-static size_t path_bytes(const void *film) { return sl_path_tracer_memory_bytes(film); }
-
-const sl_sampled_film sl_path_film = {"path", "the path tracer", {16, 64, 256}, path_create,
-                                      path_destroy, path_sample, path_mean, path_bytes};
-
-/* ---- bidirectional ---- */
-
-static sl_status both_create(const sl_scene *scene, const sl_tracer *tracer, const sl_settings *settings,
-                             const sl_transport *transport, void **film, sl_error *error) {
-    const sl_bidirectional_settings own = {.width = settings->width,
-                                           .height = settings->height,
-                                           .threads = settings->threads,
-                                           .seed = settings->seed,
-                                           .transport = *transport};
-    sl_bidirectional *made = NULL;
-    sl_status status = sl_bidirectional_create(scene, tracer, &own, &made, error);
-    *film = made;
-    return status;
-}
-static void both_destroy(void *film) { sl_bidirectional_destroy(film); }
-static sl_status both_sample(void *film, uint64_t sample, sl_counters *counters, sl_error *error) {
-    return sl_bidirectional_sample(film, sample, counters, error);
-}
-static void both_mean(const void *film, int half, float *r, float *g, float *b) {
-    sl_bidirectional_mean(film, half, r, g, b);
-}
-static size_t both_bytes(const void *film) { return sl_bidirectional_memory_bytes(film); }
-
+const sl_sampled_film sl_path_film = {"path", "the path tracer", {16, 64, 256}, false};
 const sl_sampled_film sl_bidirectional_film = {
-    "bidirectional", "the bidirectional path tracer", {8, 32, 128}, both_create,
-    both_destroy,    both_sample,                     both_mean,    both_bytes};
+    "bidirectional", "the bidirectional path tracer", {8, 32, 128}, true};
 
 /* ---- memory ---- */
 

@@ -12,7 +12,7 @@ typedef struct {
     sl_settings settings;
     sl_transport transport;
     sl_tracer *tracer;
-    void *film;
+    sl_path_tracer *film;
     uint64_t samples, samples_wanted;
     sl_counters counters;
 } sampled_state;
@@ -20,16 +20,22 @@ typedef struct {
 void sl_sampled_destroy(void *state) {
     sampled_state *s = state;
     if (!s) return;
-    s->kind->destroy(s->film);
+    sl_path_tracer_destroy(s->film);
     sl_tracer_destroy(s->tracer);
     sl_free(s);
 }
 
 static sl_status start_film(sampled_state *s, sl_error *error) {
-    s->kind->destroy(s->film);
+    sl_path_tracer_destroy(s->film);
     s->film = NULL;
     s->samples = 0;
-    return s->kind->create(s->scene, s->tracer, &s->settings, &s->transport, &s->film, error);
+    const sl_path_settings settings = {.width = s->settings.width,
+                                       .height = s->settings.height,
+                                       .threads = s->settings.threads,
+                                       .seed = s->settings.seed,
+                                       .transport = s->transport,
+                                       .bidirectional = s->kind->bidirectional};
+    return sl_path_tracer_create(s->scene, s->tracer, &settings, &s->film, error);
 }
 
 static const sl_sampled_film *film_of(const sl_settings *settings) {
@@ -65,7 +71,7 @@ sl_status sl_sampled_update(void *state, sl_progress *progress, sl_error *error)
     if (!s->film)
         return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     if (s->samples < s->samples_wanted) {
-        sl_status status = s->kind->sample(s->film, s->samples, &s->counters, error);
+        sl_status status = sl_path_tracer_sample(s->film, s->samples, &s->counters, error);
         if (status != SL_OK) return status;
         s->samples++;
     }
@@ -86,7 +92,7 @@ sl_status sl_sampled_resolve(void *state, sl_image **image, sl_error *error) {
     size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
     float *p = (*image)->planes;
     for (int half = -1; half < 2; half++, p += 3 * pixels)
-        s->kind->mean(s->film, half, p, p + pixels, p + 2 * pixels);
+        sl_path_tracer_mean(s->film, half, p, p + pixels, p + 2 * pixels);
     sl_observe(s->settings.observer, s->kind->name, "mean of the samples", "reference", s->settings.width,
                s->settings.height, 3, (*image)->planes, false, &s->counters, NULL, 0);
     return SL_OK;
@@ -95,7 +101,7 @@ sl_status sl_sampled_resolve(void *state, sl_image **image, sl_error *error) {
 sl_status sl_sampled_edit(void *state, unsigned changes, sl_error *error) {
     sampled_state *s = state;
     if (changes & SL_CHANGED_OBJECTS) {
-        s->kind->destroy(s->film);
+        sl_path_tracer_destroy(s->film);
         s->film = NULL;
         sl_tracer_destroy(s->tracer);
         s->tracer = NULL;
@@ -111,7 +117,7 @@ const sl_counters *sl_sampled_counters(const void *state) {
 
 size_t sl_sampled_memory_bytes(const void *state) {
     const sampled_state *s = state;
-    size_t film = s->film ? s->kind->memory_bytes(s->film) : 0;
+    size_t film = s->film ? sl_path_tracer_memory_bytes(s->film) : 0;
     return sizeof *s + film + (s->tracer ? sl_tracer_memory_bytes(s->tracer) : 0);
 }
 

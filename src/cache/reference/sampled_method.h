@@ -1,5 +1,4 @@
-/* A reference tracer as a method: one update is one more sample for every pixel. What its film can do, the
- * tracer tells by functions. */
+/* A reference tracer as a method: one update is one more sample for every pixel. */
 #ifndef SL_CACHE_REFERENCE_SAMPLED_METHOD_H
 #define SL_CACHE_REFERENCE_SAMPLED_METHOD_H
 
@@ -10,12 +9,7 @@ typedef struct sl_sampled_film {
     const char *name;      /* of the method */
     const char *what;      /* for errors: "the path tracer" */
     uint32_t samples[3];   /* by quality */
-    sl_status (*create)(const sl_scene *scene, const sl_tracer *tracer, const sl_settings *settings,
-                        const sl_transport *transport, void **film, sl_error *error);
-    void (*destroy)(void *film); /* NULL is allowed */
-    sl_status (*sample)(void *film, uint64_t sample, sl_counters *counters, sl_error *error);
-    void (*mean)(const void *film, int half, float *r, float *g, float *b);
-    size_t (*memory_bytes)(const void *film);
+    bool bidirectional;
 } sl_sampled_film;
 
 extern const sl_sampled_film sl_path_film, sl_bidirectional_film; /* methods.c */

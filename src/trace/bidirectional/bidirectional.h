@@ -1,38 +1,30 @@
-/* The reference bidirectional path tracer: the same light paths as the path tracer, each found from either
- * end, and those that only light can find (caustics of lights without extent). As a film, and as values at
+/* The bidirectional path tracer: pairs of subpaths for the reference tracers' film (trace.h), and values at
  * surface points, which the shading cache asks for. */
 #ifndef SL_TRACE_BIDIRECTIONAL_H
 #define SL_TRACE_BIDIRECTIONAL_H
 
-#include "trace/trace.h"
+#include "trace/halves.h"
+#include "trace/path_walk.h"
 
-/* ---- the film -------------------------------------------------------------------------------- */
+/* ---- the film: path_tracer.c makes it of pairs of subpaths ------------------------------------- */
 
-typedef struct sl_bidirectional sl_bidirectional;
+typedef struct sl_path_pairs sl_path_pairs;
 
-typedef struct sl_bidirectional_settings {
-    int width, height;
-    unsigned threads;
-    uint64_t seed;
-    /* filter must be BOX or CENTRE; with CENTRE light subpaths are not joined to the camera */
-    sl_transport transport;
-    bool balance;             /* the balance heuristic instead of the power heuristic */
-    bool without_light_image; /* light subpaths are not joined to the camera with BOX either */
-    bool direct_image; /* light that comes straight from a lamp is carried to the camera too (s = 2, t = 1):
-                          light samples, which are better spread, make that way cost more than it saves */
-} sl_bidirectional_settings;
+/* What falls on other pixels is kept in so many lists. */
+enum { SL_PAIR_LISTS = 64 };
 
-sl_status sl_bidirectional_create(const sl_scene *scene, const sl_tracer *tracer,
-                                  const sl_bidirectional_settings *settings, sl_bidirectional **film,
-                                  sl_error *error);
-void sl_bidirectional_destroy(sl_bidirectional *film);
-/* One more sample for every pixel, sample number `sample` (0, 1, 2, ...): an eye and a light subpath for
- * each. */
-sl_status sl_bidirectional_sample(sl_bidirectional *film, uint64_t sample, sl_counters *counters,
-                                  sl_error *error);
-/* As sl_path_tracer_mean(). */
-void sl_bidirectional_mean(const sl_bidirectional *film, int half, float *r, float *g, float *b);
-size_t sl_bidirectional_memory_bytes(const sl_bidirectional *film);
+/* With pixel centres alone (SL_FILTER_CENTRE) light subpaths are not joined to the camera. */
+sl_status sl_path_pairs_create(const sl_path_walk *walk, const sl_path_lens *lens, unsigned workers,
+                               sl_path_pairs **pairs, sl_error *error);
+void sl_path_pairs_destroy(sl_path_pairs *pairs);
+size_t sl_path_pairs_memory_bytes(const sl_path_pairs *pairs);
+/* An eye and a light subpath for each of up to sixteen places on the film: radiance there; what falls on
+ * other pixels goes into the list, which nobody else fills at the same time. */
+void sl_path_pairs_radiance(sl_path_pairs *pairs, unsigned worker, size_t list, unsigned count,
+                            const sl_path_place *place, const uint64_t *key, uint32_t index,
+                            sl_rgb *radiance, sl_counters *counters);
+/* Adds what is in the lists, one after the other, and empties them. False: there was no memory for all. */
+bool sl_path_pairs_commit(sl_path_pairs *pairs, const sl_halves *halves, unsigned half);
 
 /* ---- values at surface points, as the shading cache (Tole et al. 2002) has them rendered ----- */
 
@@ -52,7 +44,6 @@ typedef struct sl_bidirectional_point_settings {
     uint32_t bounces;
     uint32_t roulette_after; /* surfaces of either walk; 0: 3 */
     uint64_t seed;
-    bool balance;            /* the balance heuristic instead of the power heuristic */
     /* irradiance leaves out light that comes to the point by way of mirrors alone (L S+ D), which somebody
      * else counts; */
     bool without_caustics;

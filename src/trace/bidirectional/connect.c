@@ -274,7 +274,7 @@ void sl_connect_all(const sl_path_maker *m, unsigned count, sl_subpath *const *e
                     const uint32_t *index, const sl_path_receiver *receiver, sl_counters *counters) {
     queue q = {.maker = m, .receiver = receiver, .counters = counters};
     for (unsigned lane = 0; lane < count; lane++) {
-        for (unsigned s = m->direct_image ? 2 : 3; m->light_image && s <= light_count[lane]; s++) {
+        for (unsigned s = 3; m->light_image && s <= light_count[lane]; s++) {
             double x, y;
             sl_connection c;
             if (is_joinable(&light[lane][s - 1]) && sl_connect_camera(m, light[lane], s, &c, &x, &y))

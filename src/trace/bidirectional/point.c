@@ -94,7 +94,6 @@ static sl_path_maker maker_for(const sl_bidirectional_points *p, const sl_scene 
     sl_path_maker maker;
     sl_path_maker_init(&maker, scene, tracer, p->lights, &p->sequence, &transport);
     maker.roulette_after = p->settings.roulette_after;
-    maker.balance = p->settings.balance;
     maker.eye_vertices = lobe == SL_LOBE_MIRROR ? 1 : 2;
     return maker;
 }

@@ -273,7 +273,7 @@ static void walk_on(const sl_path_maker *m, walker *walkers, unsigned count, boo
  * is not the walk's to meet. */
 static bool light_subpaths_join(const sl_path_maker *m) {
     return m->eye_vertices > 1 || sl_surfaces_allowed(m, 2) ||
-           (m->light_image && (m->direct_image || sl_mirrors_followed(m)));
+           (m->light_image && sl_mirrors_followed(m));
 }
 
 void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t *key, const uint32_t *index,

@@ -62,10 +62,10 @@ typedef struct sl_path_maker {
     const sl_sequence *sequence;
     sl_transport transport;
     uint32_t roulette_after;  /* surfaces; UINT32_MAX: no roulette but for mirrors */
-    bool balance;             /* the balance heuristic instead of the power heuristic */
     double radius;            /* of the sphere that holds the scene: flux is told in units of its square */
-    bool light_image;         /* light subpaths are joined to the camera (t = 1), */
-    bool direct_image;        /* those of one surface too (s = 2) */
+    /* light subpaths are joined to the camera (t = 1), but for light that comes straight from a lamp (s = 2):
+     * light samples, which are better spread, make that way cost more than it saves */
+    bool light_image;
     /* connections that carry less are taken in a share of cases, and count for more there; 0: all are
      * taken */
     float least;

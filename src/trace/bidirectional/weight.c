@@ -1,6 +1,6 @@
 /* Multiple importance sampling (Veach and Guibas 1995). p_t is the density with which the way of t eye
- * vertices makes a path; the ways share the path by w_t = p_t^2 / sum p_i^2 (the power heuristic) or p_t /
- * sum p_i (the balance heuristic). Two ways that are next to each other differ in who made one vertex:
+ * vertices makes a path; the ways share the path by w_t = p_t^2 / sum p_i^2 (the power heuristic). Two ways
+ * that are next to each other differ in who made one vertex:
  *
  *     p_(t+1) / p_t = pE(v_t) / pL(v_t),
  *
@@ -57,7 +57,7 @@ static bool sees_as_declared(const sl_path_maker *m, const ways *w, unsigned t) 
 static bool possible(const sl_path_maker *m, const sl_connection *c, const ways *w, unsigned t) {
     unsigned s = w->last + 1 - t;
     if (t < m->eye_vertices || t > SL_SUBPATH_VERTICES_MAX || s > SL_SUBPATH_VERTICES_MAX) return false;
-    if (t == 1 && !(m->light_image && w->last >= (m->direct_image ? 2u : 3u))) return false;
+    if (t == 1 && !(m->light_image && w->last >= 3)) return false;
     if (s == 0 ? w->delta_light
                : vertex(c, t - 1)->kind == SL_VERTEX_MIRROR || vertex(c, t)->kind == SL_VERTEX_MIRROR)
         return false;
@@ -70,12 +70,12 @@ double sl_connection_weight(const sl_path_maker *m, const sl_connection *c) {
     double sum = 1.0, ratio = 1.0;
     for (unsigned t = c->t; t > m->eye_vertices; t--) { /* p_(t-1) / p_(c->t) */
         ratio *= light_density(c, t - 1) / eye_density(c, t - 1);
-        if (possible(m, c, &w, t - 1)) sum += m->balance ? ratio : ratio * ratio;
+        if (possible(m, c, &w, t - 1)) sum += ratio * ratio;
     }
     ratio = 1.0;
     for (unsigned t = c->t; t <= w.last; t++) { /* p_(t+1) / p_(c->t) */
         ratio *= eye_density(c, t) / light_density(c, t);
-        if (possible(m, c, &w, t + 1)) sum += m->balance ? ratio : ratio * ratio;
+        if (possible(m, c, &w, t + 1)) sum += ratio * ratio;
     }
     return sum <= DBL_MAX ? 1.0 / sum : 0.0;
 }
