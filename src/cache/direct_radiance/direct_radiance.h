@@ -107,12 +107,6 @@ typedef void sl_photon_told(void *context, size_t photon, float weight, const fl
 void sl_indirect_light_apart(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
                              size_t lane, sl_photon_told *told, void *context, sl_counters *counters);
 
-/* Light seen directly: adds to row y of three planes L_e on the shining side of emitters, and the environment
- * in each background pixel's direction. The G-buffer may be some rows of the picture, from first_row on.
- * Returns whether anything was added. */
-bool sl_emission_add_row(const sl_scene *scene, const sl_view *view, const sl_gbuffer *gbuffer, int first_row,
-                         size_t y, float *const emission[3]);
-
 /* ---- the report (report.c): light that direct radiance maps leave out or count twice ---- */
 
 /* Stated with every picture: the share of the lights' flux that they hold, the share of

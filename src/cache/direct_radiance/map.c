@@ -5,7 +5,6 @@
 #include "cache/direct_radiance/map.h"
 
 #include <math.h>
-#include <string.h>
 
 /* ---- which pictures are taken ---- */
 
@@ -62,7 +61,7 @@ static bool allocate_vectors(float *plane[3], size_t texels) {
     return plane[0] && plane[1] && plane[2];
 }
 
-static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_options *options, bool mirrors,
+static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_options *options,
                                  sl_error *error) {
     size_t n = map->texels;
     map->triangle = sl_allocate(n, sizeof *map->triangle);
@@ -71,16 +70,8 @@ static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_opt
     bool ok = map->triangle && map->block_angle && map->path && allocate_vectors(map->position, n) &&
               allocate_vectors(map->color, n) && allocate_vectors(map->geometric, n);
     if (options->normals) ok = ok && allocate_vectors(map->normal, n);
-    if (mirrors) {
-        map->spread = sl_allocate(n, sizeof *map->spread);
-        ok = ok && map->spread && allocate_vectors(map->arrival, n) && allocate_vectors(map->carried, n);
-    }
+    if (options->tracer) ok = ok && allocate_vectors(map->arrival, n) && allocate_vectors(map->carried, n);
     return ok ? SL_OK : sl_fail_memory(error, "a radiance map's pictures");
-}
-
-static bool same_texels(const sl_map_face *a, const sl_map_face *b) {
-    return a->left == b->left && a->right == b->right && a->bottom == b->bottom && a->top == b->top &&
-           a->width == b->width && a->height == b->height;
 }
 
 static void measure_texels(sl_radiance_map *map, const sl_map_face *f, bool parallel) {
@@ -94,36 +85,19 @@ static void measure_texels(sl_radiance_map *map, const sl_map_face *f, bool para
     }
 }
 
-/* Measures solid angles; most faces are cut alike. */
-static void measure_faces(sl_radiance_map *map) {
-    for (size_t f = 0; f < map->face_count; f++) {
-        const sl_map_face *face = &map->face[f];
-        bool parallel = map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
-        size_t like = f > SL_LIGHT_FACES_MAX ? f - SL_LIGHT_FACES_MAX : 0;
-        while (like < f &&
-               (parallel || map->lights->light[map->face[like].light].kind == SL_SOURCE_DIRECTIONAL ||
-                !same_texels(&map->face[like], face)))
-            like++;
-        if (like == f) measure_texels(map, face, parallel);
-        else
-            memcpy(map->block_angle + face->first, map->block_angle + map->face[like].first,
-                   texels_of(face) * sizeof *map->block_angle);
-    }
-}
-
 static sl_status render(const planning *p, const sl_radiance_map_settings *settings,
                         const sl_radiance_map_options *options, sl_error *error) {
     sl_radiance_map *map = p->map;
-    const bool mirrors = options->tracer != NULL;
     map->face = sl_allocate(SL_LIGHT_FACES_MAX * map->lights->count, sizeof *map->face);
     if (!map->face) return sl_fail_memory(error, "a radiance map's faces");
     for (uint32_t i = 0; i < map->lights->count; i++) plan_light(p, i);
-    sl_status status = allocate_planes(map, options, mirrors, error);
+    sl_status status = allocate_planes(map, options, error);
     if (status != SL_OK) return status;
-    measure_faces(map);
+    for (size_t f = 0; f < map->face_count; f++)
+        measure_texels(map, &map->face[f],
+                       map->lights->light[map->face[f].light].kind == SL_SOURCE_DIRECTIONAL);
     const sl_map_drawing drawing = {p->scene, p->raster, settings, options, map, p->counters};
-    status = sl_map_pictures_draw(&drawing, error);
-    return status == SL_OK && mirrors ? sl_map_trace_mirrors(&drawing, error) : status;
+    return sl_map_pictures_draw(&drawing, error);
 }
 
 sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
@@ -155,13 +129,12 @@ void sl_radiance_map_destroy(sl_radiance_map *map) {
     sl_free(map->triangle);
     sl_free(map->block_angle);
     sl_free(map->path);
-    sl_free(map->spread);
     sl_free(map);
 }
 
 size_t sl_radiance_map_bytes(const sl_radiance_map *map) {
     if (!map) return 0;
-    size_t planes = 12 + (map->normal[0] ? 3u : 0u) + (map->spread ? 7u : 0u);
+    size_t planes = 12 + (map->normal[0] ? 3u : 0u) + (map->arrival[0] ? 6u : 0u);
     return sizeof *map + map->face_count * sizeof *map->face + planes * map->texels * sizeof(float);
 }
 

@@ -43,13 +43,9 @@ typedef struct sl_radiance_map {
     float *block_angle;
     /* per texel: b, the way from the light; by way of mirrors the unfolded one */
     float *path;
-    /* per texel: NULL, or of light by way of mirrors: the area perpendicular to its arrival that the texel
-     * stands for, instead of b^2 dOmega; 0 where the light came straight */
-    float *spread;
-    /* beside spread: unit, at y towards where its light comes from; NULL without */
+    /* NULL, or of light by way of mirrors: unit, at y towards where it comes from; 0 where it came straight */
     float *arrival[3];
-    /* beside spread: the reflectances of the mirrors on the way, multiplied; NULL without */
-    float *carried[3];
+    float *carried[3];               /* beside that: the reflectances of the mirrors on the way, multiplied */
     bool lambertian;                 /* color holds L_o */
     sl_map_shape shape;              /* as asked for */
     double fov;
@@ -123,19 +119,19 @@ typedef struct sl_map_drawing {
     sl_counters *counters;
 } sl_map_drawing;
 
-/* Draws all faces and resolves their pictures in one pass with multiple render targets. No shadows are looked
- * up: what the light sees is lit. */
+/* Draws all faces, and writes what they show. No shadows are looked up: what the light sees is lit. */
 sl_status sl_map_pictures_draw(const sl_map_drawing *drawing, sl_error *error);
-
-/* Texels that show a mirror are given what their ray meets by way of mirrors: its end point, the light that
- * arrives there, and the area over which the texel's light is spread. Needs options->tracer, and the map's
- * planes for it. */
-sl_status sl_map_trace_mirrors(const sl_map_drawing *drawing, sl_error *error);
 
 /* Texels of the direct radiance map, read as what photons are made of: their flux Psi = rho I dOmega / pi, in
  * which neither distance nor angle is left, and where, whence and onto what it falls. */
 
-/* All in double: y - L cancels where the scene lies far from the origin. */
+/* Part of a face in texel coordinates, half-open: what a photon stands for. */
+typedef struct sl_texel_rectangle {
+    double left, bottom, right, top;
+} sl_texel_rectangle;
+
+/* A texel, or several of one surface. All in double: y - L cancels where the scene lies far from the origin.
+ */
 typedef struct sl_map_texel {
     sl_vec3d position;   /* y */
     sl_vec3d normal;     /* unit, geometric, on the lit side */
@@ -144,15 +140,17 @@ typedef struct sl_map_texel {
     double way;          /* b */
     double cos_alpha;    /* of the geometric normal; >= SL_TEXEL_COS_MIN */
     double footprint;    /* A' = b^2 dOmega of the texel */
-    double arriving[3];  /* I dOmega, W, less what mirrors kept */
     /* Psi = L_o A of the texel, W/sr. Maps of true colour: W, still to be reflected by the material */
     double flux[3];
     /* of Psi, in maps of true colour of what the material reflects in all directions: weight of means; > 0 */
     double luminance;
     double color[3];     /* the map's: L_o, or kd */
+    double radiance[3];  /* of printed weights: L_o; maps of true colour, which need to know who looks: E */
     const sl_material *material;
     uint32_t object;
     bool mirrored;       /* its light came by way of mirrors */
+    bool bent;           /* of several texels whose normals differ */
+    sl_texel_rectangle rectangle; /* empty where the light came by mirrors */
 } sl_map_texel;
 
 /* Psi never has cos alpha in a denominator (L_o has the same cosine): so this guards 0/0 alone, and turns
@@ -172,6 +170,8 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
 static inline size_t sl_map_texel_index(const sl_map_face *face, int column, int row) {
     return face->first + (size_t)row * (size_t)face->width + (size_t)column;
 }
+/* Returns the unit direction in which the light of a face's texel leaves the light. */
+sl_vec3 sl_map_face_departure(const sl_map_face *face, size_t texel);
 /* A ray of the picture: towards texel coordinates (column, row), where texel (0, 0) is the square from 0
  * to 1. Not of unit length. */
 void sl_map_face_ray(const sl_map_face *face, bool directional, double column, double row, sl_vec3d *origin,
@@ -239,22 +239,7 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
 void sl_map_photons_destroy(sl_map_photons *photons);
 size_t sl_map_photons_bytes(const sl_map_photons *photons);
 
-/* Photons in the making: a sample in double, before it is written as the 64 bytes of sl_map_photon. */
-
-/* Part of a face in texel coordinates, half-open: what a photon stands for. */
-typedef struct sl_texel_rectangle {
-    double left, bottom, right, top;
-} sl_texel_rectangle;
-
-typedef struct sl_photon_sample {
-    sl_vec3d position, normal, shading, to_light;
-    double cos_alpha, footprint, way;
-    double flux[3], radiance[3];
-    double diffuse[3], specular[3], exponent; /* with lobes */
-    uint32_t object;
-    bool bent;               /* of several texels whose normals differ */
-    sl_texel_rectangle rectangle;
-} sl_photon_sample;
+/* ---- photons in the making ---- */
 
 /* The list, and what its samples are taken from. */
 typedef struct sl_photon_list {
@@ -272,19 +257,11 @@ static inline bool sl_face_is_directional(const sl_radiance_map *map, const sl_m
 /* Solid angle of the block whose lower left texel that is (directional: area). */
 double sl_block_angle(const sl_radiance_map *map, const sl_map_face *face, int column, int row);
 
-/* L_o; with lobes, which need to know who looks, E. */
-static inline double sl_printed_radiance(const sl_radiance_map *map, const sl_map_texel *t, int channel) {
-    return map->lambertian ? t->color[channel] : t->flux[channel] * (t->cos_alpha / t->footprint);
-}
-
-/* `times` a texel: its flux and footprint scaled, all else as it stands. */
-sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_texel *texel, double times,
-                                    sl_texel_rectangle rectangle);
 /* Appends the sample; nothing where it holds no light, or where a float cannot hold it. */
-void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photon_sample *sample);
+void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_map_texel *sample);
 
 /* The footprint's corners on the sample's tangent plane. */
-void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *sample,
+void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_map_texel *sample,
                          sl_photon_quad *quad);
 
 enum { SL_PHOTON_GROUPS = 4 }; /* surfaces of a block, at most */

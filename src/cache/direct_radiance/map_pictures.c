@@ -1,18 +1,13 @@
+/* Pass 2: a face's picture is the G-buffer that the rasterizer makes of it, in one pass with multiple render
+ * targets; mirrors in it show what they light, as they show pixels what they reflect. */
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/direct_radiance/map.h"
-#include "trace/bsdf.h"
-#include "trace/trace.h"
-
-#include <string.h>
-
-enum {
-    PIXELS = 256, /* resolved together */
-    VIEWS = 8     /* drawn together */
-};
+#include "cache/reflect/reflect.h"
 
 /* ---- one texel ---- */
 
@@ -26,22 +21,19 @@ static float eight_bits(float value, float low, float high) {
     return low + (step < 255.0f ? step : 255.0f) / 255.0f * extent;
 }
 
-static void put(float *const plane[3], size_t i, float x, float y, float z) {
-    plane[0][i] = x, plane[1][i] = y, plane[2][i] = z;
+static sl_vec3 at(const float *x, const float *y, const float *z, size_t i) { return sl_v3(x[i], y[i], z[i]); }
+
+static void put(float *const plane[3], size_t i, sl_vec3 v) {
+    plane[0][i] = v.x, plane[1][i] = v.y, plane[2][i] = v.z;
 }
 
-static void write_position(const sl_map_drawing *d, size_t i, const sl_surface *s, float way) {
+static void write_position(const sl_map_drawing *d, size_t i, sl_vec3 p) {
     const sl_scene *scene = d->scene;
-    sl_radiance_map *map = d->map;
-    sl_vec3 p = s->position;
-    if (d->settings->eight_bit_positions) {
+    if (d->settings->eight_bit_positions)
         p = sl_v3(eight_bits(p.x, scene->box_min.x, scene->box_max.x),
                   eight_bits(p.y, scene->box_min.y, scene->box_max.y),
                   eight_bits(p.z, scene->box_min.z, scene->box_max.z));
-    }
-    put(map->position, i, p.x, p.y, p.z);
-    put(map->geometric, i, s->geometric_normal.x, s->geometric_normal.y, s->geometric_normal.z);
-    map->path[i] = way;
+    put(d->map->position, i, p);
 }
 
 /* Light at a texel: it arrives along `arrival` (unit, at y towards it) with irradiance `facing` on a plane
@@ -52,28 +44,44 @@ typedef struct {
     float way;
 } texel_light;
 
-/* L_o = rho / pi E. Where numbers overflow (the light in the surface): nothing. */
-static void write_color(const sl_map_drawing *d, size_t i, const sl_surface *s, const texel_light *light) {
-    sl_rgb color = s->diffuse;
-    if (d->map->lambertian) {
-        float cosine = sl_dot(s->normal, light->arrival);
-        float scale = (float)(1.0 / SL_PI) *
-                      (cosine > 0.0f && sl_dot(s->geometric_normal, light->arrival) > 0.0f ? cosine : 0.0f);
-        color = sl_rgb_scale(sl_rgb_mul(color, light->facing), scale);
-        if (!sl_rgb_is_finite(color)) color = sl_grey(0.0f);
+/* L_o = rho / pi E, or rho itself. Where numbers overflow (the light in the surface): nothing. */
+static sl_rgb color_of(const sl_map_drawing *d, sl_rgb diffuse, sl_vec3 normal, sl_vec3 geometric,
+                       const texel_light *light) {
+    if (!d->map->lambertian) return diffuse;
+    const float cosine = sl_dot(normal, light->arrival);
+    const float scale = (float)(1.0 / SL_PI) *
+                        (cosine > 0.0f && sl_dot(geometric, light->arrival) > 0.0f ? cosine : 0.0f);
+    const sl_rgb color = sl_rgb_scale(sl_rgb_mul(diffuse, light->facing), scale);
+    return sl_rgb_is_finite(color) ? color : sl_grey(0.0f);
+}
+
+/* A G-buffer's normals are turned to the eye of its view; parallel light has none. */
+static void write_texel(const sl_map_drawing *d, const sl_gbuffer *g, size_t pixel, size_t i, bool parallel,
+                        const texel_light *light) {
+    const sl_rgb diffuse = {g->diffuse_r[pixel], g->diffuse_g[pixel], g->diffuse_b[pixel]};
+    sl_vec3 normal = at(g->normal_x, g->normal_y, g->normal_z, pixel),
+            geometric = at(g->geometric_x, g->geometric_y, g->geometric_z, pixel);
+    if (parallel && sl_dot(geometric, light->arrival) < 0.0f) {
+        normal = sl_neg(normal);
+        geometric = sl_neg(geometric);
     }
-    put(d->map->color, i, color.r, color.g, color.b);
+    const sl_rgb color = color_of(d, diffuse, normal, geometric, light);
+    write_position(d, i, at(g->position_x, g->position_y, g->position_z, pixel));
+    put(d->map->geometric, i, geometric);
+    put(d->map->color, i, sl_v3(color.r, color.g, color.b));
+    if (d->map->normal[0]) put(d->map->normal, i, normal);
+    d->map->triangle[i] = g->id[pixel];
+    d->map->path[i] = light->way;
 }
 
-static void write_texel(const sl_map_drawing *d, size_t i, const sl_surface *s, const texel_light *light) {
-    write_position(d, i, s, light->way);
-    write_color(d, i, s, light);
-    if (d->map->normal[0]) put(d->map->normal, i, s->normal.x, s->normal.y, s->normal.z);
+/* ---- light that comes straight, and by way of mirrors ---- */
+
+static const sl_map_light *light_of(const sl_map_drawing *d, const sl_map_face *face) {
+    return &d->map->lights->light[face->light];
 }
 
-/* Returns the light that comes straight to y. */
 static texel_light light_at(const sl_map_drawing *d, const sl_map_face *face, sl_vec3 y) {
-    const sl_map_light *light = &d->map->lights->light[face->light];
+    const sl_map_light *light = light_of(d, face);
     sl_vec3d way = sl_subd(sl_to_double(y), sl_to_double(face->eye));
     if (light->kind == SL_SOURCE_DIRECTIONAL) {
         return (texel_light){sl_neg(face->frame.z), light->intensity,
@@ -86,236 +94,79 @@ static texel_light light_at(const sl_map_drawing *d, const sl_map_face *face, sl
     return (texel_light){sl_neg(direction), sl_rgb_scale(intensity, (float)(1.0 / squared)), (float)length};
 }
 
-/* ---- one face ---- */
-
-typedef struct {
-    const sl_map_drawing *drawing;
-    uint64_t *shaded; /* by face */
-} resolution;
-
-static void resolve_texel(const sl_map_drawing *d, const sl_map_face *face, size_t i, float w1, float w2) {
-    uint32_t triangle = d->map->triangle[i];
-    sl_surface surface;
-    /* Every point of the triangle is seen from the same side. */
-    sl_vec3 to_light = sl_sub(face->eye, sl_scene_position(d->scene, d->scene->vertex[0][triangle]));
-    if (d->map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL) to_light = sl_neg(face->frame.z);
-    sl_scene_surface(d->scene, triangle, w1, w2, to_light, &surface);
-    texel_light light = light_at(d, face, surface.position);
-    write_texel(d, i, &surface, &light);
+/* Writes what mirror pixel k shows, lit as if from the light's mirror image: a planar mirror keeps solid
+ * angles, and the whole way is b. */
+static void write_mirrored(const sl_map_drawing *d, const sl_map_face *face, const sl_gbuffer *g,
+                           const sl_reflections *r, size_t k) {
+    sl_radiance_map *map = d->map;
+    const size_t pixel = r->pixel[k], i = face->first + pixel;
+    const bool parallel = light_of(d, face)->kind == SL_SOURCE_DIRECTIONAL;
+    const sl_vec3 y = at(g->position_x, g->position_y, g->position_z, pixel);
+    const sl_vec3 arrival = sl_normalize_or(sl_sub(g->seen_from[pixel], y), sl_v3(0, 0, 0));
+    const sl_vec3 left = sl_map_face_departure(face, pixel);
+    sl_rgb carried = sl_rgb_mul(sl_map_light_intensity(light_of(d, face), left), r->throughput[k]);
+    if (!parallel) carried = sl_rgb_scale(carried, 1.0f / (r->way[k] * r->way[k]));
+    map->triangle[i] = SL_NO_INDEX;
+    if (g->id[pixel] == SL_NO_INDEX || !(r->way[k] > 0.0f)) return;
+    write_texel(d, g, pixel, i, parallel, &(texel_light){arrival, carried, r->way[k]});
+    put(map->arrival, i, arrival);
+    put(map->carried, i, sl_v3(r->throughput[k].r, r->throughput[k].g, r->throughput[k].b));
 }
 
-static void resolve_face(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const resolution *r = context;
-    const sl_map_drawing *d = r->drawing;
-    const sl_map_face *face = &d->map->face[index];
-    size_t texels = (size_t)face->width * (size_t)face->height;
-    uint32_t pixel[PIXELS];
-    float w1[PIXELS], w2[PIXELS];
-    for (size_t first = 0; first < texels; first += PIXELS) {
-        size_t count = texels - first < PIXELS ? texels - first : PIXELS;
-        for (size_t i = 0; i < count; i++) pixel[i] = (uint32_t)(first + i);
-        sl_raster_barycentrics(d->raster, &face->view, count, pixel, d->map->triangle + face->first + first,
-                               w1, w2);
-        for (size_t i = 0; i < count; i++) {
-            size_t texel = face->first + first + i;
-            if (d->map->triangle[texel] == SL_NO_INDEX) continue;
-            resolve_texel(d, face, texel, w1[i], w2[i]);
-            r->shaded[index]++;
-        }
+/* ---- one face ---- */
+
+static sl_status draw(const sl_map_drawing *d, const sl_map_face *face, sl_gbuffer *g,
+                      sl_reflections **reflections, sl_counters *counters) {
+    const sl_viewer viewer = {.eye = face->eye,
+                              .along = light_of(d, face)->kind == SL_SOURCE_DIRECTIONAL ? face->frame.z
+                                                                                        : sl_v3(0, 0, 0)};
+    const sl_status status = sl_raster_gbuffer(d->raster, &face->view, 1, g, counters, NULL);
+    if (status != SL_OK || !d->options->tracer) return status;
+    return sl_reflect_seen(d->scene, d->options->tracer, 1, &viewer, g, reflections, counters, NULL);
+}
+
+static void write_face(const sl_map_drawing *d, const sl_map_face *face, const sl_gbuffer *g,
+                       const sl_reflections *r) {
+    const size_t texels = (size_t)face->width * (size_t)face->height;
+    const bool parallel = light_of(d, face)->kind == SL_SOURCE_DIRECTIONAL;
+    for (size_t p = 0; p < texels; p++) {
+        d->map->triangle[face->first + p] = SL_NO_INDEX;
+        if (g->id[p] == SL_NO_INDEX) continue;
+        const texel_light light = light_at(d, face, at(g->position_x, g->position_y, g->position_z, p));
+        write_texel(d, g, p, face->first + p, parallel, &light);
     }
+    for (size_t k = 0; r && k < r->count; k++) write_mirrored(d, face, g, r, k);
+}
+
+static void draw_face(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker;
+    const sl_map_drawing *d = context;
+    const sl_map_face *face = &d->map->face[index];
+    sl_gbuffer *g = NULL;
+    sl_reflections *reflections = NULL;
+    sl_status *status = result;
+    *status = sl_gbuffer_create(face->width, face->height, &g, NULL);
+    if (*status == SL_OK) *status = draw(d, face, g, &reflections, counters);
+    if (*status == SL_OK) write_face(d, face, g, reflections);
+    sl_reflections_destroy(reflections);
+    sl_gbuffer_destroy(g);
 }
 
 /* ---- all ---- */
 
-/* Draws the faces' triangles, some at a time: each view of a call takes a tile's memory. */
-static sl_status draw_triangles(const sl_map_drawing *d, sl_error *error) {
-    sl_radiance_map *map = d->map;
-    sl_status status = SL_OK;
-    for (size_t first = 0; first < map->face_count && status == SL_OK; first += VIEWS) {
-        sl_view views[VIEWS];
-        sl_target targets[VIEWS];
-        size_t count = 0;
-        for (; count < VIEWS && first + count < map->face_count; count++) {
-            const sl_map_face *face = &map->face[first + count];
-            views[count] = face->view;
-            targets[count] = (sl_target){face->width, face->height, map->triangle + face->first, NULL};
-        }
-        status =
-            sl_raster_ids(d->raster, count, views, d->options->threads, targets, d->counters, error);
-    }
-    return status;
-}
-
 sl_status sl_map_pictures_draw(const sl_map_drawing *d, sl_error *error) {
-    size_t faces = d->map->face_count;
-    if (!faces) return SL_OK;
-    resolution r = {d, sl_allocate(faces, sizeof *r.shaded)};
-    if (!r.shaded) return sl_fail_memory(error, "a radiance map's faces");
-    sl_status status = draw_triangles(d, error);
-    if (status == SL_OK) {
-        sl_parallel_for(sl_thread_count(d->options->threads), faces, resolve_face, &r);
-        for (size_t f = 0; f < faces; f++) sl_count(d->counters, SL_COUNT_FRAGMENTS_SHADED, r.shaded[f]);
-        /* Four floats a texel; 8-bit positions have four bytes. */
-        size_t bytes = (d->settings->eight_bit_positions ? 4u : 16u) + (d->map->normal[0] ? 32u : 16u);
-        sl_count(d->counters, SL_COUNT_BYTES_READ_BACK, bytes * d->map->texels);
+    const size_t faces = d->map->face_count;
+    sl_status *status = sl_allocate(faces, sizeof *status);
+    bool failed = !status;
+    if (status) {
+        const sl_batch batch = {faces, draw_face, (void *)(uintptr_t)d, status, sizeof *status};
+        sl_batch_run(&batch, sl_thread_count(d->options->threads), d->counters);
     }
-    sl_free(r.shaded);
-    return status;
-}
-
-/* A texel's light leaves as a narrow pyramid. Its middle ray gives the end point y, its four corner rays what
- * becomes of its cross-section: a convex mirror spreads it, a concave one draws it together. The area between
- * their ends, seen along the middle ray, takes the place of b^2 dOmega. */
-
-enum { RAYS = 5, LEGS_MAX = 9 };
-
-/* The last leg of a way over mirrors. */
-typedef struct {
-    sl_vec3 origin, direction; /* unit */
-    sl_rgb carried;            /* reflectances, multiplied */
-    double way;                /* of the legs so far */
-    uint32_t from;             /* the mirror that the leg leaves */
-    int mirrors;
-    bool going, arrived;
-    uint32_t triangle;         /* where it ends */
-    float w1, w2;
-} leg;
-
-/* ---- following rays ---- */
-
-static void aim(const sl_map_face *f, bool directional, int column, int row, leg way[RAYS]) {
-    static const double place[RAYS][2] = {{0.5, 0.5}, {0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    for (int k = 0; k < RAYS; k++) {
-        sl_vec3d origin, direction;
-        sl_map_face_ray(f, directional, (double)column + place[k][0], (double)row + place[k][1], &origin,
-                        &direction);
-        way[k] = (leg){.origin = sl_to_float(origin),
-                       .direction = sl_normalize_or(sl_to_float(direction), f->frame.z),
-                       .carried = {1, 1, 1},
-                       .from = SL_NO_INDEX,
-                       .going = true};
-    }
-}
-
-static void arrive(const sl_scene *scene, uint32_t triangle, float t, float w1, float w2, leg *way) {
-    sl_surface s;
-    way->going = false;
-    if (triangle == SL_NO_INDEX) return;
-    sl_scene_surface(scene, triangle, w1, w2, sl_neg(way->direction), &s);
-    way->way += (double)t;
-    if (!sl_material_is_mirror(s.material)) {
-        way->arrived = way->mirrors > 0;
-        way->triangle = triangle;
-        way->w1 = w1;
-        way->w2 = w2;
-        return;
-    }
-    way->going = ++way->mirrors < LEGS_MAX;
-    way->carried = sl_rgb_mul(way->carried, s.material->mirror);
-    way->direction = sl_normalize_or(sl_reflect_off(way->direction, s.normal, s.geometric_normal),
-                                     s.geometric_normal);
-    way->origin = s.position;
-    way->from = triangle;
-}
-
-static void follow(const sl_map_drawing *d, leg way[RAYS], sl_counters *counters) {
-    for (int leg_number = 0; leg_number < LEGS_MAX; leg_number++) {
-        sl_ray16 rays = {0};
-        sl_hit16 hits;
-        int which[RAYS];
-        unsigned count = 0;
-        for (int k = 0; k < RAYS; k++) {
-            if (!way[k].going) continue;
-            sl_ray16_set(&rays, count, way[k].origin, way[k].direction,
-                         (leg_number ? 1e-6f : 1e-5f) * d->scene->scale, INFINITY, way[k].from);
-            which[count++] = k;
-        }
-        if (!count) return;
-        sl_trace(d->options->tracer, &rays, count, false, &hits, counters);
-        for (unsigned i = 0; i < count; i++)
-            arrive(d->scene, hits.triangle[i], hits.t[i], hits.w1[i], hits.w2[i], &way[which[i]]);
-    }
-}
-
-/* ---- the area at their end ---- */
-
-static sl_vec3d end_of(const sl_map_drawing *d, const leg *way) {
-    sl_surface s;
-    sl_scene_surface(d->scene, way->triangle, way->w1, way->w2, sl_neg(way->direction), &s);
-    return sl_to_double(s.position);
-}
-
-/* Returns the area between the corner rays' ends, perpendicular to the middle ray; `flat`, as if the mirrors
- * were, where not all corners go the middle's way (the texel lies across the mirror's rim). Never so small
- * that radiance would grow without bound where light is focused. */
-static float spread_of(const sl_map_drawing *d, const leg way[RAYS], double flat) {
-    sl_vec3d corner[4];
-    for (int k = 0; k < 4; k++) {
-        if (!way[k + 1].arrived || way[k + 1].mirrors != way[0].mirrors) return (float)flat;
-        corner[k] = end_of(d, &way[k + 1]);
-    }
-    const sl_vec3d twice = sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1]));
-    return (float)fmax(0.5 * fabs(sl_dotd(twice, sl_to_double(way[0].direction))), 1e-4 * flat);
-}
-
-/* ---- texels ---- */
-
-static bool shows_mirror(const sl_map_drawing *d, size_t i) {
-    const uint32_t t = d->map->triangle[i];
-    return t != SL_NO_INDEX && sl_material_is_mirror(&d->scene->materials[d->scene->material_index[t]]);
-}
-
-static void write_end(const sl_map_drawing *d, const sl_map_face *f, size_t i, sl_vec3 departure,
-                      const leg way[RAYS]) {
-    sl_radiance_map *map = d->map;
-    const sl_map_light *light = &map->lights->light[f->light];
-    const double size = (double)map->block_angle[i]; /* of directional light: an area already */
-    const double flat = light->kind == SL_SOURCE_DIRECTIONAL ? size : way[0].way * way[0].way * size;
-    sl_surface end;
-    sl_scene_surface(d->scene, way[0].triangle, way[0].w1, way[0].w2, sl_neg(way[0].direction), &end);
-    float spread = spread_of(d, way, flat);
-    if (!(spread > 0.0f) || !isfinite(spread)) return;
-    sl_rgb carried = sl_rgb_mul(sl_map_light_intensity(light, departure), way[0].carried);
-    texel_light arriving = {sl_neg(way[0].direction), sl_rgb_scale(carried, map->block_angle[i] / spread),
-                            (float)way[0].way};
-    map->triangle[i] = way[0].triangle;
-    map->spread[i] = spread;
-    put(map->arrival, i, arriving.arrival.x, arriving.arrival.y, arriving.arrival.z);
-    put(map->carried, i, way[0].carried.r, way[0].carried.g, way[0].carried.b);
-    write_texel(d, i, &end, &arriving);
-}
-
-typedef struct {
-    const sl_map_drawing *drawing;
-    sl_counters *counters; /* by face */
-} tracing;
-
-static void trace_face(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const tracing *t = context;
-    const sl_map_drawing *d = t->drawing;
-    const sl_map_face *f = &d->map->face[index];
-    const bool directional = d->map->lights->light[f->light].kind == SL_SOURCE_DIRECTIONAL;
-    for (int row = 0; row < f->height; row++) {
-        for (int column = 0; column < f->width; column++) {
-            const size_t i = sl_map_texel_index(f, column, row);
-            leg way[RAYS];
-            if (!shows_mirror(d, i)) continue;
-            aim(f, directional, column, row, way);
-            sl_vec3 departure = way[0].direction;
-            follow(d, way, &t->counters[index]);
-            if (way[0].arrived) write_end(d, f, i, departure, way);
-        }
-    }
-}
-
-sl_status sl_map_trace_mirrors(const sl_map_drawing *drawing, sl_error *error) {
-    size_t faces = drawing->map->face_count;
-    tracing t = {drawing, sl_allocate(faces, sizeof *t.counters)};
-    if (!t.counters) return sl_fail_memory(error, "mirrors in a light's view");
-    sl_parallel_for(sl_thread_count(drawing->options->threads), faces, trace_face, &t);
-    for (size_t f = 0; f < faces; f++) sl_counters_add(drawing->counters, &t.counters[f]);
-    sl_free(t.counters);
+    for (size_t f = 0; f < faces && !failed; f++) failed = status[f] != SL_OK;
+    sl_free(status);
+    if (failed) return sl_fail_memory(error, "a radiance map's pictures");
+    /* Four floats a texel; 8-bit positions have four bytes. */
+    const size_t bytes = (d->settings->eight_bit_positions ? 4u : 16u) + (d->map->normal[0] ? 32u : 16u);
+    sl_count(d->counters, SL_COUNT_BYTES_READ_BACK, bytes * d->map->texels);
     return SL_OK;
 }

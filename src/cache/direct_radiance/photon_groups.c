@@ -7,7 +7,7 @@
 typedef struct {
     sl_vec3d position, normal, shading, to_light;
     double luminance, way, area;
-    double flux[3], radiance[3], diffuse[3], specular[3], exponent, glossy;
+    double flux[3], radiance[3], diffuse[3]; /* diffuse: kd by the flux that each channel has to reflect */
     sl_vec3d first_position, first_normal; /* of the texel that opened it */
     uint32_t object;                       /* likewise */
     bool mirrored;
@@ -67,25 +67,9 @@ static sl_vec3d unit_or(sl_vec3d a, sl_vec3d fallback) {
 
 static void add_scaled(sl_vec3d *sum, sl_vec3d a, double s) { *sum = sl_addd(*sum, sl_scaled(a, s)); }
 
-/* Adds to the reflectances of a photon that is not Lambertian: means by the flux that each colour channel has
- * to reflect. */
-static void add_lobe(surface_sum *sum, const sl_map_texel *t) {
-    const sl_rgb s = t->material->specular;
-    const double specular[3] = {(double)s.r, (double)s.g, (double)s.b};
-    double glossy = 0.0;
-    for (int k = 0; k < 3; k++) {
-        sum->diffuse[k] += t->flux[k] * t->color[k];
-        sum->specular[k] += t->flux[k] * specular[k];
-        glossy += t->flux[k] * specular[k];
-    }
-    sum->glossy += glossy;
-    sum->exponent += glossy * (double)t->material->exponent;
-}
-
 /* Adds a texel. A stranger adds its flux and its area, so that no light is lost, and does not move the
  * photon: between a roof and the lawn there is a room. */
-static void add_texel(surface_sum *sum, const sl_radiance_map *map, const sl_map_texel *t, bool stranger,
-                      double of_block) {
+static void add_texel(surface_sum *sum, const sl_map_texel *t, bool stranger, double of_block) {
     double weight = stranger ? 0.0 : t->luminance;
     add_scaled(&sum->position, t->position, weight);
     add_scaled(&sum->normal, t->normal, weight);
@@ -95,21 +79,21 @@ static void add_texel(surface_sum *sum, const sl_radiance_map *map, const sl_map
     sum->area += t->footprint / fmax(t->cos_alpha, SL_GROUP_COS_MIN);
     for (int k = 0; k < 3; k++) {
         sum->flux[k] += t->flux[k];
-        sum->radiance[k] += of_block * sl_printed_radiance(map, t, k);
+        sum->radiance[k] += of_block * t->radiance[k];
+        sum->diffuse[k] += t->flux[k] * t->color[k];
     }
-    if (map->lambertian) return;
     add_scaled(&sum->shading, t->shading, weight);
-    add_lobe(sum, t);
 }
 
 static void finish(sl_photon_list *list, const sl_map_face *face, const surface_sum *sum) {
     double mean = 1.0 / sum->luminance;
-    sl_photon_sample s = {.position = sl_scaled(sum->position, mean),
-                          .normal = unit_or(sum->normal, sum->first_normal),
-                          .way = sum->way * mean,
-                          .object = sum->object,
-                          .bent = sum->bent,
-                          .rectangle = sum->rectangle};
+    sl_map_texel s = {.position = sl_scaled(sum->position, mean),
+                      .normal = unit_or(sum->normal, sum->first_normal),
+                      .way = sum->way * mean,
+                      .material = sum->material,
+                      .object = sum->object,
+                      .bent = sum->bent,
+                      .rectangle = sum->rectangle};
     s.shading = unit_or(sum->shading, s.normal);
     s.to_light = unit_or(sum->to_light, s.normal);
     s.cos_alpha = fmax(sl_dotd(s.normal, s.to_light), SL_GROUP_COS_MIN);
@@ -118,11 +102,8 @@ static void finish(sl_photon_list *list, const sl_map_face *face, const surface_
     for (int k = 0; k < 3; k++) {
         s.flux[k] = sum->flux[k];
         s.radiance[k] = sum->radiance[k];
-        if (list->map->lambertian || !(sum->flux[k] > 0.0)) continue;
-        s.diffuse[k] = sum->diffuse[k] / sum->flux[k];
-        s.specular[k] = sum->specular[k] / sum->flux[k];
+        if (sum->flux[k] > 0.0) s.color[k] = sum->diffuse[k] / sum->flux[k];
     }
-    s.exponent = sum->glossy > 0.0 ? sum->exponent / sum->glossy : 0.0;
     sl_photon_add(list, face, &s);
 }
 
@@ -144,7 +125,7 @@ static void add_to_groups(const sl_photon_list *list, const sl_map_face *face, i
                              .material = t.material,
                              .rectangle = texel};
     }
-    add_texel(g, list->map, &t, stranger, angle / block);
+    add_texel(g, &t, stranger, angle / block);
     g->bent = g->bent || sl_dotd(g->first_normal, t.normal) < 1.0 - 1e-6;
     if (!stranger) g->rectangle = join(g->rectangle, texel);
 }

@@ -29,11 +29,11 @@ static void take_point(sl_photon_list *list, const sl_map_face *face, int column
     sl_map_texel t;
     if (!sl_map_texel_read(list->scene, list->map, face, x, y, color, &t)) return;
     double own = (double)list->map->block_angle[sl_map_texel_index(face, x, y)];
-    const sl_texel_rectangle block = {column, row, column + texels, row + texels};
-    sl_photon_sample sample =
-        sl_photon_of_texel(list, &t, sl_block_angle(list->map, face, column, row) / own, block);
-    if (t.mirrored) sample.rectangle = (sl_texel_rectangle){0};
-    sl_photon_add(list, face, &sample);
+    double times = sl_block_angle(list->map, face, column, row) / own;
+    t.footprint *= times;
+    for (int k = 0; k < 3; k++) t.flux[k] *= times;
+    if (!t.mirrored) t.rectangle = (sl_texel_rectangle){column, row, column + texels, row + texels};
+    sl_photon_add(list, face, &t);
 }
 
 /* The paper's: L_o of the block's level in a MIP map, position and normal from the sample's texel. The mean
@@ -154,53 +154,49 @@ void sl_map_face_ray(const sl_map_face *face, bool directional, double column, d
     *direction = directional ? z : sl_addd(z, aside);
 }
 
+sl_vec3 sl_map_face_departure(const sl_map_face *face, size_t texel) {
+    const size_t width = (size_t)face->width;
+    sl_vec3d origin, direction;
+    sl_map_face_ray(face, false, (double)(texel % width) + 0.5, (double)(texel / width) + 0.5, &origin,
+                    &direction);
+    return sl_normalize_or(sl_to_float(direction), sl_v3(0.0f, 0.0f, 1.0f));
+}
+
 /* Way, direction of arrival and perpendicular area of a texel. */
 static bool find_way(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_map_texel *t) {
+    const bool parallel = sl_face_is_directional(map, face);
     t->way = (double)map->path[i];
-    t->footprint = (double)map->block_angle[i]; /* of a directional light: an area already */
     if (t->mirrored) {
-        t->footprint = (double)map->spread[i];
         t->to_light = plane_at(map->arrival, i);
         if (!make_unit(&t->to_light)) return false;
-    } else if (map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL) {
+    } else if (parallel) {
         t->to_light = sl_to_double(sl_neg(face->frame.z));
     } else {
         t->to_light = sl_subd(sl_to_double(face->eye), t->position);
         t->way = sl_lengthd(t->to_light);
         t->to_light = sl_scaled(t->to_light, 1.0 / t->way); /* at the light itself NaN, and near: dropped */
-        t->footprint *= t->way * t->way;
     }
+    t->footprint = (double)map->block_angle[i] * (parallel ? 1.0 : t->way * t->way);
     return t->footprint > 0.0 && isfinite(t->footprint) && t->way >= 0.0;
 }
 
-/* Returns the direction in which the texel's light left the light. What came by mirrors left along the
- * picture's ray, and arrives from somewhere else. */
-static sl_vec3 as_it_left(const sl_map_face *face, size_t i, const sl_map_texel *t) {
-    sl_vec3d direction = sl_scaled(t->to_light, -1.0), origin;
-    if (t->mirrored) {
-        size_t texel = i - face->first, width = (size_t)face->width;
-        sl_map_face_ray(face, false, (double)(texel % width) + 0.5, (double)(texel / width) + 0.5, &origin,
-                        &direction);
-    }
-    return sl_normalize_or(sl_to_float(direction), sl_v3(0.0f, 0.0f, 1.0f));
-}
-
-/* I dOmega: what leaves the light within the texel, less the mirrors' share. */
-static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, size_t i, sl_map_texel *t) {
-    const sl_map_light *light = &map->lights->light[face->light];
-    bool by_direction = light->kind == SL_SOURCE_SPOT || light->kind == SL_SOURCE_AREA;
-    sl_rgb intensity =
-        by_direction ? sl_map_light_intensity(light, as_it_left(face, i, t)) : light->intensity;
-    if (t->mirrored) {
+/* I dOmega, W: what leaves the light within the texel, less the mirrors' share. What came by mirrors left
+ * along the picture's ray, and arrives from somewhere else. */
+static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, size_t i,
+                          const sl_map_texel *t, double arriving[3]) {
+    const sl_vec3 left = t->mirrored ? sl_map_face_departure(face, i - face->first)
+                                     : sl_normalize_or(sl_to_float(sl_scaled(t->to_light, -1.0)),
+                                                       sl_v3(0.0f, 0.0f, 1.0f));
+    sl_rgb intensity = sl_map_light_intensity(&map->lights->light[face->light], left);
+    if (t->mirrored)
         intensity =
             sl_rgb_mul(intensity, (sl_rgb){map->carried[0][i], map->carried[1][i], map->carried[2][i]});
-    }
     const double c[3] = {(double)intensity.r, (double)intensity.g, (double)intensity.b};
     bool any = false;
     for (int k = 0; k < 3; k++) {
-        t->arriving[k] = c[k] > 0.0 ? c[k] * (double)map->block_angle[i] : 0.0;
-        any |= t->arriving[k] > 0.0;
-        if (!isfinite(t->arriving[k])) return false;
+        arriving[k] = c[k] > 0.0 ? c[k] * (double)map->block_angle[i] : 0.0;
+        any |= arriving[k] > 0.0;
+        if (!isfinite(arriving[k])) return false;
     }
     return any;
 }
@@ -209,13 +205,13 @@ static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, s
  * cos_alpha the geometric one's, in A: 1 to another on facets. On rounded silhouettes the quotient can be
  * huge. No surface sends on more than arrives: pi Psi <= I dOmega bounds it, in all channels by one factor,
  * so that the hue stays. */
-static void find_flux(const sl_radiance_map *map, sl_map_texel *t) {
+static void find_flux(const sl_radiance_map *map, const double arriving[3], sl_map_texel *t) {
     double share = 1.0, reflected[3];
     if (map->lambertian) {
         double area = t->footprint / t->cos_alpha;
         for (int k = 0; k < 3; k++) {
             t->flux[k] = t->color[k] > 0.0 ? t->color[k] * area : 0.0;
-            double most = t->arriving[k] * (1.0 / SL_PI);
+            double most = arriving[k] * (1.0 / SL_PI);
             if (t->flux[k] * share > most) share = most / t->flux[k];
         }
         for (int k = 0; k < 3; k++) reflected[k] = t->flux[k] *= share;
@@ -229,20 +225,23 @@ static void find_flux(const sl_radiance_map *map, sl_map_texel *t) {
         }
         share = tilt > 0.0 ? tilt : 0.0;
         if (most * share > 1.0) share = 1.0 / most;
-        for (int k = 0; k < 3; k++) reflected[k] *= t->flux[k] = t->arriving[k] * share;
+        for (int k = 0; k < 3; k++) reflected[k] *= t->flux[k] = arriving[k] * share;
     }
+    for (int k = 0; k < 3; k++)
+        t->radiance[k] = map->lambertian ? t->color[k] : t->flux[k] * (t->cos_alpha / t->footprint);
     t->luminance = sl_luminance_of(reflected);
 }
 
 bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const sl_map_face *face, int column,
                        int row, const double *color, sl_map_texel *t) {
-    size_t i = sl_map_texel_index(face, column, row);
+    const size_t i = sl_map_texel_index(face, column, row);
+    double arriving[3];
+    *t = (sl_map_texel){0};
     if (map->triangle[i] == SL_NO_INDEX) return false;
     t->position = plane_at(map->position, i);
-    t->mirrored = map->spread && map->spread[i] > 0.0f;
+    t->mirrored = map->arrival[0] && sl_lengthd(plane_at(map->arrival, i)) > 0.0;
     if (!is_finite(t->position) || !find_way(map, face, i, t)) return false;
-    bool directional = map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
-    if (!directional && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_central_diagonal(scene))
+    if (!sl_face_is_directional(map, face) && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_central_diagonal(scene))
         return false;
 
     t->normal = plane_at(map->geometric, i);
@@ -259,8 +258,8 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
         t->color[k] = color ? color[k] : (double)map->color[k][i];
         if (!(t->color[k] >= 0.0) || !isfinite(t->color[k])) return false;
     }
-    if (!find_arriving(map, face, i, t)) return false;
-    find_flux(map, t);
+    if (!find_arriving(map, face, i, t, arriving)) return false;
+    find_flux(map, arriving, t);
     return t->luminance > 0.0 && isfinite(t->luminance);
 }
 
@@ -268,40 +267,8 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
 
 static sl_rgb rgb_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
 
-/* Finds the material without the texture, which the map's true colour has. */
-static void find_lobe(const sl_radiance_map *map, const sl_map_texel *t, double diffuse[3],
-                      double specular[3], double *exponent) {
-    if (map->lambertian) return;
-    const sl_rgb s = t->material->specular;
-    const double ks[3] = {(double)s.r, (double)s.g, (double)s.b};
-    for (int k = 0; k < 3; k++) {
-        diffuse[k] = t->color[k];
-        specular[k] = ks[k];
-    }
-    *exponent = (double)t->material->exponent;
-}
-
-sl_photon_sample sl_photon_of_texel(const sl_photon_list *list, const sl_map_texel *t, double times,
-                                    sl_texel_rectangle rectangle) {
-    sl_photon_sample s = {.position = t->position,
-                          .normal = t->normal,
-                          .shading = t->shading,
-                          .to_light = t->to_light,
-                          .cos_alpha = t->cos_alpha,
-                          .footprint = times * t->footprint,
-                          .way = t->way,
-                          .object = t->object,
-                          .rectangle = rectangle};
-    for (int k = 0; k < 3; k++) {
-        s.flux[k] = times * t->flux[k];
-        s.radiance[k] = sl_printed_radiance(list->map, t, k);
-    }
-    find_lobe(list->map, t, s.diffuse, s.specular, &s.exponent);
-    return s;
-}
-
 /* Returns A of (13) with A' of (12) and w := m; a directional light's A' is its block's area. */
-static double printed_area(const sl_photon_list *list, const sl_map_face *face, const sl_photon_sample *s) {
+static double printed_area(const sl_photon_list *list, const sl_map_face *face, const sl_map_texel *s) {
     double footprint;
     if (sl_face_is_directional(list->map, face)) {
         footprint = (face->right - face->left) / face->columns * ((face->top - face->bottom) / face->rows);
@@ -319,11 +286,11 @@ static bool photon_is_sound(const sl_map_photon *p) {
 
 /* Texels of several surfaces in one photon have a mean plane that may pass close to the light, where the
  * polygon is far smaller than what they cover: its radiance would be that much too large. */
-static bool holds_surface(const sl_photon_quad *quad, const sl_photon_sample *s) {
+static bool holds_surface(const sl_photon_quad *quad, const sl_map_texel *s) {
     return 2.0 * (double)quad->area * s->cos_alpha >= s->footprint;
 }
 
-void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photon_sample *s) {
+void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_map_texel *s) {
     sl_map_photons *photons = list->photons;
     if (photons->count == photons->room) return;
     sl_map_photon *photon = &photons->photon[photons->count];
@@ -337,8 +304,9 @@ void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_photo
                               .object = s->object};
     if (!photon_is_sound(photon)) return;
     if (photons->lobe) {
+        /* the material without its texture, which the map's true colour has */
         photons->lobe[photons->count] =
-            (sl_photon_lobe){rgb_of(s->diffuse), rgb_of(s->specular), (float)s->exponent,
+            (sl_photon_lobe){rgb_of(s->color), s->material->specular, s->material->exponent,
                              sl_to_float(s->to_light), sl_to_float(s->shading)};
     }
     if (photons->quad) {
@@ -375,7 +343,7 @@ static bool meet_plane(const corner_rays *rays, sl_vec3d origin, sl_vec3d direct
     return t > 0.0 && t * sl_lengthd(direction) <= rays->longest;
 }
 
-void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_photon_sample *s,
+void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_map_texel *s,
                          sl_photon_quad *quad) {
     *quad = (sl_photon_quad){0};
     bool directional = sl_face_is_directional(map, face);

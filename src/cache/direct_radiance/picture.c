@@ -14,14 +14,13 @@
 
 /* APART: floats between planes, lest at widths that are powers of two the same pixel of all of them fell into
  * the same lines of the cache. */
-enum { SURFACE_PLANES = 14, LIGHT_PLANES = 9, APART = 112 };
+enum { LIGHT_PLANES = 9, APART = 112 };
 
 /* A thread's part of the picture. */
 typedef struct {
     int first_row;
-    sl_gbuffer gbuffer;
-    float *surface; /* the G-buffer's planes */
-    float *light;   /* and those of light: direct, indirect, emission */
+    sl_gbuffer *gbuffer;
+    float *light;   /* planes: direct, indirect, emission */
     bool shines;    /* there is something in those of emission, which there seldom is */
     float *emission[3];
     sl_tile_target target;
@@ -48,39 +47,23 @@ typedef struct {
 
 /* ---- memory ---- */
 
-static void set_planes(const drawing *d, strip *s) {
-    sl_gbuffer *g = &s->gbuffer;
-    float **const surface[SURFACE_PLANES - 2] = {
-        &g->position_x,  &g->position_y,  &g->position_z,  &g->normal_x,  &g->normal_y,  &g->normal_z,
-        &g->geometric_x, &g->geometric_y, &g->geometric_z, &g->diffuse_r, &g->diffuse_g, &g->diffuse_b};
-    for (size_t k = 0; k < SURFACE_PLANES - 2; k++) *surface[k] = s->surface + k * d->room;
-    g->material = (uint32_t *)(void *)(s->surface + (SURFACE_PLANES - 2) * d->room);
-    g->id = (uint32_t *)(void *)(s->surface + (SURFACE_PLANES - 1) * d->room);
+static sl_status allocate_strip(const drawing *d, strip *s, sl_error *error) {
+    sl_status status = sl_gbuffer_create(d->pass->view->width, SL_TILE_HEIGHT, &s->gbuffer, error);
+    if (status != SL_OK) return status;
+    s->light = sl_allocate(LIGHT_PLANES * d->room, sizeof *s->light);
+    if (!s->light) return sl_fail_memory(error, "the picture");
     for (size_t k = 0; k < 3; k++) {
         s->target.direct[k] = s->light + k * d->room;
         s->target.indirect[k] = s->light + (3 + k) * d->room;
         s->emission[k] = s->light + (6 + k) * d->room;
     }
-}
-
-static bool allocate_workers(drawing *d) {
-    d->worker = sl_allocate(d->workers, sizeof *d->worker);
-    bool ok = d->worker != NULL;
-    for (unsigned w = 0; ok && w < d->workers; w++) {
-        strip *s = &d->worker[w];
-        s->surface = sl_allocate(SURFACE_PLANES * d->room, sizeof *s->surface);
-        s->light = sl_allocate(LIGHT_PLANES * d->room, sizeof *s->light);
-        ok = s->surface && s->light;
-        if (ok) set_planes(d, s);
-    }
-    return ok;
+    return SL_OK;
 }
 
 static void release(drawing *d) {
     for (unsigned w = 0; d->worker && w < d->workers; w++) {
-        sl_free(d->worker[w].surface);
+        sl_gbuffer_destroy(d->worker[w].gbuffer);
         sl_free(d->worker[w].light);
-        sl_free(d->worker[w].gbuffer.seen_from);
         sl_reflections_destroy(d->worker[w].reflections);
     }
     sl_free(d->worker);
@@ -96,21 +79,20 @@ static void set_rows(const drawing *d, strip *s, size_t index) {
     const sl_view *view = d->pass->view;
     const int left = view->height - (int)index * SL_TILE_HEIGHT;
     s->first_row = (int)index * SL_TILE_HEIGHT;
-    s->gbuffer.width = view->width;
-    s->gbuffer.height = left < SL_TILE_HEIGHT ? left : SL_TILE_HEIGHT;
+    s->gbuffer->height = left < SL_TILE_HEIGHT ? left : SL_TILE_HEIGHT;
 }
 
 /* Resolves what is seen, and what is seen in mirrors. */
 static void resolve_strip(const drawing *d, strip *s, unsigned worker, sl_counters *counters) {
-    const size_t width = (size_t)s->gbuffer.width, pixels = width * (size_t)s->gbuffer.height,
+    const size_t width = (size_t)s->gbuffer->width, pixels = width * (size_t)s->gbuffer->height,
                  first = (size_t)s->first_row * width;
-    memcpy(s->gbuffer.id, d->pass->id + first, pixels * sizeof *s->gbuffer.id);
+    memcpy(s->gbuffer->id, d->pass->id + first, pixels * sizeof *s->gbuffer->id);
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED,
-             sl_resolver_run(d->resolver, worker, first, pixels, &s->gbuffer));
+             sl_resolver_run(d->resolver, worker, first, pixels, s->gbuffer));
     sl_reflections_destroy(s->reflections);
     s->reflections = NULL;
     if (d->pass->mirrors && s->status == SL_OK)
-        s->status = sl_reflect_pixels(d->scene, d->pass->mirrors, 1, &s->gbuffer, &s->reflections, counters,
+        s->status = sl_reflect_pixels(d->scene, d->pass->mirrors, 1, s->gbuffer, &s->reflections, counters,
                                       &s->error);
 }
 
@@ -129,20 +111,45 @@ static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy,
     if (direct && d->sums) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile->count);
 }
 
-/* Leaves of what mirror pixels show what the mirrors reflect, and adds what lies beyond the scene. */
-static void dim_mirrors(const strip *s) {
+static void put_emission(const strip *s, size_t i, sl_rgb light) {
+    s->emission[0][i] = light.r;
+    s->emission[1][i] = light.g;
+    s->emission[2][i] = light.b;
+}
+
+/* Leaves of what mirror pixels show what the mirrors reflect. */
+static void dim_mirrors(const drawing *d, const strip *s) {
     const sl_reflections *r = s->reflections;
     for (size_t k = 0; r && k < r->count; k++) {
         const size_t i = r->pixel[k];
-        const bool surface = s->gbuffer.material[i] != SL_NO_INDEX;
         const float throughput[3] = {r->throughput[k].r, r->throughput[k].g, r->throughput[k].b};
-        const float beyond[3] = {r->background[k].r, r->background[k].g, r->background[k].b};
+        put_emission(s, i, sl_reflections_emission(d->scene, s->gbuffer, r, k));
         for (int c = 0; c < 3; c++) {
-            s->emission[c][i] = surface ? throughput[c] * s->emission[c][i] : beyond[c];
             s->target.direct[c][i] *= throughput[c];
             s->target.indirect[c][i] *= throughput[c];
         }
     }
+}
+
+/* ---- light seen directly, L S* E: it takes no light pass, only what each pixel shows ---- */
+
+static bool is_dark(const sl_scene *scene, uint32_t material) {
+    if (material == SL_NO_INDEX) return !scene->environment.present;
+    return !sl_material_is_emitter(&scene->materials[material]);
+}
+
+static void add_emission(const drawing *d, strip *s, sl_counters *counters) {
+    const int width = s->gbuffer->width, height = s->gbuffer->height;
+    for (int y = 0; y < height; y++) {
+        for (int x = 0; x < width; x++) {
+            const size_t i = (size_t)y * (size_t)width + (size_t)x;
+            if (is_dark(d->scene, s->gbuffer->material[i])) continue;
+            s->shines = true;
+            put_emission(s, i, sl_gbuffer_emission(d->scene, d->pass->view, s->gbuffer, i, x,
+                                                   s->first_row + y));
+        }
+    }
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, (size_t)width * (size_t)height);
 }
 
 /* ---- pass 8: the accumulation targets as a picture ---- */
@@ -179,14 +186,11 @@ static void draw_strip(void *context, size_t index, unsigned worker) {
     resolve_strip(d, s, worker, counters);
     memset(s->light, 0, (s->shines ? LIGHT_PLANES : LIGHT_PLANES - 3) * d->room * sizeof *s->light);
     s->shines = s->reflections != NULL; /* which may show the sky */
-    for (size_t y = 0; !d->nothing_shines && y < (size_t)s->gbuffer.height; y++)
-        s->shines |= sl_emission_add_row(d->scene, d->pass->view, &s->gbuffer, s->first_row, y, s->emission);
-    if (!d->nothing_shines)
-        sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, (size_t)s->gbuffer.width * (size_t)s->gbuffer.height);
+    if (!d->nothing_shines) add_emission(d, s, counters);
     if (d->pass->light->lights->count > 0 || d->sums)
-        sl_receiver_tiles_strip(&s->gbuffer, &d->kinds, 0, light_tile, (void *)(uintptr_t)&program, counters);
-    dim_mirrors(s);
-    for (size_t row = 0; row < (size_t)s->gbuffer.height; row++) compose_row(d, s, row);
+        sl_receiver_tiles_strip(s->gbuffer, &d->kinds, 0, light_tile, (void *)(uintptr_t)&program, counters);
+    dim_mirrors(d, s);
+    for (size_t row = 0; row < (size_t)s->gbuffer->height; row++) compose_row(d, s, row);
 }
 
 /* ---- the picture ---- */
@@ -201,7 +205,11 @@ static sl_status prepare(drawing *d, size_t strips, sl_error *error) {
         status = sl_photon_sums_create(light, &d->sums, error);
     if (status != SL_OK) return status;
     d->counters = sl_allocate(strips, sizeof *d->counters);
-    if (!d->counters || !allocate_workers(d)) return sl_fail_memory(error, "the picture");
+    d->worker = sl_allocate(d->workers, sizeof *d->worker);
+    if (!d->counters || !d->worker) return sl_fail_memory(error, "the picture");
+    for (unsigned w = 0; w < d->workers && status == SL_OK; w++)
+        status = allocate_strip(d, &d->worker[w], error);
+    if (status != SL_OK) return status;
     return sl_image_create_unset(pass->view->width, pass->view->height,
                                  pass->layers ? SL_RADIANCE_CHANNELS : SL_RADIANCE_EMISSION, layer_names,
                                  &d->image, error);
@@ -239,43 +247,4 @@ sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, s
     }
     release(&d);
     return status;
-}
-
-/* ---- light seen directly, L S* E: it takes no light pass, only what each pixel shows ---- */
-
-static sl_rgb emission_at(const sl_scene *scene, const sl_gbuffer *g, size_t i) {
-    return sl_scene_emission(scene, g->id[i], sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]));
-}
-
-static sl_rgb background_at(const sl_scene *scene, const sl_view *view, size_t x, int y) {
-    const sl_environment *environment = &scene->environment;
-    if (!environment->present || environment->width == 0) return environment->constant;
-    return sl_environment_radiance(environment, sl_view_direction(view, (double)x + 0.5, (double)y + 0.5));
-}
-
-static bool is_dark(const sl_scene *scene, uint32_t material) {
-    if (material == SL_NO_INDEX) return !scene->environment.present;
-    return !sl_material_is_emitter(&scene->materials[material]);
-}
-
-bool sl_emission_add_row(const sl_scene *scene, const sl_view *view, const sl_gbuffer *g, int first_row,
-                         size_t y, float *const emission[3]) {
-    const size_t width = (size_t)g->width, first = y * width;
-    bool any = false;
-    for (size_t x = 0, end; x < width; x = end) {
-        const uint32_t material = g->material[first + x];
-        for (end = x + 1; end < width && g->material[first + end] == material;) end++;
-        if (is_dark(scene, material)) continue;
-        any = true;
-        for (size_t k = x; k < end; k++) {
-            const size_t i = first + k;
-            const sl_rgb light = material == SL_NO_INDEX
-                                     ? background_at(scene, view, k, first_row + (int)y)
-                                     : emission_at(scene, g, i);
-            emission[0][i] += light.r;
-            emission[1][i] += light.g;
-            emission[2][i] += light.b;
-        }
-    }
-    return any;
 }

@@ -25,6 +25,7 @@ void sl_reflections_destroy(sl_reflections *r) {
     sl_free(r->pixel);
     sl_free(r->throughput);
     sl_free(r->background);
+    sl_free(r->way);
     sl_free(r);
 }
 
@@ -38,8 +39,9 @@ static sl_status list_pixels(const sl_scene *scene, const sl_gbuffer *g, sl_refl
         r->pixel = sl_allocate(count, sizeof *r->pixel);
         r->throughput = sl_allocate(count, sizeof *r->throughput);
         r->background = sl_allocate(count, sizeof *r->background);
+        r->way = sl_allocate(count, sizeof *r->way);
     }
-    if (!r || !r->pixel || !r->throughput || !r->background) {
+    if (!r || !r->pixel || !r->throughput || !r->background || !r->way) {
         sl_reflections_destroy(r);
         return sl_fail_memory(error, "reflections");
     }
@@ -50,12 +52,12 @@ static sl_status list_pixels(const sl_scene *scene, const sl_gbuffer *g, sl_refl
     return SL_OK;
 }
 
-/* From the camera, as long as no mirror tells otherwise. */
-static sl_status place_viewers(const sl_scene *scene, sl_gbuffer *g, sl_error *error) {
+/* From the viewer's own eye, as long as no mirror tells otherwise. */
+static sl_status place_viewers(sl_vec3 eye, sl_gbuffer *g, sl_error *error) {
     size_t pixels = (size_t)g->width * (size_t)g->height;
     g->seen_from = sl_allocate(pixels, sizeof *g->seen_from);
     if (!g->seen_from) return sl_fail_memory(error, "reflections");
-    for (size_t i = 0; i < pixels; i++) g->seen_from[i] = scene->camera.eye;
+    for (size_t i = 0; i < pixels; i++) g->seen_from[i] = eye;
     return SL_OK;
 }
 
@@ -64,6 +66,7 @@ static sl_status place_viewers(const sl_scene *scene, sl_gbuffer *g, sl_error *e
 typedef struct {
     const sl_scene *scene;
     const sl_tracer *tracer;
+    const sl_viewer *viewer;
     sl_gbuffer *gbuffer;
     sl_reflections *reflections;
 } reflecting;
@@ -79,13 +82,22 @@ static sl_vec3 plane_vector(const float *x, const float *y, const float *z, size
     return sl_v3(x[i], y[i], z[i]);
 }
 
+/* Returns the unit direction in which the mirror at p is seen, and how far away that is. */
+static sl_vec3 look_at(const sl_viewer *viewer, sl_vec3 p, sl_vec3 fallback, float *way) {
+    const sl_vec3 d = sl_sub(p, viewer->eye);
+    *way = sl_dot(d, viewer->along);
+    if (*way != 0.0f) return viewer->along;
+    *way = sl_length(d);
+    return sl_normalize_or(d, fallback);
+}
+
 static reflected first_ray(const reflecting *c, size_t slot) {
     const sl_gbuffer *g = c->gbuffer;
     size_t i = c->reflections->pixel[slot];
     sl_vec3 p = plane_vector(g->position_x, g->position_y, g->position_z, i),
             n = plane_vector(g->normal_x, g->normal_y, g->normal_z, i);
     sl_vec3 geometric = plane_vector(g->geometric_x, g->geometric_y, g->geometric_z, i);
-    sl_vec3 incoming = sl_normalize_or(sl_sub(p, c->scene->camera.eye), sl_neg(geometric));
+    sl_vec3 incoming = look_at(c->viewer, p, sl_neg(geometric), &c->reflections->way[slot]);
     c->reflections->throughput[slot] = c->scene->materials[g->material[i]].mirror;
     return (reflected){slot, p, sl_reflect_off(incoming, n, geometric), g->id[i]};
 }
@@ -114,7 +126,7 @@ static void show_surface(const reflecting *c, const reflected *ray, uint32_t tri
 }
 
 /* Where the ray ends; or, at a mirror, the ray that goes on from there. */
-static bool goes_on(const reflecting *c, reflected *ray, uint32_t triangle, float w1, float w2) {
+static bool goes_on(const reflecting *c, reflected *ray, uint32_t triangle, float t, float w1, float w2) {
     sl_rgb *throughput = &c->reflections->throughput[ray->slot];
     if (triangle == SL_NO_INDEX) {
         c->reflections->background[ray->slot] =
@@ -124,6 +136,7 @@ static bool goes_on(const reflecting *c, reflected *ray, uint32_t triangle, floa
     }
     sl_surface s;
     sl_scene_surface(c->scene, triangle, w1, w2, sl_neg(ray->direction), &s);
+    c->reflections->way[ray->slot] += t;
     if (!sl_material_is_mirror(s.material)) {
         show_surface(c, ray, triangle, &s);
         return false;
@@ -145,7 +158,7 @@ static unsigned advance(const reflecting *c, reflected *rays, unsigned count, sl
     else memset(hits.triangle, 0xff, sizeof hits.triangle); /* SL_NO_INDEX */
     unsigned left = 0;
     for (unsigned i = 0; i < count; i++) {
-        if (goes_on(c, &rays[i], hits.triangle[i], hits.w1[i], hits.w2[i])) rays[left++] = rays[i];
+        if (goes_on(c, &rays[i], hits.triangle[i], hits.t[i], hits.w1[i], hits.w2[i])) rays[left++] = rays[i];
     }
     return left;
 }
@@ -162,22 +175,51 @@ static void reflect_packet(void *context, size_t index, unsigned worker, void *r
     for (unsigned i = 0; i < left; i++) show_nothing(c, &rays[i]);
 }
 
-sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
-                            sl_gbuffer *gbuffer, sl_reflections **reflections, sl_counters *counters,
-                            sl_error *error) {
+sl_status sl_reflect_seen(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
+                          const sl_viewer *viewer, sl_gbuffer *gbuffer, sl_reflections **reflections,
+                          sl_counters *counters, sl_error *error) {
     *reflections = NULL;
     sl_free(gbuffer->seen_from); /* of another view */
     gbuffer->seen_from = NULL;
     sl_status status = list_pixels(scene, gbuffer, reflections, error);
     if (status != SL_OK || !*reflections) return status;
-    status = place_viewers(scene, gbuffer, error);
+    status = place_viewers(viewer->eye, gbuffer, error);
     if (status != SL_OK) {
         sl_reflections_destroy(*reflections);
         *reflections = NULL;
         return status;
     }
     size_t packets = ((*reflections)->count + SL_PACKET - 1) / SL_PACKET;
-    reflecting c = {scene, tracer, gbuffer, *reflections};
+    reflecting c = {scene, tracer, viewer, gbuffer, *reflections};
     sl_batch_run(&(sl_batch){.count = packets, .work = reflect_packet, .context = &c}, threads, counters);
     return SL_OK;
+}
+
+sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
+                            sl_gbuffer *gbuffer, sl_reflections **reflections, sl_counters *counters,
+                            sl_error *error) {
+    const sl_viewer camera = {.eye = scene->camera.eye};
+    return sl_reflect_seen(scene, tracer, threads, &camera, gbuffer, reflections, counters, error);
+}
+
+/* ---- emission ---- */
+
+static sl_rgb surface_emission(const sl_scene *scene, const sl_gbuffer *g, size_t i) {
+    return sl_scene_emission(scene, g->id[i],
+                             plane_vector(g->geometric_x, g->geometric_y, g->geometric_z, i));
+}
+
+sl_rgb sl_gbuffer_emission(const sl_scene *scene, const sl_view *view, const sl_gbuffer *g, size_t i, int x,
+                           int y) {
+    if (g->material[i] != SL_NO_INDEX) return surface_emission(scene, g, i);
+    if (!scene->environment.present) return sl_grey(0.0f);
+    return sl_environment_radiance(&scene->environment,
+                                   sl_view_direction(view, (double)x + 0.5, (double)y + 0.5));
+}
+
+sl_rgb sl_reflections_emission(const sl_scene *scene, const sl_gbuffer *g, const sl_reflections *r,
+                               size_t k) {
+    const size_t i = r->pixel[k];
+    if (g->material[i] == SL_NO_INDEX) return r->background[k];
+    return sl_rgb_mul(r->throughput[k], surface_emission(scene, g, i));
 }

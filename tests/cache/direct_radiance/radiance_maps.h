@@ -128,7 +128,6 @@ static inline void hand_map_end(hand_map *h) {
         free(h->map.arrival[c]);
         free(h->map.carried[c]);
     }
-    free(h->map.spread);
     free(h);
 }
 

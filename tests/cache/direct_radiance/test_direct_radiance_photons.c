@@ -179,22 +179,21 @@ static void mirrored_texels_arrive_from_where_they_say(void **state) {
     sl_scene *scene = room(0.5f, 0);
     hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 2, 2);
     hand_texel(h, 0, 0, sl_v3(0, -1, 0), sl_v3(0, 1, 0), sl_grey(0.5f));
-    h->map.spread = hand_plane(h->map.texels);
     for (int c = 0; c < 3; c++) {
         h->map.arrival[c] = hand_plane(h->map.texels);
         h->map.carried[c] = hand_plane(h->map.texels);
         h->map.carried[c][0] = 0.9f;
-        h->map.color[c][0] = 0.1f; /* L_o */
+        h->map.color[c][0] = 0.01f; /* L_o */
     }
-    h->map.spread[0] = 0.02f;
     h->map.arrival[0][0] = 0.6f;
     h->map.arrival[1][0] = 0.8f;
     h->map.path[0] = 3.0f;
     sl_map_photons *photons = take_photons(scene, &h->map, &points);
     assert_int_equal(photons->count, 1);
     assert_true(fabsf(photons->photon[0].cos_alpha - 0.8f) < 1e-6f);
-    assert_true(fabsf(photons->photon[0].footprint - 0.02f) < 1e-7f);
-    assert_true(fabsf(photons->photon[0].flux.r - 0.1f * 0.02f / 0.8f) < 1e-7f);
+    const float footprint = 9.0f * h->map.block_angle[0];
+    assert_true(fabsf(photons->photon[0].footprint - footprint) < 1e-6f);
+    assert_true(fabsf(photons->photon[0].flux.r - 0.01f * footprint / 0.8f) < 1e-6f);
     sl_map_photons_destroy(photons);
     hand_map_end(h);
     sl_scene_destroy(scene);
