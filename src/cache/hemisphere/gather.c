@@ -75,8 +75,7 @@ static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *co
     status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border,
                                      &gather->tables, error);
     if (status != SL_OK || s->harmonics_order == 0) return status;
-    return sl_projection_create(gather->tables, (double)gather->half_tangent, s->border, s->harmonics_order,
-                                threads, &gather->projection, error);
+    return sl_projection_create(gather->tables, s->harmonics_order, threads, &gather->projection, error);
 }
 
 sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,

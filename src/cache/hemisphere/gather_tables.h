@@ -20,6 +20,9 @@ enum { SL_GATHER_LANES = 8 };
 
 typedef struct sl_gather_tables {
     sl_gather_kind kind;
+    sl_border border;    /* of the plane, as */
+    double half_tangent;
+    double scale;        /* of all weights: 1, or what divides by the plane's coverage */
     int size, width, height;
     size_t cells;  /* width * height */
     size_t padded; /* rounded up to whole lanes; everything beyond `cells` is 0 */
@@ -50,6 +53,15 @@ sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tan
                                   sl_gather_tables **tables, sl_error *error);
 void sl_gather_tables_destroy(sl_gather_tables *tables);
 size_t sl_gather_tables_bytes(const sl_gather_tables *tables);
+
+/* Returns the direction of the picture's point (x, y), in cells from its lower left corner, in units of
+ * depth. */
+sl_vec3d sl_gather_direction(const sl_gather_tables *tables, double x, double y);
+
+/* Returns whether the outer pixels stand for what lies between them and the horizon, too. */
+static inline bool sl_gather_is_extended(const sl_gather_tables *tables) {
+    return tables->kind == SL_GATHER_PLANE && tables->border == SL_BORDER_RADIAL;
+}
 
 /* The concentric map of Shirley and Chiu, [-1,1]^2 to the unit disc: radius a, azimuth pi/4 b/a where |a| >
  * |b|; else radius b, azimuth pi/2 - pi/4 a/b. A negative radius is the opposite side. Equal areas stay

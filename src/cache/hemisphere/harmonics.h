@@ -2,12 +2,9 @@
  * Bouatouch 2004: "A Novel Hemispherical Basis for Accurate and Efficient Rendering"; Krivanek et al. 2005:
  * "Radiance Caching for Efficient Global Illumination Computation"). Read in this order:
  *
- *   basis.c          the functions, orthonormal over the hemisphere
- *   quadrature.c     Gauss-Legendre nodes, with which the tables are made
- *   lobe_integral.c  a Phong lobe over circles of latitude
- *   phong.c          a lobe times the cosine as coefficients: how much an order leaves out
- *   moved_lobe.c     a pixel's lobe as coefficients in a record's frame, without rotating coefficients as the
- * papers do
+ *   basis.c   the functions, orthonormal over the hemisphere
+ *   lobes.c   Phong lobes: how much an order leaves out, and a pixel's lobe as coefficients in a record's
+ *             frame, without rotating coefficients as the papers do
  *
  * Order n means bands l = 0 .. n-1, n^2 functions. Coefficients stand in this order everywhere: first those
  * that go with cos(m phi), m = 0 .. l, band after band, n(n+1)/2 of them ("even"); then those that go with
@@ -55,26 +52,22 @@ void sl_hsh_recurrence_of(int order, sl_hsh_recurrence *recurrence);
  * that is not a number as the zenith. */
 void sl_hsh_evaluate_by(const sl_hsh_recurrence *recurrence, sl_vec3d direction, double *values);
 
-/* ---- Phong lobes (phong.c) ---- */
+/* ---- Phong lobes (lobes.c) ---- */
 
-/* Tables of lobes have 64 polar angles, evenly from 0 to 90 degrees. What belongs to a cosine in [0,1]
- * (clamped) lies between two rows: first[i] + mix (second[i] - first[i]). An exponent that is negative or not
- * a number counts as 0. */
+/* Returns the relative L2 error of the lobe that order n makes, at an outgoing angle of 45 degrees; and the
+ * least order that keeps it within a bound (at most SL_HSH_ORDER_MAX, which may not suffice: ask for its
+ * truncation; for exponents below 1, whose edge counts for more in that error than in what they reflect, the
+ * order for 1 and two more). An exponent that is negative or not a number counts as 0. */
+double sl_phong_truncation(int order, double exponent);
+int sl_phong_order(double exponent, double largest_error);
+
+/* Tables of lobes have 64 polar angles, evenly from 0 to 90 degrees. What belongs to a cosine lies between
+ * two rows: first[i] + mix (second[i] - first[i]). */
 enum { SL_PHONG_ANGLES = 64 };
 typedef struct sl_phong_rows {
     const float *first, *second;
     float mix;
 } sl_phong_rows;
-sl_phong_rows sl_phong_rows_at(const float *rows, size_t row_floats, float cosine);
-/* Relative L2 error of the lobe that order n makes, at an outgoing angle (radians) and at 45 degrees; and the
- * least order that keeps the latter within a bound (at most SL_HSH_ORDER_MAX, which may not suffice: ask for
- * its truncation; for exponents below 1, whose edge counts for more in that error than in what they reflect,
- * the order for 1 and two more). */
-double sl_phong_truncation_at(int order, double exponent, double theta_out);
-double sl_phong_truncation(int order, double exponent);
-int sl_phong_order(double exponent, double largest_error);
-
-/* ---- lobes seen from another frame (moved_lobe.c) ---- */
 
 /* A pixel's frame enters its lobe times its cosine, (s+2)/(2 pi) max(0, r . w)^s max(0, n . w), by the mirror
  * direction r, and by its normal n, linearly but where it cuts the lobe at the pixel's horizon. So the

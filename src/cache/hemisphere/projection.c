@@ -6,8 +6,6 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cache/hemisphere/hemisphere_tables.h"
-#include "cache/hemisphere/projection_integrals.h"
 
 enum { BLOCK = SL_PROJECTION_BLOCK, GROUP = SL_PROJECTION_GROUP };
 
@@ -38,16 +36,19 @@ static void order_columns(sl_projection *p) {
 
 /* ---- the quadrant ---------------------------------------------------------------------------- */
 
+/* COLUMN: between cells (x-1, y) and (x, y); ROW: between (x, y-1) and (x, y); BORDER: what the outermost
+ * column or row wall of the plane becomes in the radial extension. */
+typedef enum wall_type { COLUMN, ROW, BORDER_COLUMN, BORDER_ROW } wall_type;
+
 /* One of its cells or walls. */
 typedef struct entry {
-    sl_wall_type type;
+    wall_type type;
     int x, y;
 } entry;
 
 typedef struct quadrant {
     const sl_gather_tables *tables;
-    sl_instrument instrument;
-    double scale;
+    sl_hsh_recurrence recurrence;
     sl_projection *projection;
     entry *cells, *walls;
 } quadrant;
@@ -57,7 +58,7 @@ static bool is_cell(const sl_gather_tables *t, int x, int y) {
 }
 
 /* Adds to a list, or only counts where there is none. */
-static void append(entry *list, size_t *count, sl_wall_type type, int x, int y) {
+static void append(entry *list, size_t *count, wall_type type, int x, int y) {
     if (list) list[*count] = (entry){type, x, y};
     ++*count;
 }
@@ -66,18 +67,18 @@ static void append(entry *list, size_t *count, sl_wall_type type, int x, int y) 
 static void list_quadrant(quadrant *q) {
     const sl_gather_tables *t = q->tables;
     int width = t->width, first = width / 2;
-    bool extended = t->kind == SL_GATHER_PLANE && q->instrument.border == SL_BORDER_RADIAL;
+    bool extended = sl_gather_is_extended(t);
     size_t cells = 0, walls = 0;
     for (int y = first; y < width; y++) {
         for (int x = first; x < width; x++) {
             if (!is_cell(t, x, y)) continue;
-            append(q->cells, &cells, SL_WALL_COLUMN, x, y);
+            append(q->cells, &cells, COLUMN, x, y);
             bool column = 2 * x >= width && is_cell(t, x - 1, y),
                  row = 2 * y >= width && is_cell(t, x, y - 1);
-            if (column) append(q->walls, &walls, SL_WALL_COLUMN, x, y);
-            if (row) append(q->walls, &walls, SL_WALL_ROW, x, y);
-            if (column && extended && y == width - 1) append(q->walls, &walls, SL_WALL_BORDER_COLUMN, x, y);
-            if (row && extended && x == width - 1) append(q->walls, &walls, SL_WALL_BORDER_ROW, x, y);
+            if (column) append(q->walls, &walls, COLUMN, x, y);
+            if (row) append(q->walls, &walls, ROW, x, y);
+            if (column && extended && y == width - 1) append(q->walls, &walls, BORDER_COLUMN, x, y);
+            if (row && extended && x == width - 1) append(q->walls, &walls, BORDER_ROW, x, y);
         }
     }
     q->projection->cells.count = cells;
@@ -100,23 +101,150 @@ static void set_cell_images(const quadrant *q, size_t i) {
 static void set_wall_images(const quadrant *q, size_t i) {
     sl_projection_list *list = &q->projection->walls;
     entry e = q->walls[i], from = e;
-    if (e.type == SL_WALL_COLUMN || e.type == SL_WALL_BORDER_COLUMN) from.x--;
-    if (e.type == SL_WALL_ROW || e.type == SL_WALL_BORDER_ROW) from.y--;
+    if (e.type == COLUMN || e.type == BORDER_COLUMN) from.x--;
+    else from.y--;
     for (int image = 0; image < 4; image++) {
         list->cell[0][image][i] = mirrored_cell(q->tables, from.x, from.y, image);
         list->cell[1][image][i] = mirrored_cell(q->tables, e.x, e.y, image);
     }
 }
 
+/* ---- integrals of the functions -------------------------------------------------------------- */
+
+/* H_lm are spherical harmonics of the directions with 2 cos theta - 1 in place of cos theta, which keeps ratios
+ * of solid angles: hemisphere and sphere. There cells and walls are halved until no side is longer than this
+ * angle. Functions hardly vary within one, and it counts by its value in the middle. */
+static const double longest_side = 0.04;
+
+/* Of a cell or wall that an axis cuts, only what lies in the quadrant. */
+static double in_quadrant(const sl_gather_tables *t, int x) {
+    double middle = 0.5 * t->width;
+    return x > middle ? x : middle;
+}
+
+/* Returns the direction of a point of a cell (s to the right, r upwards), or of its border extension: s along
+ * the edge, r from there down to the horizon. All in [0,1]; in units of depth. */
+static sl_vec3d place_in(const sl_gather_tables *t, entry cell, double s, double r) {
+    double x = in_quadrant(t, cell.x), y = in_quadrant(t, cell.y);
+    double right = x + s * (cell.x + 1 - x), up = y + (cell.type == BORDER_ROW ? s : r) * (cell.y + 1 - y);
+    if (cell.type != BORDER_ROW && cell.type != BORDER_COLUMN) return sl_gather_direction(t, right, up);
+    sl_vec3d edge = cell.type == BORDER_ROW ? sl_gather_direction(t, t->width, up)
+                                            : sl_gather_direction(t, right, t->width);
+    return sl_v3d(edge.x, edge.y, (1.0 - r) * edge.z);
+}
+
+static sl_vec3d unit_of(sl_vec3d d) { return sl_scaled(d, 1.0 / sl_lengthd(d)); }
+static double length_between(sl_vec3d a, sl_vec3d b) { return sl_lengthd(sl_subd(a, b)); }
+
+/* The unit direction with the azimuth of d, and that cosine to the axis. */
+static sl_vec3d at_height(sl_vec3d d, double cosine) {
+    double tangential = sqrt(d.x * d.x + d.y * d.y), sine = sqrt(fmax(0.0, (1.0 - cosine) * (1.0 + cosine)));
+    double scale = tangential > 0.0 ? sine / tangential : 0.0;
+    return sl_v3d(scale * d.x, scale * d.y, cosine);
+}
+
+static sl_vec3d to_sphere(sl_vec3d d) { return at_height(d, 2.0 * d.z / sl_lengthd(d) - 1.0); }
+static sl_vec3d from_sphere(sl_vec3d d) { return at_height(d, 0.5 + 0.5 * d.z / sl_lengthd(d)); }
+
+static void add_functions(const quadrant *q, sl_vec3d direction, double weight, double *sums) {
+    double values[SL_HSH_STRIDE_MAX];
+    size_t stride = sl_hsh_stride(q->projection->order);
+    sl_hsh_evaluate_by(&q->recurrence, direction, values);
+    for (size_t i = 0; i < stride; i++) sums[i] += weight * values[i];
+}
+
+/* Of a spherical triangle with unit corners (van Oosterom and Strackee 1983). */
+static double solid_angle(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
+    double volume = sl_dotd(a, sl_crossd(b, c));
+    return 2.0 * sl_atan2(fabs(volume), 1.0 + sl_dotd(a, b) + sl_dotd(b, c) + sl_dotd(c, a));
+}
+
+/* Adds the integral of every function over s[0] to s[1], r[0] to r[1] of a cell, in solid angle. */
+static void add_part(const quadrant *q, entry cell, const double s[2], const double r[2], double *sums) {
+    sl_vec3d c[4], middle = {0.0, 0.0, 0.0};
+    for (int k = 0; k < 4; k++) { /* counter-clockwise */
+        c[k] = to_sphere(place_in(q->tables, cell, s[k == 1 || k == 2], r[k >= 2]));
+        middle = sl_addd(middle, c[k]);
+    }
+    double along = fmax(length_between(c[0], c[1]), length_between(c[3], c[2])),
+           across = fmax(length_between(c[0], c[3]), length_between(c[1], c[2]));
+    if (!(fmax(along, across) > longest_side)) {
+        double angle = solid_angle(c[0], c[1], c[2]) + solid_angle(c[0], c[2], c[3]);
+        add_functions(q, from_sphere(middle), 0.5 * q->tables->scale * angle, sums);
+        return;
+    }
+    const double *longer = along > across ? s : r, half = 0.5 * (longer[0] + longer[1]);
+    const double low[2] = {longer[0], half}, high[2] = {half, longer[1]};
+    add_part(q, cell, along > across ? low : s, along > across ? r : low, sums);
+    add_part(q, cell, along > across ? high : s, along > across ? r : high, sums);
+}
+
+static void integrate_cell(const quadrant *q, entry cell, double *sums) {
+    const double all[2] = {0.0, 1.0};
+    const int last = q->tables->width - 1;
+    memset(sums, 0, sl_hsh_stride(q->projection->order) * sizeof *sums);
+    add_part(q, cell, all, all, sums);
+    if (!sl_gather_is_extended(q->tables)) return;
+    if (cell.x == last) add_part(q, (entry){BORDER_ROW, cell.x, cell.y}, all, all, sums);
+    if (cell.y == last) add_part(q, (entry){BORDER_COLUMN, cell.x, cell.y}, all, all, sums);
+}
+
+/* Returns the point of a wall at the share s of its way: seen along it, the cell that gains lies on its
+ * right. In the border what stands there is taken to be upright, at the distance that it has at depth 1. */
+static sl_vec3d wall_point(const sl_gather_tables *t, entry wall, double s) {
+    switch (wall.type) {
+    case COLUMN:
+    case BORDER_COLUMN: return place_in(t, wall, 0.0, s);
+    case ROW: return place_in(t, wall, 1.0 - s, 0.0);
+    default: return place_in(t, wall, 0.0, 1.0 - s);
+    }
+}
+
+typedef struct wall_sums {
+    double x, y, size, *functions;
+} wall_sums;
+
+/* A wall is made by surfaces at depth 1. Displacing the receiver by delta in the surface gives the solid
+ * angle (x, y) . delta to the cell beyond it, taken from the one before it: a piece e of it at the direction d
+ * gives (e x d) . delta / |d|^3. Functions are weighted by that motion. */
+static void add_wall_part(const quadrant *q, entry wall, double from, double to, wall_sums *sums) {
+    sl_vec3d a = wall_point(q->tables, wall, from), b = wall_point(q->tables, wall, to);
+    if (length_between(to_sphere(a), to_sphere(b)) > longest_side) {
+        double half = 0.5 * (from + to);
+        add_wall_part(q, wall, from, half, sums);
+        add_wall_part(q, wall, half, to, sums);
+        return;
+    }
+    sl_vec3d d = sl_scaled(sl_addd(a, b), 0.5), m = sl_crossd(sl_subd(b, a), d);
+    double squared = sl_dotd(d, d), per_angle = 1.0 / (squared * sqrt(squared)),
+           size = sqrt(m.x * m.x + m.y * m.y) * per_angle;
+    sums->x += per_angle * m.x;
+    sums->y += per_angle * m.y;
+    sums->size += size;
+    add_functions(q, unit_of(d), size, sums->functions);
+}
+
+/* Gives how it moves, and the mean of every function along it. */
+static void integrate_wall(const quadrant *q, entry wall, wall_sums *sums) {
+    size_t stride = sl_hsh_stride(q->projection->order);
+    int line = wall.type == COLUMN || wall.type == BORDER_COLUMN ? wall.x : wall.y;
+    /* on the axis it is its own mirror image */
+    double scale = q->tables->scale * (2 * line == q->tables->width ? 0.5 : 1.0);
+    memset(sums->functions, 0, stride * sizeof *sums->functions);
+    add_wall_part(q, wall, 0.0, 1.0, sums);
+    sums->x *= scale;
+    sums->y *= scale;
+    for (size_t i = 0; i < stride && sums->size > 0.0; i++) sums->functions[i] /= sums->size;
+}
+
 /* ---- tables ---------------------------------------------------------------------------------- */
 
-static void set_row(const sl_projection *p, sl_projection_list *list, size_t i, const double *values,
-                    double scale) {
+static void set_row(const sl_projection *p, sl_projection_list *list, size_t i, const double *values) {
     float *block = list->table + i / BLOCK * (size_t)p->groups * BLOCK * GROUP + i % BLOCK * GROUP;
     for (int g = 0; g < p->groups; g++) {
         for (int c = 0; c < GROUP; c++) {
             uint32_t place = p->place[g * GROUP + c];
-            block[g * BLOCK * GROUP + c] = place == SL_NO_INDEX ? 0.0f : (float)(scale * values[place]);
+            block[g * BLOCK * GROUP + c] = place == SL_NO_INDEX ? 0.0f : (float)values[place];
         }
     }
 }
@@ -126,8 +254,8 @@ static void fill_cells(void *context, size_t block, unsigned worker) {
     double sums[SL_HSH_STRIDE_MAX];
     (void)worker;
     for (size_t i = block * BLOCK; i < q->projection->cells.count && i < (block + 1) * BLOCK; i++) {
-        sl_cell_harmonics(&q->instrument, q->cells[i].x, q->cells[i].y, sums);
-        set_row(q->projection, &q->projection->cells, i, sums, q->scale);
+        integrate_cell(q, q->cells[i], sums);
+        set_row(q->projection, &q->projection->cells, i, sums);
         set_cell_images(q, i);
     }
 }
@@ -135,13 +263,14 @@ static void fill_cells(void *context, size_t block, unsigned worker) {
 static void fill_walls(void *context, size_t block, unsigned worker) {
     const quadrant *q = context;
     sl_projection_list *list = &q->projection->walls;
-    sl_wall wall;
+    double mean[SL_HSH_STRIDE_MAX];
     (void)worker;
     for (size_t i = block * BLOCK; i < list->count && i < (block + 1) * BLOCK; i++) {
-        sl_wall_harmonics(&q->instrument, q->walls[i].type, q->walls[i].x, q->walls[i].y, &wall);
-        list->x[i] = (float)(q->scale * wall.x);
-        list->y[i] = (float)(q->scale * wall.y);
-        set_row(q->projection, list, i, wall.mean, 1.0);
+        wall_sums sums = {.functions = mean};
+        integrate_wall(q, q->walls[i], &sums);
+        list->x[i] = (float)sums.x;
+        list->y[i] = (float)sums.y;
+        set_row(q->projection, list, i, mean);
         set_wall_images(q, i);
     }
 }
@@ -200,19 +329,15 @@ static sl_status fill(quadrant *q, unsigned threads, sl_error *error) {
     return status;
 }
 
-sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border,
-                               int order, unsigned threads, sl_projection **out, sl_error *error) {
+sl_status sl_projection_create(const sl_gather_tables *tables, int order, unsigned threads,
+                               sl_projection **out, sl_error *error) {
     *out = NULL;
     sl_projection *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "tables of hemispherical harmonics");
     p->order = order;
     order_columns(p);
-    quadrant q = {.tables = tables, .scale = 1.0, .projection = p};
-    q.instrument = sl_instrument_of(tables, half_tangent, border, order);
-    /* by what the plane covers, as weights are */
-    bool divided = tables->kind == SL_GATHER_PLANE && border == SL_BORDER_LC04;
-    if (divided)
-        q.scale = SL_PI / sl_plane_cosine_weight(-half_tangent, half_tangent, -half_tangent, half_tangent);
+    quadrant q = {.tables = tables, .projection = p};
+    sl_hsh_recurrence_of(order, &q.recurrence);
     sl_status status = fill(&q, threads, error);
     if (status != SL_OK) {
         sl_projection_destroy(p);

@@ -17,12 +17,13 @@
  * each of these four classes, and the products run over one quadrant. In the tables the functions stand class
  * after class, in groups of sixteen columns.
  *
- * projection_integrals.c makes the integrals, projection.c the tables, projection_kernels.c the products. */
+ * projection.c makes the tables, projection_kernels.c the products. */
 #ifndef SL_CACHE_PROJECTION_H
 #define SL_CACHE_PROJECTION_H
 
 #include "base/isa.h"
 #include "cache/hemisphere/gather_tables.h"
+#include "cache/hemisphere/harmonics.h"
 
 enum {
     SL_PROJECTION_BLOCK = 64,  /* cells or walls: summed in float, then added in double */
@@ -54,9 +55,9 @@ typedef struct sl_projection_sums {
     double sum[SL_PROJECTION_GROUPS_MAX][SL_PROJECTION_VECTORS][SL_PROJECTION_GROUP];
 } sl_projection_sums;
 
-/* half_tangent and border as the gather's tables were made with; order 1 to SL_HSH_ORDER_MAX. */
-sl_status sl_projection_create(const sl_gather_tables *tables, double half_tangent, sl_border border,
-                               int order, unsigned threads, sl_projection **projection, sl_error *error);
+/* order: 1 to SL_HSH_ORDER_MAX. */
+sl_status sl_projection_create(const sl_gather_tables *tables, int order, unsigned threads,
+                               sl_projection **projection, sl_error *error);
 void sl_projection_destroy(sl_projection *projection);
 size_t sl_projection_bytes(const sl_projection *projection);
 

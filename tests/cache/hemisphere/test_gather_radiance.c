@@ -10,7 +10,6 @@
 #include <cmocka.h>
 
 #include "base/math.h"
-#include "cache/hemisphere/projection_integrals.h"
 #include "cache/hemisphere/harmonics.h"
 #include "gather_world.h"
 #include "harmonics_support.h"
@@ -42,42 +41,6 @@ static sl_irradiance radiance_at(gatherer *g, sl_vec3 p, sl_vec3 n, float *coeff
     return e;
 }
 
-/* ---- tables ---- */
-
-/* The functions are orthogonal to H_00, which is constant: over all cells together they sum to nothing. */
-static void sums_of_cells(sl_gather_kind kind, int size, sl_border border, int order, double *total) {
-    double t = sl_tan(70.0 / 180.0 * SL_PI), sums[SL_HSH_STRIDE_MAX];
-    sl_gather_tables *tables;
-    assert_int_equal(sl_gather_tables_create(kind, size, t, border, &tables, NULL), SL_OK);
-    sl_instrument in = sl_instrument_of(tables, t, border, order);
-    int width = tables->width;
-    memset(total, 0, SL_HSH_STRIDE_MAX * sizeof *total);
-    for (int y = width / 2; y < width; y++) {
-        for (int x = width / 2; x < width; x++) {
-            if (!(tables->length[y * width + x] > 0)) continue;
-            sl_cell_harmonics(&in, x, y, sums);
-            for (size_t i = 0; i < sl_hsh_stride(order); i++) total[i] += sums[i];
-        }
-    }
-    sl_gather_tables_destroy(tables);
-}
-
-static void cells_sum_to_the_hemisphere(void **state) {
-    (void)state;
-    const int sizes[6] = {8, 13, 24, 40, 64, 128};
-    for (int k = 0; k < 3; k++) {
-        for (int i = 0; i < 6; i++) {
-            double total[SL_HSH_STRIDE_MAX];
-            sums_of_cells(kinds[k], sizes[i], SL_BORDER_RADIAL, 10, total);
-            for (int l = 0; l < 10; l++) { /* of one quadrant; all else cancels with the mirror images */
-                for (int m = 0; m <= l; m += 2) {
-                    assert_near(4 * total[sl_hsh_even(l, m)], l == 0 ? sqrt(2 * SL_PI) : 0, 1e-12);
-                }
-            }
-        }
-    }
-}
-
 /* ---- furnace ---- */
 
 static void white_room_has_one_coefficient_and_no_gradient(void **state) {
@@ -99,7 +62,8 @@ static void white_room_has_one_coefficient_and_no_gradient(void **state) {
         for (size_t v = 0; v < 9; v++) {
             for (size_t j = 0; j < stride; j++) {
                 double radiance = v < 3 && j == 0 ? (double)(1 << v) : 0;
-                assert_near((double)c[v * stride + j], sqrt(2 * SL_PI) * radiance, v < 3 ? 4e-5 : 0);
+                assert_near((double)c[v * stride + j], sqrt(2 * SL_PI) * radiance,
+                            v < 3 ? 4e-3 * (1 << v) : 0);
             }
         }
         gatherer_free(&g);
@@ -124,20 +88,19 @@ static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, doubl
         double tx = (double)sl_dot(e->translational[v], frame.x),
                ty = (double)sl_dot(e->translational[v], frame.y);
         double eps = gradient_eps * (fabs(tx) + fabs(ty)) + 0.1 * gradient_eps * (double)value[v];
-        assert_near(got[0], (double)value[v], 2e-6 * (double)value[v]);
+        assert_near(got[0], (double)value[v], 4e-3 * (double)value[v]);
         assert_near(got[1], tx, eps);
         assert_near(got[2], ty, eps);
     }
 }
 
-/* cos theta = sqrt(2 pi) / 2 H_00 + sqrt(2 pi / 3) / 2 H_10 exactly: and the cells' integrals are exact too.
- * The plane's and the hemicube's walls are the same here and there. The rays' are straight on the disc there;
+/* cos theta = sqrt(2 pi) / 2 H_00 + sqrt(2 pi / 3) / 2 H_10 exactly. Walls between rays are straight there,
  * and the walls of the plane's radial extension are left off there. */
 static void irradiance_is_two_coefficients(void **state) {
     (void)state;
     const sl_gather_kind of[5] = {SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_HEMICUBE,
                                   SL_GATHER_RAYS};
-    const double eps[5] = {2e-4, 2e-4, 0.3, 2e-4, 0.05};
+    const double eps[5] = {3e-3, 3e-3, 0.3, 3e-3, 0.05};
     world *w = world_room(true);
     for (int i = 0; i < 10; i++) {
         sl_gather_settings s = settings_of(of[i % 5], i < 5 ? 64 : 37, 6);
@@ -153,54 +116,6 @@ static void irradiance_is_two_coefficients(void **state) {
         gatherer_free(&g);
     }
     world_free(w);
-}
-
-/* ---- walls ---- */
-
-static double cosine_part(const sl_wall *wall) {
-    return 0.5 * sqrt(2 * SL_PI) * wall->mean[0] + 0.5 * sqrt(2 * SL_PI / 3) * wall->mean[sl_hsh_even(1, 0)];
-}
-
-/* The wall at u from v0 to v1 moves by integral of dv / l^3; a ring of the concentric map by
- * d phi sin theta cos theta along u, a meridian by d theta along v; in the border extension the
- * cosine-weighted wall is 1 / (2 h (1 + h^2)) along v. */
-static void walls_move_as_their_closed_forms(void **state) {
-    (void)state;
-    const double t = 2.5;
-    sl_gather_tables *plane, *rays;
-    assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 20, t, SL_BORDER_RADIAL, &plane, NULL), SL_OK);
-    assert_int_equal(sl_gather_tables_create(SL_GATHER_RAYS, 20, t, SL_BORDER_RADIAL, &rays, NULL), SL_OK);
-    sl_instrument p = sl_instrument_of(plane, t, SL_BORDER_RADIAL, 7),
-                  r = sl_instrument_of(rays, t, SL_BORDER_RADIAL, 7);
-    sl_wall wall;
-    for (int x = 10; x < 20; x++) {
-        for (int y = 10; y < 20; y++) {
-            double u = t * (x / 10.0 - 1), v0 = t * (y / 10.0 - 1), v1 = t * ((y + 1) / 10.0 - 1),
-                   q = 1 + u * u;
-            double moved = (v1 / sqrt(q + v1 * v1) - v0 / sqrt(q + v0 * v0)) / q, half = x == 10 ? 0.5 : 1;
-            sl_wall_harmonics(&p, SL_WALL_COLUMN, x, y, &wall);
-            assert_near(wall.x, half * moved, 1e-12);
-            assert_near(wall.y, 0, 1e-15);
-            assert_near(wall.x * cosine_part(&wall), half * (double)plane->column_x[y * 20 + x], 1e-8);
-            sl_wall_harmonics(&p, SL_WALL_ROW, y, x, &wall);
-            assert_near(wall.y, half * moved, 1e-12);
-            assert_near(wall.x, 0, 1e-15);
-        }
-        double edge = t * (x / 10.0 - 1), h = sqrt(t * t + edge * edge), half = x == 10 ? 0.5 : 1;
-        sl_wall_harmonics(&p, SL_WALL_BORDER_ROW, 19, x, &wall);
-        assert_near(sqrt(wall.x * wall.x + wall.y * wall.y) * cosine_part(&wall),
-                    half * 0.5 / (h * (1 + h * h)), 1e-12);
-        assert_near(wall.x * t + wall.y * edge, 0, 1e-14);
-        assert_true(wall.y > 0);
-        sl_wall_harmonics(&r, SL_WALL_COLUMN, x, 10, &wall); /* from b = 0 to 1/10 */
-        double a = x / 10.0 - 1, width = x == 10 ? 0 : 0.25 * SL_PI * 0.1 / a;
-        /* a meridian, halved: its mirror image is itself */
-        if (x == 10) assert_near(wall.x, 0.5 * sl_asin(0.1), 1e-12);
-        else assert_near(wall.x, a * sqrt(1 - a * a) * sl_sin(width), 1e-12);
-        if (x > 10) assert_near(wall.y, a * sqrt(1 - a * a) * (1 - sl_cos(width)), 1e-12);
-    }
-    sl_gather_tables_destroy(plane);
-    sl_gather_tables_destroy(rays);
 }
 
 /* ---- against quadrature ---- */
@@ -398,10 +313,8 @@ static void radiance_that_is_no_number_stays_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cells_sum_to_the_hemisphere),
         cmocka_unit_test(white_room_has_one_coefficient_and_no_gradient),
         cmocka_unit_test(irradiance_is_two_coefficients),
-        cmocka_unit_test(walls_move_as_their_closed_forms),
         cmocka_unit_test(coefficients_agree_with_quadrature),
         cmocka_unit_test(gradients_agree_with_a_rectangle_light),
         cmocka_unit_test(radiance_that_is_no_number_stays_out),

@@ -1,5 +1,5 @@
-/* Lobes as coefficients in another frame than the pixel's own: exact under a white sky, and against a plain
- * quadrature elsewhere. */
+/* Phong lobes: what an order cuts off, and coefficients in another frame than the pixel's own, exact under a
+ * white sky, and against a plain quadrature elsewhere. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -126,11 +126,65 @@ static void hard_directions_give_numbers(void **state) {
     sl_moved_lobe_destroy(lobe);
 }
 
+/* Radiance reflected under a white sky. */
+static double albedo(const sl_moved_lobe *table, double cosine) {
+    float even[SL_HSH_STRIDE_MAX];
+    float c = (float)cosine, sine = (float)sqrt(fmax(0.0, 1.0 - cosine * cosine));
+    moved_lobe_look_up(table, lobe_order, sl_v3(-sine, 0.0f, c), sl_v3(0.0f, 0.0f, 1.0f), c, even);
+    return sqrt(2.0 * SL_PI) * (double)even[0];
+}
+
+static void albedo_is_right_at_any_order(void **state) {
+    (void)state;
+    const double truth[6] = {1.0000, .9659, .8660, .7071, .5005, .2712};
+    for (int order = 1; order <= SL_HSH_ORDER_MAX; order++) {
+        sl_moved_lobe *table = lobe_new(order, 20.0);
+        for (int k = 0; k < 6; k++)
+            assert_true(fabs(albedo(table, cos(15.0 * k * degree)) - truth[k]) < 1e-4);
+        sl_moved_lobe_destroy(table);
+    }
+}
+
+/* Relative L2 error of the lobe cut off at that order, at 45 degrees, per cent. */
+static void truncation_is_as_tabulated(void **state) {
+    (void)state;
+    const struct {
+        double exponent;
+        int order;
+        double error, digits;
+    } truths[] = {{20, 10, 1.1, 0.051}, {15, 5, 23.1, 0.051}, {20, 5, 32, 0.51}, {100, 10, 38, 0.51}};
+    for (size_t k = 0; k < 4; k++) {
+        double error = 100.0 * sl_phong_truncation(truths[k].order, truths[k].exponent);
+        assert_true(fabs(error - truths[k].error) < truths[k].digits);
+    }
+}
+
+static void the_least_sufficient_order_is_chosen(void **state) {
+    (void)state;
+    for (double exponent = 1.0; exponent < 12000.0; exponent = 1.5 * exponent + 0.5)
+        for (double bound = 0.01; bound < 1.0; bound *= 3.0) {
+            int order = sl_phong_order(exponent, bound);
+            assert_in_range(order, 1, SL_HSH_ORDER_MAX);
+            if (order < SL_HSH_ORDER_MAX) assert_true(sl_phong_truncation(order, exponent) <= bound);
+            if (order > 1) assert_true(sl_phong_truncation(order - 1, exponent) > bound);
+        }
+    assert_int_equal(sl_phong_order(20.0, 0.05), 9);
+    assert_int_equal(sl_phong_order(1.0, 0.05), 3);
+    assert_int_equal(sl_phong_order(0.9, 0.05), 5);
+    assert_int_equal(sl_phong_order(0.0, 0.05), 5);
+    assert_int_equal(sl_phong_order(NAN, 0.001), SL_HSH_ORDER_MAX);
+    assert_int_equal(sl_phong_order(20.0, NAN), SL_HSH_ORDER_MAX);
+    assert_int_equal(sl_phong_order(20.0, 2.0), 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_white_sky_gives_the_albedo_whatever_the_tilt),
         cmocka_unit_test(coefficients_are_the_integrals_where_the_horizon_cuts_little),
         cmocka_unit_test(hard_directions_give_numbers),
+        cmocka_unit_test(albedo_is_right_at_any_order),
+        cmocka_unit_test(truncation_is_as_tabulated),
+        cmocka_unit_test(the_least_sufficient_order_is_chosen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
