@@ -54,7 +54,7 @@ static void look_up(const sl_direct_light *d, const sl_receiver_tile *tile, size
     size_t wanted = 0;
     points.count = tile->count;
     for (size_t i = 0; i < tile->count; i++) wanted += lit[i] != 0.0f;
-    d->kernels.light.lit(&points, &d->pass->cubes->cube[light], lit);
+    d->kernels.light.lit(&points, &d->pass->lights->cube[light], lit);
     sl_count(counters, SL_COUNT_SHADOW_LOOKUPS, wanted);
 }
 
@@ -70,15 +70,14 @@ static void add_light(const sl_direct_light *d, const sl_receiver_tile *tile, bo
     arrive(d, &points, of, &source, &arrivals);
     if (!d->kernels.reached(tile->padded, arrivals.weight, parallel ? INFINITY : d->largest_weight, lit))
         return;
-    if (d->pass->cubes) look_up(d, tile, index, lit, counters);
+    if (d->pass->lights->cube) look_up(d, tile, index, lit, counters);
     float (*e)[SL_TILE_PIXELS] = light->irradiance, (*l)[SL_TILE_PIXELS] = light->lobe;
-    d->kernels.where(tile->padded, lit, arrivals.weight);
     d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, e[0], e[1], e[2]);
     if (!glossy) return;
     float power[SL_TILE_PIXELS];
     const sl_lobe_target target = target_of(of);
     d->kernels.receiver_lobe(tile, &target, power);
-    d->kernels.multiply(tile->padded, power, lit);
+    for (size_t i = 0; i < tile->padded; i++) lit[i] *= power[i];
     d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, l[0], l[1], l[2]);
 }
 
@@ -115,34 +114,15 @@ static int size_of(const sl_map_lights *lights, const sl_map_light *light, int s
     return result > SMALLEST ? result : SMALLEST;
 }
 
-sl_status sl_shadow_cubes_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
-                                 int size, unsigned threads, sl_shadow_cubes **out, sl_counters *counters,
-                                 sl_error *error) {
-    *out = NULL;
-    sl_shadow_cubes *cubes = sl_allocate(1, sizeof *cubes);
-    if (cubes) cubes->cube = sl_allocate(lights->count, sizeof *cubes->cube);
-    sl_status status = cubes && cubes->cube ? SL_OK : sl_fail_memory(error, "the depth cubes");
+sl_status sl_map_lights_draw_cubes(sl_map_lights *lights, const sl_scene *scene, const sl_raster *raster,
+                                   int size, unsigned threads, sl_counters *counters, sl_error *error) {
+    lights->cube = sl_allocate(lights->count, sizeof *lights->cube);
+    sl_status status = lights->cube ? SL_OK : sl_fail_memory(error, "the depth cubes");
     for (size_t i = 0; i < lights->count && status == SL_OK; i++) {
         const sl_map_light *light = &lights->light[i];
         const sl_light_eye eye = sl_map_light_eye(lights, i);
         status = sl_depth_cube_draw(scene, raster, &eye, !(sl_rgb_max(light->intensity) > 0.0f),
-                                    size_of(lights, light, size), threads, &cubes->cube[cubes->count++],
-                                    counters, error);
+                                    size_of(lights, light, size), threads, &lights->cube[i], counters, error);
     }
-    if (status != SL_OK) sl_shadow_cubes_destroy(cubes);
-    else *out = cubes;
     return status;
-}
-
-void sl_shadow_cubes_destroy(sl_shadow_cubes *cubes) {
-    if (!cubes) return;
-    for (size_t i = 0; i < cubes->count; i++) sl_depth_cube_release(&cubes->cube[i]);
-    sl_free(cubes->cube);
-    sl_free(cubes);
-}
-
-size_t sl_shadow_cubes_bytes(const sl_shadow_cubes *cubes) {
-    size_t bytes = sizeof *cubes;
-    for (size_t i = 0; i < cubes->count; i++) bytes += sl_depth_cube_bytes(&cubes->cube[i]);
-    return bytes;
 }

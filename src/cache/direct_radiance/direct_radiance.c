@@ -43,11 +43,9 @@ sl_status sl_radiance_place(sl_radiance_state *s, sl_error *error) {
 void sl_radiance_darken(sl_radiance_state *s) {
     sl_map_photons_destroy(s->photons);
     sl_radiance_map_destroy(s->map);
-    sl_shadow_cubes_destroy(s->cubes);
     sl_map_lights_destroy(s->lights);
     s->photons = NULL;
     s->map = NULL;
-    s->cubes = NULL;
     s->lights = NULL;
     s->lit = false;
 }
@@ -60,8 +58,8 @@ static sl_status find_lights(sl_radiance_state *s, sl_error *error) {
 
 static sl_status draw_depth_cubes(sl_radiance_state *s, sl_error *error) {
     const int size = s->settings.radiance_map.shadow_size;
-    sl_status status = sl_shadow_cubes_render(s->scene, s->raster, s->lights, size, s->settings.threads,
-                                              &s->cubes, &s->counters, error);
+    sl_status status = sl_map_lights_draw_cubes(s->lights, s->scene, s->raster, size, s->settings.threads,
+                                                &s->counters, error);
     sl_announce_pass(&s->announcer, "depth cubes", "shadows in (5), (9)");
     return status;
 }
@@ -92,21 +90,17 @@ sl_light_pass sl_radiance_lighting(const sl_radiance_state *s) {
     const sl_radiance_map_settings *m = &s->settings.radiance_map;
     return (sl_light_pass){.scene = s->scene,
                            .lights = s->lights,
-                           .cubes = s->cubes,
                            .photons = s->photons,
                            .weight = m->weight,
                            .tracer = m->visibility == SL_VISIBILITY_NONE ? NULL : s->tracer,
                            .threads = s->settings.threads};
 }
 
-/* Measures what the map holds and what of it arrives; with visibility no light arrives that ought not to. */
-static sl_status report_map(sl_radiance_state *s, sl_error *error) {
-    s->report = (sl_map_report){.captured = sl_radiance_maps_captured(s->map),
-                                .received = NAN,
-                                .way = sl_radiance_map_mean_way(s->map),
-                                .diagonal = (double)s->scene->diagonal};
+/* Measures what arrives of the photons; with visibility no light arrives that ought not to. */
+static sl_status measure_received(sl_radiance_state *s, sl_error *error) {
     const sl_light_pass light = sl_radiance_lighting(s);
-    return light.tracer ? SL_OK : sl_flux_received(&light, &s->report.received, error);
+    s->received = NAN;
+    return light.tracer ? SL_OK : sl_flux_received(&light, &s->received, error);
 }
 
 sl_status sl_radiance_light_up(sl_radiance_state *s, sl_error *error) {
@@ -114,7 +108,7 @@ sl_status sl_radiance_light_up(sl_radiance_state *s, sl_error *error) {
     if (status == SL_OK && s->plan.shadows) status = draw_depth_cubes(s, error);
     if (status == SL_OK && s->plan.map) status = draw_map(s, error);
     if (status == SL_OK && s->plan.map) status = take_photons(s, error);
-    if (status == SL_OK && s->plan.map) status = report_map(s, error);
+    if (status == SL_OK && s->plan.map) status = measure_received(s, error);
     s->lit = status == SL_OK;
     if (!s->lit) sl_radiance_darken(s);
     return status;
@@ -122,21 +116,7 @@ sl_status sl_radiance_light_up(sl_radiance_state *s, sl_error *error) {
 
 /* ---- The picture: mirrors, direct and indirect illumination (passes 5 to 8) ---- */
 
-/* Draws a few rows at a time, in the cache of one thread: (5), (9), and (10) with its weights (11), (14),
- * (15). */
-sl_status sl_radiance_draw_image(const sl_radiance_state *s, sl_image **image, sl_counters *counters,
-                                 sl_error *error) {
-    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
-    const sl_light_pass light = sl_radiance_lighting(s);
-    const sl_strip_pass pass = {.raster = s->raster,
-                                .view = &view,
-                                .id = s->id,
-                                .mirrors = s->plan.mirrors ? s->tracer : NULL,
-                                .light = &light,
-                                .layers = !s->settings.radiance_map.without_layers};
-    return sl_radiance_draw_strips(&pass, image, counters, error);
-}
-
+/* (5), (9), and (10) with its weights (11), (14), (15), a few rows at a time. */
 sl_status sl_radiance_draw(sl_radiance_state *s, sl_error *error) {
     const int width = s->settings.width, height = s->settings.height;
     const sl_view view = sl_view_scene(s->scene, width, height);

@@ -66,7 +66,6 @@ extern const sl_reduction sl_radiance_reductions[];
 typedef struct sl_light_pass {
     const sl_scene *scene;
     const sl_map_lights *lights;
-    const sl_shadow_cubes *cubes;        /* NULL: no shadows */
     const sl_map_photons *photons;       /* NULL: no indirect light */
     sl_photon_weight weight;             /* not AUTO */
     const sl_tracer *tracer;             /* asks whether receivers see photons; NULL: they all do */
@@ -101,53 +100,11 @@ void sl_direct_light_tile(const sl_direct_light *light, const sl_receiver_tile *
                           const sl_tile_target *to, sl_counters *counters);
 void sl_indirect_light_tile(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
                             const sl_tile_target *to, sl_counters *counters);
-/* Lists the radiance that each photon alone sends from one of the tile's receivers towards the eye, in index
- * order; weight: of its diffuse part, and 0 for what the receiver does not see. */
+/* Lists the radiance that each photon alone sends from the tile's one receiver towards the eye, in index order;
+ weight: of its diffuse part, and 0 for what the receiver does not see. */
 typedef void sl_photon_told(void *context, size_t photon, float weight, const float radiance[3]);
 void sl_indirect_light_apart(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
-                             size_t lane, sl_photon_told *told, void *context, sl_counters *counters);
-
-/* ---- the report (report.c): light that direct radiance maps leave out or count twice ---- */
-
-/* Stated with every picture: the share of the lights' flux that they hold, the share of
- * the photons' flux that arrives somewhere (more than 1 where missing indirect shadows let it arrive behind
- * what should stop it), and whether (15) can mean anything in a scene of that size. */
-
-typedef struct sl_map_report {
-    /* sl_radiance_map_captured() of all lights together, by their flux; directional ones, of unknown flux,
-     * aside */
-    double captured;
-    double received; /* integral of E dA over both sides of all that receives light, over rho Phi: in a closed
-                        room without anything in it 1 (less what the weight loses), beyond that excess. NaN
-                        where there is nothing to divide by */
-    double way;      /* mean b of the map's texels; 0 without any */
-    double diagonal; /* of the scene */
-} sl_map_report;
-
-double sl_radiance_maps_captured(const sl_radiance_map *map);
-double sl_radiance_map_mean_way(const sl_radiance_map *map);
-/* *received by the pass's weight and photons, without visibility, at points all over the receiving surfaces.
- */
-sl_status sl_flux_received(const sl_light_pass *pass, double *received, sl_error *error);
-
-/* (15) divides by the square of the scene's diagonal: in a scene more than ten times as large as the way of
- * the light there is next to nothing left. One line; empty where there is nothing to say. */
-void sl_map_report_warning(const sl_map_report *report, sl_photon_weight weight, char *text, size_t size);
-/* Metadata of a picture: softlux.flux_captured, softlux.flux_received, softlux.warning. The latter tells also
- * of maps that hold less than half of the flux, and of photons whose flux arrives more than 1.25 times. */
-sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weight, sl_image *image,
-                              sl_error *error);
-
-/* Passes 5 to 8 strip by strip (picture.c). */
-
-typedef struct sl_strip_pass {
-    const sl_raster *raster;
-    const sl_view *view;
-    const uint32_t *id;           /* the view's triangles */
-    const sl_tracer *mirrors;     /* follows mirrors; NULL: there are none */
-    const sl_light_pass *light;
-    bool layers;                  /* wanted, besides R, G, B */
-} sl_strip_pass;
+                             sl_photon_told *told, void *context, sl_counters *counters);
 
 /* The channels of a picture with layers: R, G, B = emission + direct + indirect, and each of the three alone;
  * top row first. */
@@ -157,8 +114,6 @@ enum {
     SL_RADIANCE_INDIRECT = 9,
     SL_RADIANCE_CHANNELS = 12
 };
-sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, sl_counters *counters,
-                                  sl_error *error);
 
 /* ---- a frame (direct_radiance.c) ---- */
 
@@ -173,11 +128,10 @@ typedef struct sl_radiance_state {
     sl_raster *raster;
     sl_tracer *tracer;             /* visibility and mirrors alone */
 
-    sl_map_lights *lights;
-    sl_shadow_cubes *cubes;        /* pass 1 */
+    sl_map_lights *lights;         /* pass 1: with their depth cubes */
     sl_radiance_map *map;          /* pass 2 */
     sl_map_photons *photons;       /* pass 3 */
-    sl_map_report report;
+    double received;               /* sl_flux_received(); NaN where photons are asked for by rays */
     uint32_t *id;                  /* pass 5: the triangles that the picture shows */
     sl_image *image;               /* NULL: handed over already, or not drawn yet */
     sl_radiance_explanation *explanation; /* of this picture's pixels; NULL until one is explained */
@@ -195,6 +149,7 @@ sl_status sl_radiance_place(sl_radiance_state *state, sl_error *error);
 sl_status sl_radiance_light_up(sl_radiance_state *state, sl_error *error);
 /* Passes 5 to 8, into the image. */
 sl_status sl_radiance_draw(sl_radiance_state *state, sl_error *error);
+/* The same of the ids that are drawn, strip by strip (picture.c). */
 sl_status sl_radiance_draw_image(const sl_radiance_state *state, sl_image **image, sl_counters *counters,
                                  sl_error *error);
 sl_light_pass sl_radiance_lighting(const sl_radiance_state *state);
@@ -204,6 +159,17 @@ void sl_radiance_darken(sl_radiance_state *state);
  * observer (method.c). */
 void sl_radiance_announce_map(sl_radiance_state *state);
 void sl_radiance_announce_light(sl_radiance_state *state);
+/* ---- the report (report.c): light that direct radiance maps leave out or count twice ---- */
+
+/* *received: integral of E dA over both sides of all that receives light, at points all over it, over rho Phi
+ * of the photons, without visibility. In a closed room without anything in it 1 (less what the weight loses);
+ * beyond that, light that arrives behind what should stop it. NaN where there is nothing to divide by. */
+sl_status sl_flux_received(const sl_light_pass *pass, double *received, sl_error *error);
+/* Metadata of a picture with a map: softlux.flux_captured, softlux.flux_received, softlux.warning. The latter
+ * tells of maps that hold less than half of the flux, of photons whose flux arrives more than 1.25 times, and
+ * where (15), which divides by the square of the scene's diagonal, leaves next to nothing. */
+sl_status sl_radiance_stamp(const sl_radiance_state *state, sl_image *image, sl_error *error);
+
 void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons);
 
 #endif

@@ -89,6 +89,10 @@ static void weigh(const indirect_pass *p, const sl_receiver_tile *tile, size_t j
     p->kernels.weigh_polygon(tile, r, &p->polygon[j], pi[0], weight);
 }
 
+static void multiply(size_t count, const float *restrict b, float *restrict a) {
+    for (size_t i = 0; i < count; i++) a[i] *= b[i];
+}
+
 static void add(const indirect_pass *p, size_t count, sl_rgb colour, const float *weight,
                 const float *visible, float (*sum)[SL_TILE_PIXELS]) {
     p->kernels.light.accumulate(count, colour, weight, visible, sum[0], sum[1], sum[2]);
@@ -150,16 +154,16 @@ static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, boo
     add(p, count, colour, weight, visible, sum->irradiance);
     if (p->lobe) {
         p->kernels.photon_lobe(tile, &r, &p->lobe[j], of_photon);
-        p->kernels.multiply(count, weight, of_photon);
+        multiply(count, weight, of_photon);
         add(p, count, p->lobe[j].colour, of_photon, visible, sum->irradiance);
     }
     if (!glossy) return;
     const sl_lobe_target target = target_of(p, j, &r);
     p->kernels.receiver_lobe(tile, &target, of_receiver);
-    p->kernels.multiply(count, of_receiver, weight);
+    multiply(count, of_receiver, weight);
     add(p, count, colour, weight, visible, sum->lobe);
     if (!p->lobe) return;
-    p->kernels.multiply(count, of_receiver, of_photon);
+    multiply(count, of_receiver, of_photon);
     add(p, count, p->lobe[j].colour, of_photon, visible, sum->lobe);
 }
 
@@ -185,26 +189,26 @@ void sl_indirect_light_tile(const sl_photon_sums *p, const sl_receiver_tile *til
 
 /* ---- photon by photon ---- */
 
-static sl_rgb reflected(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, size_t lane) {
+static sl_rgb reflected(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy) {
     float radiance[3];
     for (int c = 0; c < 3; c++) {
-        radiance[c] = light->irradiance[c][lane] * tile->diffuse[c][lane];
-        if (glossy) radiance[c] += light->lobe[c][lane] * tile->specular[c][lane];
+        radiance[c] = light->irradiance[c][0] * tile->diffuse[c][0];
+        if (glossy) radiance[c] += light->lobe[c][0] * tile->specular[c][0];
     }
     return (sl_rgb){radiance[0], radiance[1], radiance[2]};
 }
 
-void sl_indirect_light_apart(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy, size_t lane,
+void sl_indirect_light_apart(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy,
                              sl_photon_told *told, void *context, sl_counters *counters) {
     sl_tile_light one;
     for (size_t j = 0; j < p->count; j++) {
         float weight[SL_TILE_PIXELS];
         memset(&one, 0, sizeof one);
         add_photon(p, tile, glossy, j, &one, counters);
-        const sl_rgb radiance = reflected(tile, &one, glossy, lane);
+        const sl_rgb radiance = reflected(tile, &one, glossy);
         if (radiance.r == 0.0f && radiance.g == 0.0f && radiance.b == 0.0f) continue;
         weigh(p, tile, j, &p->photon[j], weight);
-        told(context, j, weight[lane], (float[3]){radiance.r, radiance.g, radiance.b});
+        told(context, j, weight[0], (float[3]){radiance.r, radiance.g, radiance.b});
     }
 }
 
@@ -237,25 +241,15 @@ void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_til
     sum_photons(sums, tile, false, light, &ignored);
 }
 
-/* Counts the samples that stand for the same light's hemisphere in (11), those included where nothing is;
- * photons made by hand are a sample each. */
-static float samples_of_light(const sl_map_photons *photons, size_t photon) {
-    size_t samples = 0;
-    for (size_t l = 0; l < SL_MAP_LIGHTS_MAX; l++) {
-        size_t first = photons->first_of_light[l], end = photons->first_of_light[l + 1];
-        if (photon >= first && photon < end)
-            samples = photons->samples_of_light[l] ? photons->samples_of_light[l] : end - first;
-    }
-    return samples ? (float)samples : (float)photons->count;
-}
-
 sl_weight_terms sl_weight_terms_of(const sl_map_photons *photons, size_t photon) {
     double nearest = (double)photons->nearest, diagonal = (double)photons->box_diagonal;
+    const uint32_t own = photons->photon[photon].samples;
+    const float samples = own ? (float)own : (float)photons->count;
     bool has_size = diagonal > 1e-12 && diagonal < 1e12;
     int exponent = 0;
     (void)frexp(diagonal, &exponent);
     return (sl_weight_terms){(float)(nearest * nearest),
-                             (float)(2.0 * SL_PI) / samples_of_light(photons, photon),
+                             (float)(2.0 * SL_PI) / samples,
                              diagonal > 0.0 ? (float)(1.0 / (diagonal * diagonal)) : 0.0f,
                              has_size ? (float)ldexp(1.0, -2 * exponent) : 1.0f};
 }

@@ -8,19 +8,13 @@
 
 /* ---- what a light gives ---- */
 
-/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between; a step where they are
- * equal. */
-static float falloff(const sl_map_light *light, float cosine) {
-    if (cosine >= light->cos_inner) return 1.0f;
-    if (!(cosine > light->cos_outer)) return 0.0f;
-    float x = (cosine - light->cos_outer) / (light->cos_inner - light->cos_outer);
-    return x * x * (3.0f - 2.0f * x);
-}
-
 sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction) {
     float cosine = sl_dot(light->direction, direction);
     switch (light->kind) {
-    case SL_SOURCE_SPOT: return sl_rgb_scale(light->intensity, falloff(light, cosine));
+    case SL_SOURCE_SPOT: {
+        const sl_light spot = {.cos_inner = light->cos_inner, .cos_outer = light->cos_outer};
+        return sl_rgb_scale(light->intensity, sl_spot_falloff(&spot, cosine));
+    }
     case SL_SOURCE_AREA:
         return sl_rgb_scale(light->intensity, cosine > 0.0f ? cosine : light->two_sided ? -cosine : 0.0f);
     default: return light->intensity;
@@ -185,9 +179,17 @@ sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_ligh
 
 void sl_map_lights_destroy(sl_map_lights *lights) {
     if (!lights) return;
+    for (size_t i = 0; lights->cube && i < lights->count; i++) sl_depth_cube_release(&lights->cube[i]);
     sl_sampled_lights_destroy(lights->lamps);
+    sl_free(lights->cube);
     sl_free(lights->light);
     sl_free(lights);
+}
+
+size_t sl_map_lights_bytes(const sl_map_lights *lights) {
+    size_t bytes = sizeof *lights;
+    for (size_t i = 0; lights->cube && i < lights->count; i++) bytes += sl_depth_cube_bytes(&lights->cube[i]);
+    return bytes;
 }
 
 /* Returns how far a lamp's triangles lie above the plane through a point of it. */

@@ -34,6 +34,7 @@ typedef struct sl_map_light {
 typedef struct sl_map_lights {
     size_t count;               /* at most SL_MAP_LIGHTS_MAX */
     sl_map_light *light;        /* lamp by lamp */
+    sl_depth_cube *cube;        /* of each light; NULL: nothing throws shadows */
     sl_sampled_lights *lamps;   /* those of the scene */
 } sl_map_lights;
 
@@ -41,6 +42,7 @@ typedef struct sl_map_lights {
  * SL_MAP_LIGHTS_MAX. Of more lamps than that the strongest shine for all. */
 sl_status sl_map_lights_find(const sl_scene *scene, int subdivision, sl_map_lights **lights, sl_error *error);
 void sl_map_lights_destroy(sl_map_lights *lights);
+size_t sl_map_lights_bytes(const sl_map_lights *lights);
 
 /* Radiant intensity (W/sr; directional: W/m^2) of a light in the unit direction away from it, as its map sees
  * it. */
@@ -53,17 +55,9 @@ sl_light_eye sl_map_light_eye(const sl_map_lights *lights, size_t light);
 
 /* ---- pass 1: a depth cube around every light (direct.c) ---- */
 
-typedef struct sl_shadow_cubes {
-    size_t count;
-    sl_depth_cube *cube; /* of each light */
-} sl_shadow_cubes;
-
 /* size: texels a side of a face, less where an area light is divided (its n x n cubes together have n times
  * the texels of one) or lights are so many that their cubes would take more than 128 MiB. */
-sl_status sl_shadow_cubes_render(const sl_scene *scene, const sl_raster *raster, const sl_map_lights *lights,
-                                 int size, unsigned threads, sl_shadow_cubes **cubes, sl_counters *counters,
-                                 sl_error *error);
-void sl_shadow_cubes_destroy(sl_shadow_cubes *cubes);
-size_t sl_shadow_cubes_bytes(const sl_shadow_cubes *cubes);
+sl_status sl_map_lights_draw_cubes(sl_map_lights *lights, const sl_scene *scene, const sl_raster *raster,
+                                   int size, unsigned threads, sl_counters *counters, sl_error *error);
 
 #endif

@@ -14,6 +14,7 @@ typedef struct {
     sl_radiance_map *map;
     sl_face_shape shape;
     sl_counters *counters;
+    double flux, held; /* W, of all lights, and of what leaves inside faces */
 } planning;
 
 static void skip(const planning *p, int passes) {
@@ -33,13 +34,43 @@ static bool is_dark(const sl_map_light *light) {
     return !(sl_rgb_max(flux) > 0.0f) || !sl_rgb_is_finite(flux) || !sl_is_finite(light->position);
 }
 
-static void plan_light(const planning *p, uint32_t index) {
+/* Intensity at the middles of a face's parts, times their solid angles. */
+static double flux_through(const sl_map_light *light, const sl_map_face *f) {
+    enum { PARTS = 24 };
+    const double wide = (f->right - f->left) / PARTS, high = (f->top - f->bottom) / PARTS;
+    double sum = 0.0;
+    for (int i = 0; i < PARTS * PARTS; i++) {
+        const double x = f->left + wide * (i % PARTS), y = f->bottom + high * (i / PARTS);
+        const sl_vec3 along = sl_v3((float)(x + 0.5 * wide), (float)(y + 0.5 * high), 1.0f);
+        const sl_vec3 d = sl_normalize_or(sl_frame_to_world(&f->frame, along), f->frame.z);
+        sum += (double)sl_rgb_mean(sl_map_light_intensity(light, d)) *
+               sl_rectangle_solid_angle(x, y, x + wide, y + high);
+    }
+    return sum;
+}
+
+/* Adds a light to what is told of its map. The faces that are chosen by the kind of the light hold all of it.
+ */
+static void measure_light(planning *p, const sl_map_light *light, const sl_map_face *face, int count) {
+    const double flux = (double)sl_rgb_mean(sl_map_light_flux(light));
+    const bool own = p->shape.shape == SL_MAP_FRUSTUM && light->kind == SL_SOURCE_SPOT && p->shape.fov == 0.0;
+    double held = 0.0;
+    if (light->kind == SL_SOURCE_DIRECTIONAL || is_dark(light)) return;
+    if (p->shape.shape == SL_MAP_AUTO || p->shape.shape == SL_MAP_CUBE || own) held = flux;
+    else
+        for (int f = 0; f < count; f++) held += flux_through(light, &face[f]);
+    p->flux += flux;
+    p->held += fmin(held, flux);
+}
+
+static void plan_light(planning *p, uint32_t index) {
     sl_radiance_map *map = p->map;
     const sl_map_light *light = &map->lights->light[index];
     sl_map_face face[SL_LIGHT_FACES_MAX];
     const sl_light_eye eye = sl_map_light_eye(map->lights, index);
     int dark = 0,
         count = sl_light_faces(p->scene, &eye, &p->shape, aim_of(p->scene, light), face, &dark);
+    measure_light(p, light, face, count);
     skip(p, is_dark(light) ? dark + count : dark);
     for (int f = 0; f < count && !is_dark(light); f++) {
         face[f].light = index;
@@ -85,12 +116,13 @@ static void measure_texels(sl_radiance_map *map, const sl_map_face *f, bool para
     }
 }
 
-static sl_status render(const planning *p, const sl_radiance_map_settings *settings,
+static sl_status render(planning *p, const sl_radiance_map_settings *settings,
                         const sl_radiance_map_options *options, sl_error *error) {
     sl_radiance_map *map = p->map;
     map->face = sl_allocate(SL_LIGHT_FACES_MAX * map->lights->count, sizeof *map->face);
     if (!map->face) return sl_fail_memory(error, "a radiance map's faces");
     for (uint32_t i = 0; i < map->lights->count; i++) plan_light(p, i);
+    map->captured = p->flux > 0.0 ? p->held / p->flux : 1.0;
     sl_status status = allocate_planes(map, options, error);
     if (status != SL_OK) return status;
     for (size_t f = 0; f < map->face_count; f++)
@@ -107,11 +139,8 @@ sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster,
     *out = NULL;
     sl_radiance_map *map = sl_allocate(1, sizeof *map);
     if (!map) return sl_fail_memory(error, "a radiance map");
-    *map = (sl_radiance_map){.lights = lights,
-                             .lambertian = options->lambertian,
-                             .shape = settings->shape,
-                             .fov = settings->map_fov};
-    const planning p = {scene, raster, map, sl_face_shape_of(settings), counters};
+    *map = (sl_radiance_map){.lights = lights, .lambertian = options->lambertian};
+    planning p = {scene, raster, map, sl_face_shape_of(settings), counters, 0.0, 0.0};
     const sl_status status = render(&p, settings, options, error);
     if (status != SL_OK) sl_radiance_map_destroy(map);
     else *out = map;

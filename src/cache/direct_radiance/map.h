@@ -47,8 +47,9 @@ typedef struct sl_radiance_map {
     float *arrival[3];
     float *carried[3];               /* beside that: the reflectances of the mirrors on the way, multiplied */
     bool lambertian;                 /* color holds L_o */
-    sl_map_shape shape;              /* as asked for */
-    double fov;
+    /* of all lights together, by their flux (directional ones, of unknown flux, aside): the share that leaves
+     * inside the faces, hit or not: 1 for cubes around points; 0.554 for 90 degree frustums of area lights */
+    double captured;
 } sl_radiance_map;
 
 typedef struct sl_radiance_map_options {
@@ -68,10 +69,6 @@ sl_status sl_radiance_map_render(const sl_scene *scene, const sl_raster *raster,
                                  sl_counters *counters, sl_error *error);
 void sl_radiance_map_destroy(sl_radiance_map *map);
 size_t sl_radiance_map_bytes(const sl_radiance_map *map);
-/* Share of a light's flux that leaves inside its map's faces, hit or not: 1 for a cube around a point; 0.554
- * for one 90 degree frustum of an area light. */
-double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light);
-
 /* The part of space, and of a surface, for which one sample of a light's picture stands: (12), (13), and what
  * they should be. */
 
@@ -197,7 +194,8 @@ typedef struct sl_map_photon {
     float printed_area;
     sl_rgb radiance; /* for the printed weights: L_o, or with lobes the irradiance that is reflected; of a
                         group, the share that it has in its sample's mean */
-    uint32_t object;
+    /* M, of all its light's faces: a sample may have no photon, or a few groups of them; 0: each has one */
+    uint32_t samples;
 } sl_map_photon;
 
 /* Reflection of photon i on a surface that is not Lambertian. */
@@ -222,9 +220,6 @@ typedef struct sl_map_photons {
     sl_map_photon *photon;   /* in order of light, face, row, column, group: of every sum */
     sl_photon_lobe *lobe;    /* NULL where all surfaces are Lambertian */
     sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
-    size_t first_of_light[SL_MAP_LIGHTS_MAX + 1]; /* light l's photons end where those of l + 1 begin */
-    /* M: a sample may have no photon, or a few groups of them */
-    size_t samples_of_light[SL_MAP_LIGHTS_MAX];
     /* samples without a photon: nearer to the light than 1e-4 of the diagonal of the scene's central region,
      * or without light */
     size_t dropped;
@@ -246,6 +241,7 @@ typedef struct sl_photon_list {
     const sl_scene *scene;
     const sl_radiance_map *map;
     sl_map_photons *photons;
+    size_t samples; /* of the light whose photons are taken */
 } sl_photon_list;
 
 /* Texels each way of a block. */

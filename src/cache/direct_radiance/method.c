@@ -77,14 +77,12 @@ struct sl_radiance_explanation {
     sl_light_pass light;
     sl_gbuffer *gbuffer;
     sl_reflections *reflections;
-    sl_receiver_kinds kinds;
     sl_photon_sums *sums;    /* NULL: no photons */
 };
 
 static void explanation_destroy(sl_radiance_explanation *explanation) {
     if (!explanation) return;
     sl_photon_sums_destroy(explanation->sums);
-    sl_receiver_kinds_release(&explanation->kinds);
     sl_reflections_destroy(explanation->reflections);
     sl_gbuffer_destroy(explanation->gbuffer);
     sl_free(explanation);
@@ -97,7 +95,6 @@ static sl_status explanation_create(const sl_radiance_state *s, sl_radiance_expl
     if (!explanation) return sl_fail_memory(error, "the explanation of pixels");
     explanation->light = sl_radiance_lighting(s);
     sl_status status = draw_seen(s, &explanation->gbuffer, &explanation->reflections, error);
-    if (status == SL_OK) status = sl_receiver_kinds_find(s->scene, &explanation->kinds, error);
     if (status == SL_OK && s->photons && s->photons->count)
         status = sl_photon_sums_create(&explanation->light, &explanation->sums, error);
     if (status != SL_OK) explanation_destroy(explanation);
@@ -134,33 +131,18 @@ static void tell_photon(void *context, size_t photon, float weight, const float 
     sl_explanation_add(t->writer, &term);
 }
 
-/* Returns the tile's lanes up to one pixel's, and as few as loops take: what lies beyond has no say. */
-static sl_receiver_tile up_to(const sl_receiver_tile *tile, size_t lane) {
-    sl_receiver_tile shorter = *tile;
-    shorter.count = lane + 1;
-    shorter.padded = (lane / SL_TILE_LANES + 1) * SL_TILE_LANES;
-    return shorter;
-}
-
-/* Explains the pixel by the one tile of its strip that has it. */
-static void tell_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
-    const telling *t = context;
-    for (size_t lane = 0; lane < tile->count; lane++) {
-        if (tile->pixel[lane] != t->pixel) continue;
-        const sl_receiver_tile shorter = up_to(tile, lane);
-        sl_indirect_light_apart(t->explanation->sums, &shorter, glossy, lane, tell_photon, context, counters);
-    }
-}
-
 static void explanation_tell(const sl_radiance_explanation *explanation, int x, int y,
                              sl_explanation_writer *writer) {
     const sl_gbuffer *g = explanation->gbuffer;
     telling t = {explanation, (size_t)y * (size_t)g->width + (size_t)x, writer};
     sl_counters ignored = {{0}};
+    sl_receiver_tile tile;
+    bool glossy;
     sl_explanation_add_layer(writer, "emission", "emitted light");
     sl_explanation_add_layer(writer, "direct", "direct light");
-    if (explanation->sums)
-        sl_receiver_tiles_strip(g, &explanation->kinds, y - y % SL_TILE_HEIGHT, tell_tile, &t, &ignored);
+    if (explanation->sums &&
+        sl_receiver_tile_of_pixel(explanation->light.scene, g, t.pixel, &glossy, &tile))
+        sl_indirect_light_apart(explanation->sums, &tile, glossy, tell_photon, &t, &ignored);
 }
 
 /* ---- frames ---- */
@@ -229,8 +211,7 @@ static sl_status radiance_resolve(void *state, sl_image **image, sl_error *error
     sl_progress ignored;
     sl_status status = s->drawn ? SL_OK : radiance_update(s, &ignored, error);
     if (status == SL_OK) status = give_picture(s, image, error);
-    if (status == SL_OK && s->map)
-        status = sl_map_report_stamp(&s->report, s->settings.radiance_map.weight, *image, error);
+    if (status == SL_OK && s->map) status = sl_radiance_stamp(s, *image, error);
     if (status == SL_OK && s->plan.environment)
         status = sl_warn(*image, error, "the sky is seen, but lights nothing");
     return status;
@@ -260,7 +241,7 @@ static size_t radiance_memory_bytes(const void *state) {
     if (s->image) bytes += (size_t)s->image->channels * pixels * sizeof *s->image->planes;
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
-    if (s->cubes) bytes += sl_shadow_cubes_bytes(s->cubes);
+    if (s->lights) bytes += sl_map_lights_bytes(s->lights);
     if (s->map) bytes += sl_radiance_map_bytes(s->map);
     if (s->photons) bytes += sl_map_photons_bytes(s->photons);
     if (s->id) bytes += pixels * sizeof *s->id;

@@ -62,10 +62,11 @@ static void take_block(sl_photon_list *list, sl_map_filter filter, const sl_map_
     if (list->photons->count == before) list->photons->dropped++;
 }
 
-static size_t count_blocks(const sl_radiance_map *map) {
+/* Returns M: of one light, or of all (SL_NO_INDEX). */
+static size_t count_blocks(const sl_radiance_map *map, uint32_t light) {
     size_t blocks = 0;
-    for (size_t f = 0; f < map->face_count; f++)
-        blocks += (size_t)map->face[f].columns * (size_t)map->face[f].rows;
+    for (const sl_map_face *f = map->face; f < map->face + map->face_count; f++)
+        if (light == SL_NO_INDEX || f->light == light) blocks += (size_t)f->columns * (size_t)f->rows;
     return blocks;
 }
 
@@ -90,23 +91,20 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
                               const sl_radiance_map_settings *settings, sl_map_photons **photons,
                               sl_counters *counters, sl_error *error) {
     bool quads = settings->weight == SL_WEIGHT_POLYGON;
-    sl_status status = create(map, quads, SL_PHOTON_GROUPS * count_blocks(map), photons, error);
+    sl_status status = create(map, quads, SL_PHOTON_GROUPS * count_blocks(map, SL_NO_INDEX), photons, error);
     if (status != SL_OK) return status;
     sl_map_photons *p = *photons;
     p->nearest = (float)(NEAREST_RECEIVER * (double)scene->scale);
     p->box_diagonal = scene->diagonal;
 
     sl_photon_list list = {.scene = scene, .map = map, .photons = p};
-    size_t light = 0; /* of the photons to come */
     for (const sl_map_face *f = map->face; f < map->face + map->face_count; f++) {
-        for (; light <= f->light; light++) p->first_of_light[light] = p->count;
-        p->samples_of_light[f->light] += (size_t)f->columns * (size_t)f->rows;
+        if (f == map->face || f[-1].light != f->light) list.samples = count_blocks(map, f->light);
         for (int row = 0; row < f->height; row += sl_block_texels(f)) {
             for (int column = 0; column < f->width; column += sl_block_texels(f))
                 take_block(&list, settings->filter, f, column, row);
         }
     }
-    for (; light <= SL_MAP_LIGHTS_MAX; light++) p->first_of_light[light] = p->count;
     sl_count(counters, SL_COUNT_MAP_PHOTONS, p->count);
     sl_count(counters, SL_COUNT_MAP_PHOTONS_DROPPED, p->dropped);
     return SL_OK;
@@ -301,7 +299,7 @@ void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_map_t
                               .normal = sl_to_float(s->normal),
                               .printed_area = (float)printed_area(list, face, s),
                               .radiance = rgb_of(s->radiance),
-                              .object = s->object};
+                              .samples = (uint32_t)list->samples};
     if (!photon_is_sound(photon)) return;
     if (photons->lobe) {
         /* the material without its texture, which the map's true colour has */

@@ -30,10 +30,11 @@ typedef struct {
 } strip;
 
 typedef struct {
-    const sl_strip_pass *pass;
+    const sl_radiance_state *state;
     const sl_scene *scene;
+    sl_view view;
+    sl_light_pass light;
     sl_resolver *resolver;
-    sl_receiver_kinds kinds;
     bool nothing_shines;
     sl_direct_light direct;
     sl_photon_sums *sums; /* NULL: no indirect light */
@@ -48,7 +49,7 @@ typedef struct {
 /* ---- memory ---- */
 
 static sl_status allocate_strip(const drawing *d, strip *s, sl_error *error) {
-    sl_status status = sl_gbuffer_create(d->pass->view->width, SL_TILE_HEIGHT, &s->gbuffer, error);
+    sl_status status = sl_gbuffer_create(d->view.width, SL_TILE_HEIGHT, &s->gbuffer, error);
     if (status != SL_OK) return status;
     s->light = sl_allocate(LIGHT_PLANES * d->room, sizeof *s->light);
     if (!s->light) return sl_fail_memory(error, "the picture");
@@ -69,15 +70,13 @@ static void release(drawing *d) {
     sl_free(d->worker);
     sl_free(d->counters);
     sl_photon_sums_destroy(d->sums);
-    sl_receiver_kinds_release(&d->kinds);
     sl_resolver_destroy(d->resolver);
 }
 
 /* ---- a strip ---- */
 
 static void set_rows(const drawing *d, strip *s, size_t index) {
-    const sl_view *view = d->pass->view;
-    const int left = view->height - (int)index * SL_TILE_HEIGHT;
+    const int left = d->view.height - (int)index * SL_TILE_HEIGHT;
     s->first_row = (int)index * SL_TILE_HEIGHT;
     s->gbuffer->height = left < SL_TILE_HEIGHT ? left : SL_TILE_HEIGHT;
 }
@@ -86,13 +85,13 @@ static void set_rows(const drawing *d, strip *s, size_t index) {
 static void resolve_strip(const drawing *d, strip *s, unsigned worker, sl_counters *counters) {
     const size_t width = (size_t)s->gbuffer->width, pixels = width * (size_t)s->gbuffer->height,
                  first = (size_t)s->first_row * width;
-    memcpy(s->gbuffer->id, d->pass->id + first, pixels * sizeof *s->gbuffer->id);
+    memcpy(s->gbuffer->id, d->state->id + first, pixels * sizeof *s->gbuffer->id);
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED,
              sl_resolver_run(d->resolver, worker, first, pixels, s->gbuffer));
     sl_reflections_destroy(s->reflections);
     s->reflections = NULL;
-    if (d->pass->mirrors && s->status == SL_OK)
-        s->status = sl_reflect_pixels(d->scene, d->pass->mirrors, 1, s->gbuffer, &s->reflections, counters,
+    if (d->state->plan.mirrors && s->status == SL_OK)
+        s->status = sl_reflect_pixels(d->scene, d->state->tracer, 1, s->gbuffer, &s->reflections, counters,
                                       &s->error);
 }
 
@@ -105,7 +104,7 @@ typedef struct {
 static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
     const tile_program *p = context;
     const drawing *d = p->drawing;
-    const bool direct = d->pass->light->lights->count > 0;
+    const bool direct = d->light.lights->count > 0;
     if (direct) sl_direct_light_tile(&d->direct, tile, glossy, p->target, counters);
     if (d->sums) sl_indirect_light_tile(d->sums, tile, glossy, p->target, counters);
     if (direct && d->sums) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile->count);
@@ -145,7 +144,7 @@ static void add_emission(const drawing *d, strip *s, sl_counters *counters) {
             const size_t i = (size_t)y * (size_t)width + (size_t)x;
             if (is_dark(d->scene, s->gbuffer->material[i])) continue;
             s->shines = true;
-            put_emission(s, i, sl_gbuffer_emission(d->scene, d->pass->view, s->gbuffer, i, x,
+            put_emission(s, i, sl_gbuffer_emission(d->scene, &d->view, s->gbuffer, i, x,
                                                    s->first_row + y));
         }
     }
@@ -163,7 +162,7 @@ static void compose_row(const drawing *d, const strip *s, size_t row) {
     const sl_image *image = d->image;
     const size_t width = (size_t)image->width, height = (size_t)image->height, pixels = width * height;
     const size_t from = row * width, to = (height - 1 - (size_t)s->first_row - row) * width;
-    const bool all = d->pass->layers;
+    const bool all = !d->state->settings.radiance_map.without_layers;
     for (size_t k = 0; k < 3; k++) {
         float *out = image->planes + k * pixels + to;
         const sl_compose_row channel = {width,
@@ -187,8 +186,8 @@ static void draw_strip(void *context, size_t index, unsigned worker) {
     memset(s->light, 0, (s->shines ? LIGHT_PLANES : LIGHT_PLANES - 3) * d->room * sizeof *s->light);
     s->shines = s->reflections != NULL; /* which may show the sky */
     if (!d->nothing_shines) add_emission(d, s, counters);
-    if (d->pass->light->lights->count > 0 || d->sums)
-        sl_receiver_tiles_strip(s->gbuffer, &d->kinds, 0, light_tile, (void *)(uintptr_t)&program, counters);
+    if (d->light.lights->count > 0 || d->sums)
+        sl_receiver_tiles_strip(d->scene, s->gbuffer, 0, light_tile, (void *)(uintptr_t)&program, counters);
     dim_mirrors(d, s);
     for (size_t row = 0; row < (size_t)s->gbuffer->height; row++) compose_row(d, s, row);
 }
@@ -196,13 +195,11 @@ static void draw_strip(void *context, size_t index, unsigned worker) {
 /* ---- the picture ---- */
 
 static sl_status prepare(drawing *d, size_t strips, sl_error *error) {
-    const sl_strip_pass *pass = d->pass;
-    const sl_light_pass *light = pass->light;
+    const bool layers = !d->state->settings.radiance_map.without_layers;
     sl_status status =
-        sl_resolver_create(pass->raster, pass->view, pass->id, d->workers, &d->resolver, error);
-    if (status == SL_OK) status = sl_receiver_kinds_find(d->scene, &d->kinds, error);
-    if (status == SL_OK && light->photons && light->photons->count)
-        status = sl_photon_sums_create(light, &d->sums, error);
+        sl_resolver_create(d->state->raster, &d->view, d->state->id, d->workers, &d->resolver, error);
+    if (status == SL_OK && d->light.photons && d->light.photons->count)
+        status = sl_photon_sums_create(&d->light, &d->sums, error);
     if (status != SL_OK) return status;
     d->counters = sl_allocate(strips, sizeof *d->counters);
     d->worker = sl_allocate(d->workers, sizeof *d->worker);
@@ -210,9 +207,9 @@ static sl_status prepare(drawing *d, size_t strips, sl_error *error) {
     for (unsigned w = 0; w < d->workers && status == SL_OK; w++)
         status = allocate_strip(d, &d->worker[w], error);
     if (status != SL_OK) return status;
-    return sl_image_create_unset(pass->view->width, pass->view->height,
-                                 pass->layers ? SL_RADIANCE_CHANNELS : SL_RADIANCE_EMISSION, layer_names,
-                                 &d->image, error);
+    return sl_image_create_unset(d->view.width, d->view.height,
+                                 layers ? SL_RADIANCE_CHANNELS : SL_RADIANCE_EMISSION, layer_names, &d->image,
+                                 error);
 }
 
 static sl_status finish(const drawing *d, size_t strips, sl_image **image, sl_counters *counters,
@@ -228,18 +225,19 @@ static sl_status finish(const drawing *d, size_t strips, sl_image **image, sl_co
     return SL_OK;
 }
 
-sl_status sl_radiance_draw_strips(const sl_strip_pass *pass, sl_image **image, sl_counters *counters,
-                                  sl_error *error) {
-    const sl_view *view = pass->view;
-    const sl_scene *scene = pass->light->scene;
-    const size_t strips = (size_t)((view->height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
-    drawing d = {.pass = pass,
+sl_status sl_radiance_draw_image(const sl_radiance_state *state, sl_image **image, sl_counters *counters,
+                                 sl_error *error) {
+    const sl_scene *scene = state->scene;
+    drawing d = {.state = state,
                  .scene = scene,
+                 .view = sl_view_scene(scene, state->settings.width, state->settings.height),
+                 .light = sl_radiance_lighting(state),
                  .nothing_shines = !scene->environment.present && scene->emitter_count == 0,
-                 .direct = sl_direct_light_of(pass->light),
                  .compose = sl_compose_kernel_for(sl_isa_best()),
-                 .workers = sl_thread_count(pass->light->threads),
-                 .room = SL_TILE_HEIGHT * (size_t)view->width + APART};
+                 .workers = sl_thread_count(state->settings.threads)};
+    const size_t strips = (size_t)((d.view.height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
+    d.direct = sl_direct_light_of(&d.light);
+    d.room = SL_TILE_HEIGHT * (size_t)d.view.width + APART;
     sl_status status = prepare(&d, strips, error);
     if (status == SL_OK) {
         sl_parallel_for(d.workers, strips, draw_strip, &d);

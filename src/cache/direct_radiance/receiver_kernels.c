@@ -27,21 +27,17 @@ void SL_KERNEL(sl_receivers_prepare)(sl_receiver_tile *t) {
 
 /* ---- light that arrives ---- */
 
-bool SL_KERNEL(sl_receivers_reached)(size_t count, const float *restrict weight, float largest,
+bool SL_KERNEL(sl_receivers_reached)(size_t count, float *restrict weight, float largest,
                                      float *restrict lit) {
     uint32_t any = 0;
 #pragma omp simd reduction(| : any)
     for (size_t i = 0; i < count; i++) {
         bool reached = (weight[i] > 0.0f) & (weight[i] <= largest);
         lit[i] = reached ? 1.0f : 0.0f;
+        weight[i] = reached ? weight[i] : 0.0f;
         any |= reached ? 1u : 0u;
     }
     return any != 0;
-}
-
-void SL_KERNEL(sl_receivers_where)(size_t count, const float *restrict b, float *restrict a) {
-#pragma omp simd
-    for (size_t i = 0; i < count; i++) a[i] = b[i] > 0.0f ? a[i] : 0.0f;
 }
 
 /* ---- light that leaves ---- */
@@ -131,11 +127,6 @@ void SL_KERNEL(sl_photon_polygon)(const sl_receiver_tile *t, const sl_photon_reg
 #pragma omp simd
     for (size_t i = 0; i < count; i++)
         weight[i] = sl_polygon_weight(&p, &q, receiver(t, i), geometric(t, i), pi[i]);
-}
-
-void SL_KERNEL(sl_receivers_multiply)(size_t count, const float *restrict b, float *restrict a) {
-#pragma omp simd
-    for (size_t i = 0; i < count; i++) a[i] *= b[i];
 }
 
 /* Modified Phong lobes, on either side: (cos alpha)^n between a lobe's axis and the line between receiver and

@@ -1,39 +1,13 @@
 /* What a picture shows, ready to be lit: kinds of surfaces, and tiles of them in lanes (passes 5 and 6). */
 #include "base/counters.h"
-#include "base/error.h"
-#include "base/memory.h"
 #include "cache/direct_radiance/receivers.h"
 
-/* ---- kinds ---- */
-
-sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_receiver_kinds *kinds, sl_error *error) {
-    *kinds = (sl_receiver_kinds){.scene = scene};
-    kinds->of_material = sl_allocate(scene->material_count + 1, sizeof *kinds->of_material);
-    if (!kinds->of_material) return sl_fail_memory(error, "kinds of receivers");
-    for (size_t m = 0; m < scene->material_count; m++) {
-        const bool glossy = sl_material_is_glossy(&scene->materials[m]);
-        kinds->of_material[m] = glossy                                        ? SL_RECEIVER_GLOSSY
-                                : sl_material_is_diffuse(&scene->materials[m]) ? SL_RECEIVER_DIFFUSE
-                                                                               : SL_RECEIVER_NONE;
-        kinds->glossy |= glossy;
-    }
-    kinds->of_material[scene->material_count] = SL_RECEIVER_NONE;
-    return SL_OK;
-}
-
-void sl_receiver_kinds_release(sl_receiver_kinds *kinds) {
-    sl_free(kinds->of_material);
-    kinds->of_material = NULL;
-}
-
-static sl_receiver_kind kind_at(const sl_receiver_kinds *kinds, const sl_gbuffer *g, size_t pixel) {
-    size_t material = g->material[pixel], none = kinds->scene->material_count;
-    return (sl_receiver_kind)kinds->of_material[material < none ? material : none];
-}
+#include <string.h>
 
 /* ---- filling ---- */
 
-void sl_receiver_tile_fetch(const sl_gbuffer *g, const sl_receiver_kernels *kernels, sl_receiver_tile *t) {
+/* Fills the lanes from the tile's count and pixels; not what glossy receivers have besides. */
+static void fetch(const sl_gbuffer *g, const sl_receiver_kernels *kernels, sl_receiver_tile *t) {
     const float *const from[SL_TILE_PLANES] = {g->position_x,  g->position_y,  g->position_z, g->geometric_x,
                                                g->geometric_y, g->geometric_z, g->normal_x,   g->normal_y,
                                                g->normal_z,    g->diffuse_r,   g->diffuse_g,  g->diffuse_b};
@@ -65,30 +39,50 @@ static void set_lobes(const sl_gbuffer *g, const sl_scene *scene, const sl_recei
     kernels->mirror_eye(t);
 }
 
-static bool receives(sl_receiver_kind kind, bool glossy) {
-    return kind == (glossy ? SL_RECEIVER_GLOSSY : SL_RECEIVER_DIFFUSE);
+static void fill(const sl_gbuffer *g, const sl_scene *scene, const sl_receiver_kernels *kernels, bool glossy,
+                 sl_receiver_tile *t) {
+    fetch(g, kernels, t);
+    if (glossy) set_lobes(g, scene, kernels, t);
 }
 
-static void list_wanted(const sl_gbuffer *g, const sl_receiver_kinds *kinds, bool glossy, int x0, int y0,
-                        sl_receiver_tile *t) {
+/* ---- which pixels receive ---- */
+
+static sl_receiver_kind kind_of(const sl_scene *scene, uint32_t material) {
+    if (material >= scene->material_count) return SL_RECEIVER_NONE;
+    if (sl_material_is_glossy(&scene->materials[material])) return SL_RECEIVER_GLOSSY;
+    return sl_material_is_diffuse(&scene->materials[material]) ? SL_RECEIVER_DIFFUSE : SL_RECEIVER_NONE;
+}
+
+bool sl_receiver_tile_of_pixel(const sl_scene *scene, const sl_gbuffer *g, size_t pixel, bool *glossy,
+                               sl_receiver_tile *t) {
+    const sl_receiver_kernels kernels = sl_receiver_kernels_for(sl_isa_best());
+    const sl_receiver_kind kind = kind_of(scene, g->material[pixel]);
+    *glossy = kind == SL_RECEIVER_GLOSSY;
+    t->count = 1;
+    t->pixel[0] = (uint32_t)pixel;
+    if (kind != SL_RECEIVER_NONE) fill(g, scene, &kernels, *glossy, t);
+    return kind != SL_RECEIVER_NONE;
+}
+
+/* A tile's pixels by kind. */
+typedef struct {
+    size_t count[SL_RECEIVER_KINDS];
+    uint32_t pixel[SL_RECEIVER_KINDS][SL_TILE_PIXELS];
+} tile_pixels;
+
+static void list_pixels(const sl_scene *scene, const sl_gbuffer *g, int x0, int y0, tile_pixels *list) {
     const int x1 = x0 + SL_TILE_WIDTH < g->width ? x0 + SL_TILE_WIDTH : g->width;
     const int y1 = y0 + SL_TILE_HEIGHT < g->height ? y0 + SL_TILE_HEIGHT : g->height;
+    uint32_t material = SL_NO_INDEX;
+    sl_receiver_kind kind = SL_RECEIVER_NONE;
+    memset(list->count, 0, sizeof list->count);
     for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
-            size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
-            t->pixel[t->count] = (uint32_t)pixel;
-            t->count += receives(kind_at(kinds, g, pixel), glossy) ? 1 : 0;
+            const size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
+            if (g->material[pixel] != material) kind = kind_of(scene, material = g->material[pixel]);
+            list->pixel[kind][list->count[kind]++] = (uint32_t)pixel;
         }
     }
-}
-
-static void fill_tile(const sl_gbuffer *g, const sl_receiver_kinds *kinds, const sl_receiver_kernels *kernels,
-                      bool glossy, int x0, int y0, sl_receiver_tile *t) {
-    t->count = 0;
-    list_wanted(g, kinds, glossy, x0, y0, t);
-    if (t->count == 0) return;
-    sl_receiver_tile_fetch(g, kernels, t);
-    if (glossy) set_lobes(g, kinds->scene, kernels, t);
 }
 
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *t) {
@@ -98,15 +92,19 @@ sl_light_points sl_receiver_tile_points(const sl_receiver_tile *t) {
 
 /* ---- all tiles ---- */
 
-void sl_receiver_tiles_strip(const sl_gbuffer *g, const sl_receiver_kinds *kinds, int y0,
-                             sl_tile_program *program, void *context, sl_counters *counters) {
+void sl_receiver_tiles_strip(const sl_scene *scene, const sl_gbuffer *g, int y0, sl_tile_program *program,
+                             void *context, sl_counters *counters) {
     const sl_receiver_kernels kernels = sl_receiver_kernels_for(sl_isa_best());
+    tile_pixels list;
     sl_receiver_tile tile;
     for (int x = 0; x < g->width; x += SL_TILE_WIDTH) {
-        for (int glossy = 0; glossy <= (kinds->glossy ? 1 : 0); glossy++) {
-            fill_tile(g, kinds, &kernels, glossy, x, y0, &tile);
+        list_pixels(scene, g, x, y0, &list);
+        for (int kind = SL_RECEIVER_DIFFUSE; kind <= SL_RECEIVER_GLOSSY; kind++) {
+            tile.count = list.count[kind];
             if (tile.count == 0) continue;
-            program(context, &tile, glossy, counters);
+            memcpy(tile.pixel, list.pixel[kind], tile.count * sizeof *tile.pixel);
+            fill(g, scene, &kernels, kind == SL_RECEIVER_GLOSSY, &tile);
+            program(context, &tile, kind == SL_RECEIVER_GLOSSY, counters);
             sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile.count);
         }
     }

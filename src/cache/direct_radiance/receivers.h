@@ -29,7 +29,8 @@ _Static_assert((int)SL_TILE_PIXELS == (int)SL_LIGHT_BLOCK,
 typedef enum sl_receiver_kind {
     SL_RECEIVER_NONE,    /* background, black emitters, what endless mirrors show */
     SL_RECEIVER_DIFFUSE,
-    SL_RECEIVER_GLOSSY   /* a Phong lobe, besides or alone: where the light goes depends on the eye */
+    SL_RECEIVER_GLOSSY,  /* a Phong lobe, besides or alone: where the light goes depends on the eye */
+    SL_RECEIVER_KINDS
 } sl_receiver_kind;
 
 typedef struct sl_receiver_tile {
@@ -53,23 +54,17 @@ typedef struct sl_tile_light {
     float lobe[3][SL_TILE_PIXELS];
 } sl_tile_light;
 
-/* Kinds by material: one for each, and NONE for the background as the last. */
-typedef struct sl_receiver_kinds {
-    const sl_scene *scene;
-    bool glossy;   /* there are glossy materials */
-    uint8_t *of_material;
-} sl_receiver_kinds;
-
-sl_status sl_receiver_kinds_find(const sl_scene *scene, sl_receiver_kinds *kinds, sl_error *error);
-void sl_receiver_kinds_release(sl_receiver_kinds *kinds);
-
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
 
 /* Lights a tile that has pixels to be lit. */
 typedef void sl_tile_program(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters);
 /* A strip of tiles from row y0 on: diffuse pixels of a tile first, then glossy ones. Counts the fragments. */
-void sl_receiver_tiles_strip(const sl_gbuffer *gbuffer, const sl_receiver_kinds *kinds, int y0,
+void sl_receiver_tiles_strip(const sl_scene *scene, const sl_gbuffer *gbuffer, int y0,
                              sl_tile_program *program, void *context, sl_counters *counters);
+/* A tile of one pixel; false where it does not receive. */
+bool sl_receiver_tile_of_pixel(const sl_scene *scene, const sl_gbuffer *gbuffer, size_t pixel, bool *glossy,
+                               sl_receiver_tile *tile);
+
 /* E_j(x): what photon j at y sends to receiver x. d = y - x, r = |d|; cos = (n_x . d)+ / r and cos' = (-n_y .
  * d)+ / r are the cosines at the receiver and at the photon. Psi: the photon's flux, W/sr; L_o: its radiance,
  * Psi = L_o A; A': its footprint perpendicular to the light, alpha: the angle at which the light falls there,
@@ -252,10 +247,8 @@ typedef void sl_prepare_kernel(sl_receiver_tile *tile);
 /* Radiance that leaves towards the eye, added to three planes. */
 typedef void sl_reflect_to_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
                                   float *const planes[3]);
-/* Sets lit_i to 1 where 0 < weight_i <= largest, else to 0; tells if any is. */
-typedef bool sl_reached_kernel(size_t count, const float *weight, float largest, float *lit);
-/* a_i = b_i > 0 ? a_i : 0 */
-typedef void sl_where_kernel(size_t count, const float *b, float *a);
+/* Sets lit_i to 1 where 0 < weight_i <= largest, else both to 0; tells if any is lit. */
+typedef bool sl_reached_kernel(size_t count, float *weight, float largest, float *lit);
 
 /* (10) over Lambertian photons in index order: adds to the irradiance. */
 typedef void sl_photon_sum_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photons,
@@ -283,49 +276,38 @@ typedef void sl_receiver_lobe_kernel(const sl_receiver_tile *tile, const sl_lobe
                                      float *power);
 /* The mirrored directions of the eye, from where the eye is, which they replace. */
 typedef void sl_mirror_eye_kernel(sl_receiver_tile *tile);
-/* a_i *= b_i */
-typedef void sl_multiply_kernel(size_t count, const float *b, float *a);
 
 typedef struct sl_receiver_kernels {
     sl_prepare_kernel *prepare;
     sl_reflect_to_kernel *reflect_to;
     sl_reached_kernel *reached;
-    sl_where_kernel *where;
     sl_photon_sum_kernel *sum;
     sl_photon_weigh_kernel *weigh;
     sl_polygon_weigh_kernel *weigh_polygon;
     sl_photon_lobe_kernel *photon_lobe;
     sl_receiver_lobe_kernel *receiver_lobe;
     sl_mirror_eye_kernel *mirror_eye;
-    sl_multiply_kernel *multiply;
     sl_light_kernels light;
 } sl_receiver_kernels;
 
 SL_KERNEL_VARIANTS(sl_prepare_kernel, sl_receivers_prepare);
 SL_KERNEL_VARIANTS(sl_reflect_to_kernel, sl_receivers_reflect_to);
 SL_KERNEL_VARIANTS(sl_reached_kernel, sl_receivers_reached);
-SL_KERNEL_VARIANTS(sl_where_kernel, sl_receivers_where);
 SL_KERNEL_VARIANTS(sl_photon_sum_kernel, sl_photons_sum);
 SL_KERNEL_VARIANTS(sl_photon_weigh_kernel, sl_photon_weigh);
 SL_KERNEL_VARIANTS(sl_polygon_weigh_kernel, sl_photon_polygon);
 SL_KERNEL_VARIANTS(sl_photon_lobe_kernel, sl_photon_lobe_power);
 SL_KERNEL_VARIANTS(sl_receiver_lobe_kernel, sl_receiver_lobe_power);
 SL_KERNEL_VARIANTS(sl_mirror_eye_kernel, sl_receiver_mirror_eye);
-SL_KERNEL_VARIANTS(sl_multiply_kernel, sl_receivers_multiply);
 
 static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
     return (sl_receiver_kernels){
         SL_KERNEL_OF(isa, sl_receivers_prepare), SL_KERNEL_OF(isa, sl_receivers_reflect_to),
-        SL_KERNEL_OF(isa, sl_receivers_reached), SL_KERNEL_OF(isa, sl_receivers_where),
-        SL_KERNEL_OF(isa, sl_photons_sum), SL_KERNEL_OF(isa, sl_photon_weigh),
-        SL_KERNEL_OF(isa, sl_photon_polygon), SL_KERNEL_OF(isa, sl_photon_lobe_power),
-        SL_KERNEL_OF(isa, sl_receiver_lobe_power), SL_KERNEL_OF(isa, sl_receiver_mirror_eye),
-        SL_KERNEL_OF(isa, sl_receivers_multiply), sl_light_kernels_for(isa)};
+        SL_KERNEL_OF(isa, sl_receivers_reached), SL_KERNEL_OF(isa, sl_photons_sum),
+        SL_KERNEL_OF(isa, sl_photon_weigh), SL_KERNEL_OF(isa, sl_photon_polygon),
+        SL_KERNEL_OF(isa, sl_photon_lobe_power), SL_KERNEL_OF(isa, sl_receiver_lobe_power),
+        SL_KERNEL_OF(isa, sl_receiver_mirror_eye), sl_light_kernels_for(isa)};
 }
-
-/* Fills the lanes from the tile's count and pixels; not what glossy receivers have besides. */
-void sl_receiver_tile_fetch(const sl_gbuffer *gbuffer, const sl_receiver_kernels *kernels,
-                            sl_receiver_tile *tile);
 
 /* Pass 8's loop over a row of pixels, compiled for every instruction set. */
 

@@ -4,16 +4,11 @@
 #include "base/parallel.h"
 #include "base/print.h"
 #include "cache/direct_radiance/direct_radiance.h"
-#include "cache/direct_radiance/lights.h"
-#include "cache/direct_radiance/map.h"
-#include "cache/direct_radiance/receivers.h"
-#include "cache/frame/method.h"
 #include "scene/ambient.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 /* each point is two receivers, one on either side */
 enum { TILES = 16, POINTS = TILES * SL_TILE_PIXELS / 2 };
@@ -23,40 +18,6 @@ static const double LARGEST_SCENE = 10.0;
 /* A frustum that misses half of the light is worth a line; in a room without anything in it 1 arrives, with
  * two boxes 1.07. */
 static const double LEAST_CAPTURED = 0.5, MOST_RECEIVED = 1.25;
-
-/* ---- how much of the lights' flux the maps hold ---- */
-
-static bool same_pictures(const sl_map_light *a, const sl_map_light *b) {
-    return a->kind == SL_SOURCE_AREA && b->kind == a->kind && a->lamp == b->lamp &&
-           memcmp(&a->direction, &b->direction, sizeof a->direction) == 0;
-}
-
-double sl_radiance_maps_captured(const sl_radiance_map *map) {
-    double held = 0.0, flux = 0.0, share = 1.0;
-    for (uint32_t l = 0; l < map->lights->count; l++) {
-        const sl_map_light *light = &map->lights->light[l];
-        double watts =
-            light->kind == SL_SOURCE_DIRECTIONAL ? 0.0 : (double)sl_rgb_mean(sl_map_light_flux(light));
-        if (!(watts > 0.0) || !isfinite(watts)) continue;
-        flux += watts;
-        /* points of one planar lamp have the same pictures */
-        if (!(l > 0 && same_pictures(&map->lights->light[l - 1], light)))
-            share = sl_radiance_map_captured(map, l);
-        held += watts * share;
-    }
-    return flux > 0.0 ? held / flux : 1.0;
-}
-
-double sl_radiance_map_mean_way(const sl_radiance_map *map) {
-    double sum = 0.0;
-    size_t count = 0;
-    for (size_t i = 0; i < map->texels; i++) {
-        if (map->triangle[i] == SL_NO_INDEX || !isfinite(map->path[i])) continue;
-        sum += (double)map->path[i];
-        count++;
-    }
-    return count ? sum / (double)count : 0.0;
-}
 
 /* ---- points all over the scene ---- */
 
@@ -191,15 +152,25 @@ sl_status sl_flux_received(const sl_light_pass *pass, double *received, sl_error
 
 /* ---- told with the picture ---- */
 
-void sl_map_report_warning(const sl_map_report *report, sl_photon_weight weight, char *text, size_t size) {
-    text[0] = '\0';
-    if (weight != SL_WEIGHT_BOX || !(report->way > 0.0) || report->diagonal <= LARGEST_SCENE * report->way)
-        return;
-    sl_print(text, size,
-             "weight 15 divides by the scene's diagonal squared, which is %.3g times the light's mean way of "
-             "%.3g: next to no "
-             "indirect light; weight flux does not depend on the scene's size",
-             report->diagonal / report->way, report->way);
+/* Returns the mean b of the map's texels; 0 without any. */
+static double mean_way(const sl_radiance_map *map) {
+    double sum = 0.0;
+    size_t count = 0;
+    for (size_t i = 0; i < map->texels; i++) {
+        if (map->triangle[i] == SL_NO_INDEX || !isfinite(map->path[i])) continue;
+        sum += (double)map->path[i];
+        count++;
+    }
+    return count ? sum / (double)count : 0.0;
+}
+
+static sl_status warn_of_size(const sl_radiance_state *s, sl_image *image, sl_error *error) {
+    const double way = mean_way(s->map), diagonal = (double)s->scene->diagonal;
+    if (!(way > 0.0) || diagonal <= LARGEST_SCENE * way) return SL_OK;
+    return sl_warn(image, error,
+                   "weight 15 divides by the scene's diagonal squared, which is %.3g times the light's mean "
+                   "way of %.3g: next to no indirect light; weight flux does not depend on the scene's size",
+                   diagonal / way, way);
 }
 
 static sl_status stamp_share(sl_image *image, const char *key, double share, sl_error *error) {
@@ -208,75 +179,26 @@ static sl_status stamp_share(sl_image *image, const char *key, double share, sl_
     return isfinite(share) ? sl_image_set_metadata(image, key, text, error) : SL_OK;
 }
 
-static sl_status warn_of_flux(const sl_map_report *report, sl_image *image, sl_error *error) {
+static sl_status warn_of_flux(double captured, double received, sl_image *image, sl_error *error) {
     sl_status status = SL_OK;
-    if (report->captured < LEAST_CAPTURED)
+    if (captured < LEAST_CAPTURED)
         status = sl_warn(image, error,
                          "the maps hold %.0f %% of the lights' flux, and no indirect light comes from the "
                          "rest; --set direct-radiance.map=cube holds all",
-                         100.0 * report->captured);
-    if (status == SL_OK && report->received > MOST_RECEIVED)
+                         100.0 * captured);
+    if (status == SL_OK && received > MOST_RECEIVED)
         status = sl_warn(image, error,
                          "indirect light passes through walls and furniture: what is reflected arrives %.2g "
                          "times; --visibility rays "
                          "stops it",
-                         report->received);
+                         received);
     return status;
 }
 
-sl_status sl_map_report_stamp(const sl_map_report *report, sl_photon_weight weight, sl_image *image,
-                              sl_error *error) {
-    char text[256];
-    sl_map_report_warning(report, weight, text, sizeof text);
-    sl_status status = stamp_share(image, "softlux.flux_captured", report->captured, error);
-    if (status == SL_OK) status = stamp_share(image, "softlux.flux_received", report->received, error);
-    if (status == SL_OK && text[0]) status = sl_warn(image, error, "%s", text);
-    if (status == SL_OK) status = warn_of_flux(report, image, error);
-    return status;
-}
-
-/* ---- the share of a light's flux that leaves inside its map's pictures ---- */
-
-/* Intensity at the middles of a face's texels, times their solid angles. */
-static double flux_through(const sl_map_light *light, const sl_map_face *f) {
-    const double wide = (f->right - f->left) / f->width, high = (f->top - f->bottom) / f->height;
-    double sum = 0.0;
-    for (int i = 0; i < f->width * f->height; i++) {
-        const double x = f->left + wide * (i % f->width), y = f->bottom + high * (i / f->width);
-        const sl_vec3 along = sl_v3((float)(x + 0.5 * wide), (float)(y + 0.5 * high), 1.0f);
-        const sl_vec3 d = sl_normalize_or(sl_frame_to_world(&f->frame, along), f->frame.z);
-        sum += (double)sl_rgb_mean(sl_map_light_intensity(light, d)) *
-               sl_rectangle_solid_angle(x, y, x + wide, y + high);
-    }
-    return sum;
-}
-
-/* Tells if the cone's half angle is at most that of the frustum. */
-static bool holds_cone(const sl_map_light *light, const sl_map_face *face, int count, int dark) {
-    double c = (double)light->cos_outer, tangent = face->right;
-    bool ahead = sl_dot(face->frame.z, light->direction) > 0.999999f;
-    if (count == 1 && dark == 0)
-        return ahead && c > 0.0 && 1.0 - c * c <= tangent * tangent * c * c * (1.0 + 1e-6);
-    return count + dark == SL_LIGHT_SIDES || (ahead && c >= 0.0); /* a cube; a hemicube */
-}
-
-static double share_of(const sl_map_light *light, const sl_map_face *face, int count, int dark,
-                       double flux) {
-    double sum = 0.0;
-    if (light->kind == SL_SOURCE_SPOT && holds_cone(light, face, count, dark)) return 1.0;
-    for (int i = 0; i < count; i++) sum += flux_through(light, &face[i]);
-    return sum < flux ? sum / flux : 1.0;
-}
-
-double sl_radiance_map_captured(const sl_radiance_map *map, uint32_t light) {
-    enum { CELLS = 24 };
-    const sl_map_light *l = &map->lights->light[light];
-    sl_face_shape shape = {map->shape, map->fov, CELLS, 1};
-    sl_map_face face[SL_LIGHT_FACES_MAX];
-    const sl_light_eye eye = sl_map_light_eye(map->lights, light);
-    double flux = (double)sl_rgb_mean(sl_map_light_flux(l));
-    int dark;
-    if (l->kind == SL_SOURCE_DIRECTIONAL || !(flux > 0.0)) return 1.0;
-    int count = sl_light_faces(NULL, &eye, &shape, sl_v3(0, -1, 0), face, &dark);
-    return count ? share_of(l, face, count, dark, flux) : 0.0;
+sl_status sl_radiance_stamp(const sl_radiance_state *s, sl_image *image, sl_error *error) {
+    sl_status status = stamp_share(image, "softlux.flux_captured", s->map->captured, error);
+    if (status == SL_OK) status = stamp_share(image, "softlux.flux_received", s->received, error);
+    if (status == SL_OK && s->settings.radiance_map.weight == SL_WEIGHT_BOX)
+        status = warn_of_size(s, image, error);
+    return status == SL_OK ? warn_of_flux(s->map->captured, s->received, image, error) : status;
 }

@@ -79,15 +79,12 @@ static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy,
 static void light_picture(const sl_light_pass *pass, const sl_gbuffer *r, sl_lit_picture *picture,
                           sl_photon_sums *sums, sl_counters *counters) {
     lighting l = {.direct = sl_direct_light_of(pass), .sums = sums};
-    sl_receiver_kinds kinds;
-    assert_int_equal(sl_receiver_kinds_find(pass->scene, &kinds, NULL), SL_OK);
     for (int k = 0; k < 3; k++) {
         l.to.direct[k] = picture->direct[k];
         l.to.indirect[k] = picture->indirect[k];
     }
     for (int y = 0; y < r->height; y += SL_TILE_HEIGHT)
-        sl_receiver_tiles_strip(r, &kinds, y, light_tile, &l, counters);
-    sl_receiver_kinds_release(&kinds);
+        sl_receiver_tiles_strip(pass->scene, r, y, light_tile, &l, counters);
 }
 
 void light_directly(const sl_light_pass *pass, const sl_gbuffer *receivers, sl_lit_picture *picture,
@@ -140,7 +137,6 @@ sl_map_photons *make_photons(size_t count, float diagonal) {
     p->count = count;
     p->photon = calloc(count, sizeof *p->photon);
     assert_non_null(p->photon);
-    for (size_t l = 1; l <= SL_MAP_LIGHTS_MAX; l++) p->first_of_light[l] = count;
     p->nearest = 1e-6f * diagonal;
     p->box_diagonal = diagonal;
     return p;

@@ -43,8 +43,8 @@ static sl_map_light area_light(sl_vec3 position, sl_vec3 normal, float area, boo
 }
 
 static planes light_up(const sl_scene *scene, lamps *l, const sl_gbuffer *receivers,
-                       const sl_shadow_cubes *cubes, unsigned threads) {
-    sl_light_pass pass = {.scene = scene, .lights = &l->lights, .cubes = cubes, .threads = threads};
+                       unsigned threads) {
+    sl_light_pass pass = {.scene = scene, .lights = &l->lights, .threads = threads};
     planes p = make_planes((size_t)receivers->width * (size_t)receivers->height);
     sl_lit_picture picture = {.direct = {p.value[0], p.value[1], p.value[2]}};
     sl_counters counters = {{0}};
@@ -59,7 +59,7 @@ static sl_rgb radiance_at(const sl_scene *scene, sl_map_light light, sl_vec3 x, 
     add_lamp(&l, light);
     sl_gbuffer *r = make_receivers(1, 1, eye);
     set_receiver(r, 0, x, n, n, scene->materials[material].diffuse, material);
-    planes p = light_up(scene, &l, r, NULL, 1);
+    planes p = light_up(scene, &l, r, 1);
     sl_rgb radiance = {p.value[0][0], p.value[1][0], p.value[2][0]};
     free_planes(&p);
     sl_gbuffer_destroy(r);
@@ -189,7 +189,7 @@ static void highlight_moves_with_the_eye(void **state) {
     add_lamp(&l, (sl_map_light){.kind = SL_SOURCE_DIRECTIONAL,
                                 .direction = {-0.2f / sqrtf(1.04f), 0, -1.0f / sqrtf(1.04f)},
                                 .intensity = {1, 1, 1}});
-    planes p = light_up(*state, &l, r, NULL, 1);
+    planes p = light_up(*state, &l, r, 1);
     for (int path = 0; path < 2; path++) {
         int best = 0;
         for (int i = 1; i < N; i++) best = p.value[0][path * N + i] > p.value[0][path * N + best] ? i : best;

@@ -249,9 +249,8 @@ static void printed_11_and_15_know_neither_distance_nor_facing(void **state) {
                                        .normal = {0, 0, j % 2 ? 1.0f : -1.0f},
                                        .cos_alpha = 0.5f,
                                        .printed_area = 4.0f,
-                                       .radiance = {2, 2, 2}};
-    for (size_t l = 1; l <= SL_MAP_LIGHTS_MAX; l++) p->first_of_light[l] = l == 1 ? 2 : 5;
-    p->samples_of_light[0] = 4, p->samples_of_light[1] = 6;
+                                       .radiance = {2, 2, 2},
+                                       .samples = j < 2 ? 4 : 6};
     for (size_t j = 0; j < 5; j++) {
         double m = j < 2 ? 4.0 : 6.0;
         for (double r = 1.0; r < 100.0; r *= 10.0) {
