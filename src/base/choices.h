@@ -8,7 +8,8 @@ typedef enum sl_quality { SL_QUALITY_DRAFT, SL_QUALITY_NORMAL, SL_QUALITY_HIGH }
 typedef enum sl_pixel_filter {
     SL_FILTER_METHOD, /* what the method or the matched method does */
     SL_FILTER_BOX,    /* the mean over its square: by a film, or the tracers' samples spread over it */
-    SL_FILTER_CENTRE  /* what its centre shows, as a rasterizer samples */
+    SL_FILTER_CENTRE, /* what its centre shows, as a rasterizer samples */
+    SL_FILTER_BLACKMAN_HARRIS /* a mean that falls off smoothly, over parts of the pixels around it */
 } sl_pixel_filter;
 /* What plays the hemisphere over a point: rasterized planes of one view or of five, or rays. */
 typedef enum sl_gather_kind {

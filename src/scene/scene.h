@@ -107,11 +107,14 @@ typedef enum sl_sub_frame_purpose {
 /* Which of a picture's sub-frames methods draw: the camera's picture with its samples beside the pixels'
  * centres. {0}: the centres themselves. */
 typedef struct sl_sub_frame {
-    float right, up;       /* of the centre, in pixels: within half of one */
+    float right, up;       /* of the centre, in pixels */
     sl_sub_frame_purpose purpose;
     unsigned turn, share;  /* light samples of a pixel are shared out among so many, and take turns; 0: one */
     const uint8_t *wanted; /* pixels, rows from the bottom: nothing is drawn in others. NULL: all */
 } sl_sub_frame;
+static inline bool sl_sub_frame_shows(const sl_sub_frame *at, size_t pixel) {
+    return !at->wanted || at->wanted[pixel];
+}
 
 typedef struct sl_animation sl_animation; /* keyframes of camera, objects and lights: scene/animation.h */
 

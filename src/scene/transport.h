@@ -33,7 +33,8 @@ typedef struct sl_transport {
                                reference then gathers from every surface along the ray). x2, x3, ... and the
                                light always have to see each other: no method counts light through walls there
                              */
-    sl_pixel_filter filter;     /* SL_FILTER_BOX or SL_FILTER_CENTRE */
+    sl_pixel_filter filter;     /* not SL_FILTER_METHOD */
+    double filter_radius;       /* of SL_FILTER_BLACKMAN_HARRIS, in pixels */
 } sl_transport;
 
 /* "direct", "one-bounce", "full": true if known. */

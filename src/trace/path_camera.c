@@ -30,8 +30,9 @@ void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, sl_path_p
 
 sl_path_place sl_path_place_in(const sl_path_walk *walk, int x, int y, uint64_t key, uint32_t index) {
     float point[3] = {0.5f, 0.5f, 0.0f};
-    if (walk->transport.filter == SL_FILTER_BOX)
+    if (walk->transport.filter != SL_FILTER_CENTRE)
         sl_sequence_point(walk->sequence, key, SL_SET_PIXEL, index, point);
+    sl_pixel_shape_place(&walk->shape, point);
     return (sl_path_place){(float)x + point[0], (float)y + point[1]};
 }
 

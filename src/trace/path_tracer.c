@@ -27,7 +27,8 @@ static sl_status make_film(sl_path_tracer *path, const sl_tracer *tracer, sl_err
         status = sl_halves_create(&path->halves, (size_t)s->width * (size_t)s->height, error);
     if (status != SL_OK) return status;
     sl_sequence_make(&path->sequence);
-    path->walk = (sl_path_walk){path->scene, tracer, path->lights, &path->sequence, s->transport};
+    path->walk = (sl_path_walk){path->scene, tracer, path->lights, &path->sequence, s->transport,
+                                sl_pixel_shape_of(s->transport.filter, s->transport.filter_radius)};
     if (!s->bidirectional) return SL_OK;
     sl_path_lens lens = sl_path_lens_of(path->scene, s->width, s->height);
     return sl_path_pairs_create(&path->walk, &lens, s->threads, &path->pairs, error);
@@ -41,9 +42,8 @@ sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer,
         return sl_fail(error, SL_ERROR_USAGE, "a film has at least one pixel, not %d x %d", settings->width,
                        settings->height);
     }
-    if (filter != SL_FILTER_BOX && filter != SL_FILTER_CENTRE) {
-        return sl_fail(error, SL_ERROR_USAGE, "a path tracer's filter is box or centre");
-    }
+    if (filter == SL_FILTER_METHOD)
+        return sl_fail(error, SL_ERROR_USAGE, "a path tracer's filter is box, centre or blackman-harris");
     sl_path_tracer *path = sl_allocate(1, sizeof *path);
     if (!path) return sl_fail_memory(error, "the path tracer");
     path->scene = scene;

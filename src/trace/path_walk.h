@@ -2,6 +2,7 @@
 #ifndef SL_TRACE_PATH_WALK_H
 #define SL_TRACE_PATH_WALK_H
 
+#include "trace/pixel_filter.h"
 #include "trace/sequence.h"
 #include "trace/trace.h"
 
@@ -11,6 +12,7 @@ typedef struct sl_path_walk {
     const sl_light_sampler *lights;
     const sl_sequence *sequence;
     sl_transport transport;
+    sl_pixel_shape shape; /* of the transport's filter */
 } sl_path_walk;
 
 /* Radiance along the first count rays (near, far and skip are theirs). Ray i uses the points (key[i], .,
@@ -45,7 +47,7 @@ sl_vec3 sl_path_lens_direction(const sl_scene *scene, sl_path_tangents tangents)
 /* Sets ray i. */
 void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, sl_path_place place, sl_ray16 *rays,
                       unsigned i);
-/* A place in pixel (x, y): where, point (key, ., index) says, if the transport's filter is the box. */
+/* A place for pixel (x, y): where, point (key, ., index) and the transport's filter say. */
 sl_path_place sl_path_place_in(const sl_path_walk *walk, int x, int y, uint64_t key, uint32_t index);
 /* A sample that is not a number would spoil its pixel for good. */
 sl_rgb sl_path_finite_or_black(sl_rgb radiance, sl_counters *counters);

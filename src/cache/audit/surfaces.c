@@ -24,13 +24,15 @@ static bool shines(const sl_scene *scene, const sl_ray16 *rays, const sl_hit16 *
     return sl_rgb_max(sl_scene_emission(scene, triangle, normal)) > 0.0f;
 }
 
-/* A box at sixteen places, its corners among them. */
-static bool box_shows_light(const looking *l, int x, int y, sl_counters *counters) {
+/* A filter's square at sixteen places, its corners among them. */
+static bool square_shows_light(const looking *l, int x, int y, sl_counters *counters) {
+    const float r = l->walk->shape.radius;
     sl_ray16 rays;
     sl_hit16 hits;
     for (unsigned i = 0; i < SL_PACKET; i++)
         sl_path_lens_ray(l->walk->scene, l->lens,
-                         (sl_path_place){(float)x + (float)(i % 4) / 3.0f, (float)y + (float)(i / 4) / 3.0f},
+                         (sl_path_place){(float)x + (0.5f - r) + (float)(i % 4) / 3.0f * (2.0f * r),
+                                         (float)y + (0.5f - r) + (float)(i / 4) / 3.0f * (2.0f * r)},
                          &rays, i);
     sl_trace(l->walk->tracer, &rays, SL_PACKET, true, &hits, counters);
     for (unsigned i = 0; i < SL_PACKET; i++) {
@@ -62,7 +64,7 @@ static void look_at_row(void *context, size_t row, unsigned worker) {
         if (l->walk->transport.filter == SL_FILTER_CENTRE) look_at_centres(l, x, count, y, out, &counters);
         else
             for (int k = x; k < x + (int)count; k++)
-                out[k] = box_shows_light(l, k, y, &counters) ? 0.0f : 1.0f;
+                out[k] = square_shows_light(l, k, y, &counters) ? 0.0f : 1.0f;
     }
 }
 

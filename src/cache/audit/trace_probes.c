@@ -31,7 +31,8 @@ sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, cons
     sl_status status = sl_tracer_create(scene, t->threads, NULL, &t->tracer, error);
     if (status == SL_OK) status = sl_light_sampler_create_for(scene, transport, &t->lights, error);
     sl_sequence_make(&t->sequence);
-    t->walk = (sl_path_walk){scene, t->tracer, t->lights, &t->sequence, *transport};
+    t->walk = (sl_path_walk){scene, t->tracer, t->lights, &t->sequence, *transport,
+                             sl_pixel_shape_of(transport->filter, transport->filter_radius)};
     return status;
 }
 

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "cache/frame/picture_value.h"
 #include "raster/views/outlines.h"
+#include "trace/pixel_filter.h"
 #include "trace/sequence.h"
 
 #include <math.h>
@@ -20,6 +21,7 @@ struct sl_film {
     unsigned samples, threads;
     bool asks;
     sl_sequence sequence;
+    sl_pixel_shape shape;
     sl_outlines *outlines; /* NULL: none yet, of where objects stand */
     bool edges_known;
     unsigned asked, drawn; /* sub-frames */
@@ -39,7 +41,8 @@ sl_status sl_film_create(const sl_scene *scene, const sl_settings *settings, boo
     sl_film *f = *film = sl_allocate(1, sizeof *f);
     if (!f) return sl_fail_memory(error, "a film");
     *f = (sl_film){.scene = scene, .width = settings->width, .height = settings->height,
-                   .samples = settings->sub_samples, .threads = settings->threads, .asks = asks};
+                   .samples = settings->sub_samples, .threads = settings->threads, .asks = asks,
+                   .shape = sl_pixel_shape_of(settings->filter, sl_filter_radius(settings))};
     const size_t pixels = pixels_of(f);
     f->count = sl_allocate(pixels, sizeof *f->count);
     f->edge = sl_allocate(pixels, sizeof *f->edge);
@@ -79,6 +82,25 @@ static sl_status find_edges(sl_film *f, const sl_raster *raster, sl_error *error
     return status;
 }
 
+/* Adds the pixels beside those at edges. */
+static sl_status widen_edges(sl_film *f, sl_error *error) {
+    const int w = f->width, h = f->height;
+    uint8_t *narrow = sl_allocate(pixels_of(f), sizeof *narrow);
+    if (!narrow) return sl_fail_memory(error, "a film");
+    memcpy(narrow, f->edge, pixels_of(f));
+    for (int y = 0; y < h; y++) {
+        for (int x = 0; x < w; x++) {
+            for (int k = 0; k < 9; k++) {
+                const int u = x + k % 3 - 1, v = y + k / 3 - 1;
+                if (u < 0 || v < 0 || u >= w || v >= h || !narrow[(size_t)v * (size_t)w + (size_t)u]) continue;
+                f->edge[(size_t)y * (size_t)w + (size_t)x] = 1;
+            }
+        }
+    }
+    sl_free(narrow);
+    return SL_OK;
+}
+
 static unsigned smaller(unsigned a, unsigned b) { return a < b ? a : b; }
 
 /* Lists the pixels of sub-frame `index`. */
@@ -102,6 +124,7 @@ static sl_status know_edges(sl_film *f, const sl_raster *raster, sl_error *error
     if (f->edges_known || f->samples <= PILOT) return SL_OK;
     memset(f->edge, 0, pixels_of(f));
     sl_status status = find_edges(f, raster, error);
+    for (float r = 0.5f; status == SL_OK && r < f->shape.radius; r += 1.0f) status = widen_edges(f, error);
     for (size_t i = 0; i < pixels_of(f); i++)
         f->count[i] = (uint16_t)(f->edge[i] ? PILOT + f->samples : PILOT);
     set_wanted(f, PILOT);
@@ -118,6 +141,7 @@ bool sl_film_next(const sl_film *f, sl_sub_frame *next) {
     float point[3];
     if (!asking && f->drawn >= f->most) return false;
     sl_sequence_point(&f->sequence, 0, index < PILOT ? 0 : 1, index < PILOT ? index : index - PILOT, point);
+    sl_pixel_shape_place(&f->shape, point);
     *next = (sl_sub_frame){.right = point[0] - 0.5f,
                            .up = point[1] - 0.5f,
                            .purpose = !f->asks       ? SL_SUB_FRAME_BOTH

@@ -75,6 +75,7 @@ sl_status sl_method_transport(const sl_settings *settings, sl_transport *transpo
     sl_status status = choose_transport(class, settings, transport, error);
     if (status != SL_OK || settings->filter == SL_FILTER_METHOD) return status;
     transport->filter = settings->filter;
+    transport->filter_radius = sl_filter_radius(settings);
     return SL_OK;
 }
 
@@ -259,6 +260,7 @@ static sl_status stamp(sl_method *method, sl_image *image, sl_error *error) {
     char text[24];
     sl_settings told = method->settings;
     if (!method->film) told.sub_samples = 0;
+    told.filter_radius = sl_filter_radius(&told);
     sl_status status = sl_settings_stamp(&told, image, error);
     if (status == SL_OK) status = sl_image_set_metadata(image, "softlux.version", SL_VERSION, error);
     snprintf(text, sizeof text, "%016" PRIx64, scene_hash(method));

@@ -136,7 +136,8 @@ const char *sl_live_reduction(const sl_live *live);
 
 /* Tells whether pictures are taken on a film: the tracers spread their samples over a pixel themselves. */
 static inline bool sl_method_has_film(const sl_method_class *class, const sl_settings *settings) {
-    return !class->any_transport && settings->filter == SL_FILTER_BOX;
+    return !class->any_transport && settings->filter != SL_FILTER_METHOD &&
+           settings->filter != SL_FILTER_CENTRE;
 }
 
 /* The light paths that a picture with these settings counts, and its pixel filter: the method's own, or what

@@ -18,10 +18,12 @@
       "splatting, direct-radiance, light-octree, multi-mesh, shading-cache, path, bidirectional, auto") \
     O(const char *, transport, "transport", "PATHS", 0, 0, TOLD("the method's own"), "", USER(0), \
       "path, bidirectional: direct, one-bounce, full or matched:METHOD") \
-    O(sl_pixel_filter, filter, "filter", "method|box|centre", 0, 0, NOTHING, "", USER(0), \
+    O(sl_pixel_filter, filter, "filter", "method|box|centre|blackman-harris", 0, 0, NOTHING, "", USER(0), \
       "a pixel is the mean over its square, or what its centre shows") \
     O(unsigned, sub_samples, "sub-samples", "N", 1, 4096, BY(16, 64, 256), "", RESEARCH, \
-      "filter box: places in a pixel, at most") \
+      "but for filter centre: samples of a pixel, at most") \
+    O(double, filter_radius, "filter-radius", "PIXELS", 0.5, 8, TOLD("1.5"), "", RESEARCH, \
+      "of filter blackman-harris") \
     O(int, width, "size", "WxH", 1, 32768, TOLD("the scene's"), "", UNSTAMPED('s'), \
       "pixels, 16384 a side at most, 32768 for path and bidirectional") \
     O(unsigned, threads, "threads", "N", 1, 65536, TOLD("a processor each, 256 at most"), "", \

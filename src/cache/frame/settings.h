@@ -52,4 +52,10 @@ sl_status sl_settings_stamp(const sl_settings *settings, sl_image *image, sl_err
 /* The option of that whole name, or else with that last part; NULL where there is none. */
 const sl_setting *sl_setting_named(const char *name);
 
+/* Returns how far the pixel filter reaches that is asked for, where that is a matter of choice. */
+static inline double sl_filter_radius(const sl_settings *settings) {
+    if (settings->filter != SL_FILTER_BLACKMAN_HARRIS) return 0.0;
+    return settings->filter_radius > 0.0 ? settings->filter_radius : 1.5;
+}
+
 #endif

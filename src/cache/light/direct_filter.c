@@ -35,7 +35,8 @@ static float scatter_of(const sl_direct_sums *s, size_t k) {
 }
 
 void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t count) {
-    for (size_t k = first; k < first + count; k++) sums->scatter[k] = scatter_of(sums, k);
+    for (size_t k = first; k < first + count; k++)
+        sums->scatter[k] = sums->samples[k] > 0.0f ? scatter_of(sums, k) : 0.0f;
 }
 
 /* The chord between two points of one smooth surface leans as far out of it at one end as into it at the
@@ -107,15 +108,15 @@ static bool column_scatters(const window *w, int column) {
 
 void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, float *share[3]) {
     window w = {sums, gbuffer, row};
-    int scatters = -RADIUS - 1; /* the last column so far that does */
-    for (int x = 0; x < RADIUS && x < gbuffer->width; x++) scatters = column_scatters(&w, x) ? x : scatters;
+    int scatters = -RADIUS - 1, next = 0; /* the last column so far that does, and the next to look at */
     for (int x = 0; x < gbuffer->width; x++) {
-        scatters = column_scatters(&w, x + RADIUS) ? x + RADIUS : scatters;
         size_t k = (size_t)row * (size_t)gbuffer->width + (size_t)x - sums->first;
-        for (int c = 0; c < 3; c++) share[c][x] = ratio(sums, c, k);
-        if (scatters < x - RADIUS || !(sums->samples[k] > 0.0f) ||
-            !(sums->all[0][k] + sums->all[1][k] + sums->all[2][k] > 0.0f))
-            continue;
+        const bool sampled = sums->samples[k] > 0.0f;
+        for (int c = 0; c < 3; c++) share[c][x] = sampled ? ratio(sums, c, k) : 0.0f;
+        if (!sampled) continue;
+        for (next = next > x - RADIUS ? next : x - RADIUS; next <= x + RADIUS; next++)
+            if (next >= 0 && column_scatters(&w, next)) scatters = next;
+        if (scatters < x - RADIUS || !(sums->all[0][k] + sums->all[1][k] + sums->all[2][k] > 0.0f)) continue;
         neighbours n;
         find_neighbours(&w, x, &n);
         float own = visible_share(sums, k), weights = 0.0f, sum[3] = {0.0f, 0.0f, 0.0f};

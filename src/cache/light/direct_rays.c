@@ -18,6 +18,7 @@
 
 enum {
     PILOT_MIN = 4,
+    PILOT_MIN_SHARED = 2, /* of each of a pixel's sub-frames */
     PENUMBRA_FACTOR = 4,
     PENUMBRA_EMITTERS_MAX = 16, /* under many emitters every pixel lies in some penumbra */
     /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not
@@ -36,9 +37,10 @@ static uint32_t samples_with_refinement(const sl_direct *direct) {
 
 /* Of the first pass: what all agree on needs few, the others get more anyway. */
 static uint32_t pilot_samples(const sl_direct *direct) {
-    uint32_t samples = sl_direct_samples(direct), quarter = (samples + 3) / 4;
+    const uint32_t samples = sl_direct_samples(direct), quarter = (samples + 3) / 4,
+                   least = direct->scene->sub_frame.share > 1 ? PILOT_MIN_SHARED : PILOT_MIN;
     if (direct->exact_count > PENUMBRA_EMITTERS_MAX) return samples;
-    return quarter < PILOT_MIN ? smaller_count(samples, PILOT_MIN) : quarter;
+    return quarter < least ? smaller_count(samples, least) : quarter;
 }
 
 /* ---- blocks of pixels ---- */
@@ -203,7 +205,7 @@ static void sample_row(void *context, size_t index, unsigned worker) {
     sl_lit_block block = {.count = 0};
     for (int x = 0; x < g->width; x++) {
         size_t i = (size_t)y * (size_t)g->width + (size_t)x;
-        if (!takes_part(p, x, y, i)) continue;
+        if (!sl_sub_frame_shows(&p->direct->scene->sub_frame, i) || !takes_part(p, x, y, i)) continue;
         sl_lit_block_add(p->direct, g, i, &block);
         if (block.count < SL_LIGHT_BLOCK) continue;
         light_block(p, &block, worker, counters_of(p, y));
@@ -230,6 +232,10 @@ static void finish_row(void *context, size_t index, unsigned worker) {
     sl_direct_filter_row(p->sums, g, y, share);
     for (size_t i = row; i < row + width; i++) {
         size_t k = i - p->sums->first;
+        if (g->material[i] == SL_NO_INDEX) {
+            for (int c = 0; c < 3; c++) p->out[c][i] = 0.0f;
+            continue;
+        }
         bool lobe = direct->glossy && direct->sampler && sl_pixel_is_glossy(g, direct->scene, i);
         sl_rgb exact = {p->sums->exact[0][k], p->sums->exact[1][k], p->sums->exact[2][k]},
                glossy = {0.0f, 0.0f, 0.0f};

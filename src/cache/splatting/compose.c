@@ -68,6 +68,7 @@ static void compose_row(void *context, size_t index, unsigned worker) {
     const float *albedo[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
     size_t pixels = (size_t)g->width * (size_t)g->height, width = (size_t)g->width;
     for (size_t x = 0; x < width; x++) {
+        if (!sl_sub_frame_shows(&p->scene->sub_frame, index * width + x)) continue;
         size_t i = index * width + x, out = ((size_t)g->height - 1 - index) * width + x;
         bool glossy = receives(p, SL_RECEIVES_RADIANCE, i),
              diffuse = glossy || receives(p, SL_RECEIVES_IRRADIANCE, i);

@@ -13,7 +13,7 @@ typedef struct sl_path_pairs sl_path_pairs;
 /* What falls on other pixels is kept in so many lists. */
 enum { SL_PAIR_LISTS = 64 };
 
-/* With pixel centres alone (SL_FILTER_CENTRE) light subpaths are not joined to the camera. */
+/* But with SL_FILTER_BOX light subpaths are not joined to the camera. */
 sl_status sl_path_pairs_create(const sl_path_walk *walk, const sl_path_lens *lens, unsigned workers,
                                sl_path_pairs **pairs, sl_error *error);
 void sl_path_pairs_destroy(sl_path_pairs *pairs);

@@ -76,6 +76,52 @@ static void a_pixel_shows_as_much_of_a_lamp_as_covers_it(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* The four-term window over 2 r, 1 in the middle. */
+static double window_at(double x, double r) {
+    const double turn = 3.14159265358979323846 * (x / r + 1.0);
+    if (fabs(x) >= r) return 0.0;
+    return 0.35875 - 0.48829 * cos(turn) + 0.14128 * cos(2.0 * turn) - 0.01168 * cos(3.0 * turn);
+}
+
+/* The mean of what the square covers around a pixel, by the window over 3 x 3 pixels. */
+static double covered_smoothly(int side, int x, int y, double width, double height, double turn) {
+    enum { POINTS = 60 };
+    double sum = 0.0, all = 0.0;
+    for (int i = 0; i < POINTS * POINTS; i++) {
+        const double right = (i % POINTS + 0.5) / POINTS * 3.0 - 1.5,
+                     up = (i / POINTS + 0.5) / POINTS * 3.0 - 1.5,
+                     weight = window_at(right, 1.5) * window_at(up, 1.5);
+        const double u = (x + 0.5 + right) / side * 2.0 - 1.0, v = 1.0 - (y + 0.5 + up) / side * 2.0;
+        const double a = u * cos(turn) + v * sin(turn), b = v * cos(turn) - u * sin(turn);
+        sum += fabs(a) < 0.5 * width && fabs(b) < 0.5 * height ? weight : 0.0;
+        all += weight;
+    }
+    return sum / all;
+}
+
+static void a_smooth_filter_weighs_what_lies_around_a_pixel(void **state) {
+    (void)state;
+    enum { SIDE = 16 };
+    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
+    const char *const kinds[] = {"splatting", "path"};
+    for (int m = 0; m < 2; m++) {
+        sl_settings settings = on_film(kinds[m], SIDE, 256);
+        settings.filter = SL_FILTER_BLACKMAN_HARRIS;
+        settings.spp = m ? 256 : 0;
+        sl_image *image = render(scene, &settings, NULL);
+        double sum = 0.0, truth = 0.0;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const double c = covered_smoothly(SIDE, i % SIDE, i / SIDE, 0.9, 0.7, 0.3),
+                         x = (double)sl_image_channel(image, "R")[i];
+            if (fabs(x - c) > 0.06) fail_msg("%s: %g in place of %g", kinds[m], x, c);
+            sum += x, truth += c;
+        }
+        assert_true(fabs(sum / truth - 1.0) < 0.005);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
 static void a_hair_of_light_is_as_bright_as_it_is_thick(void **state) {
     (void)state;
     enum { SIDE = 32, HAIRS = 40 };
@@ -209,6 +255,7 @@ static void a_pixel_of_a_film_is_not_explained(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_pixel_shows_as_much_of_a_lamp_as_covers_it),
+        cmocka_unit_test(a_smooth_filter_weighs_what_lies_around_a_pixel),
         cmocka_unit_test(a_hair_of_light_is_as_bright_as_it_is_thick),
         cmocka_unit_test(every_method_comes_near_to_the_mean_over_pixels),
         cmocka_unit_test(samples_lie_where_they_matter),
