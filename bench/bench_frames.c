@@ -22,6 +22,7 @@
 
 #include "app/bench/schedule.h"
 #include "base/math.h"
+#include "common.h"
 #include "cache/frame/settings.h"
 #include "scene/scene.h"
 #include "timing.h"
@@ -34,9 +35,7 @@ typedef struct options {
 } options;
 
 static void check(sl_status status, const sl_error *error) {
-    if (status == SL_OK) return;
-    fprintf(stderr, "bench_frames: %s\n", error->message);
-    exit((int)status);
+    if (status != SL_OK) bench_fail("bench_frames", error);
 }
 
 /* ---- a method, frame by frame ---- */
@@ -211,15 +210,9 @@ static void run_trial(const options *o, const sl_trials *all, const sl_trial *t,
 
 static void run_scene(const options *o, const sl_trials *all, const sl_trial *t, const char *path) {
     sl_scene *scene;
-    sl_error error;
     char name[64];
-    const char *slash = strrchr(path, '/');
-    snprintf(name, sizeof name, "%.63s", slash ? slash + 1 : path);
-    name[strcspn(name, ".")] = '\0';
-    if (sl_scene_load_with(path, &(sl_load_options){.allow_outside = true}, &scene, &error) != SL_OK) {
-        fprintf(stderr, "skip: %s\n", error.message);
-        return;
-    }
+    bench_scene_name(path, name);
+    if (!bench_open_scene(path, &scene)) return;
     for (motion m = CAMERA; m < MOTIONS; m++) {
         if (strstr(all->table[t->table].columns, motion_names[m])) run_trial(o, all, t, name, scene, m);
     }

@@ -11,7 +11,7 @@
  * are of those that see a part of it, in units of what they would get without occluders, against 512 x 512
  * rays. Processor time of one thread, medians of repetitions in which all take turns.
  *
- *     build/bench/bench_light_sample [--brief] [--out FOLDER] */
+ *     build/bench/bench_light_sample [--brief] */
 #include <math.h>
 #include <string.h>
 
@@ -48,13 +48,8 @@ typedef struct {
     double unoccluded[POINTS], truth[POINTS];
     bench_case cases[CASES_MAX];
     size_t case_count;
-    bench_report report;
     int repetitions;
 } bench;
-
-static void need(sl_status status, const char *what, const sl_error *error) {
-    if (status != SL_OK) bench_fail(what, error);
-}
 
 static bench_case *add_case(bench *b, const char *name, sl_light_estimator estimator, int size) {
     bench_case *c = &b->cases[b->case_count++];
@@ -64,9 +59,9 @@ static bench_case *add_case(bench *b, const char *name, sl_light_estimator estim
     s.estimator = estimator;
     if (estimator == SL_LIGHT_RAYS) s.rays = size;
     else s.size = s.largest = size;
-    need(sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error), name,
-         &error);
-    need(sl_light_sample_scratch_create(c->sampling, &c->scratch, &error), name, &error);
+    if (sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error) != SL_OK ||
+        sl_light_sample_scratch_create(c->sampling, &c->scratch, &error) != SL_OK)
+        bench_fail(name, &error);
     return c;
 }
 
@@ -101,8 +96,7 @@ static void choose_light(bench *b) {
 
 /* Half of the points see a part of the light, the others are as they come; those first. */
 static void choose_points(bench *b) {
-    sl_gather_point *seen = sl_allocate(ASKED, sizeof *seen);
-    if (!seen) bench_fail("memory", NULL);
+    sl_gather_point *seen = bench_allocate(ASKED, sizeof *seen);
     size_t count = bench_visible_points(b->scene, b->tracer, ASKED, seen);
     bench_case *probe = add_case(b, "probe", SL_LIGHT_RATIO, 64),
                *truth = add_case(b, "truth", SL_LIGHT_RAYS, TRUTH);
@@ -162,23 +156,23 @@ static void table_of_samples(bench *b, size_t first) {
     for (int r = 0; r < b->repetitions; r++) {
         for (size_t k = first; k < b->case_count; k++) time_once(b, &b->cases[k], r);
     }
-    bench_table(&b->report,
-                "Estimator|N|samples|us, part of the light seen|us, all points|rms error|largest error");
+    bench_table(
+        "Estimator|N|samples|us, part of the light seen|us, all points|rms error|largest error");
     for (size_t k = first; k < b->case_count; k++) {
         bench_case *c = &b->cases[k];
         c->partial_us = 1e3 * median(c->partial_ms, b->repetitions);
         c->us = 1e3 * median(c->ms, b->repetitions);
-        bench_row(&b->report, "%s|%d|%d|%.1f|%.1f|%.2e|%.2e", c->name, c->size, c->size * c->size,
+        bench_row("%s|%d|%d|%.1f|%.1f|%.2e|%.2e", c->name, c->size, c->size * c->size,
                   c->partial_us, c->us, c->rms, c->largest);
     }
     /* 64 x 64 both */
     const bench_case *window = &b->cases[first + 3], *ray = &b->cases[first + 3 * SIZES + 4];
-    bench_say(&b->report,
-              "\nEqual density, 64 x 64: rays take %.1f times as long as pixels, at %.2f times their error. "
+    printf(
+        "\nEqual density, 64 x 64: rays take %.1f times as long as pixels, at %.2f times their error. "
               "The paper: 35.6 times.\n",
               ray->partial_us / window->partial_us, ray->rms / window->rms);
-    bench_say(&b->report,
-              "128 x 128 pixels take %.2f times as long as 16 x 16 rays, at 1/%.1f of their error. The "
+    printf(
+        "128 x 128 pixels take %.2f times as long as 16 x 16 rays, at 1/%.1f of their error. The "
               "paper: 1.0.\n",
               window[1].partial_us / ray[-2].partial_us, ray[-2].rms / window[1].rms);
 }
@@ -195,8 +189,8 @@ static double time_of(const bench_case *c) { return c->partial_us; }
 
 static void table_of_equal_error(bench *b, size_t first) {
     const bench_case *ray = &b->cases[first + 3 * SIZES];
-    bench_table(&b->report,
-                "Rays|us|rms error|Window, ratio: N of the same error (8 or more)|us|rays take|Frustum: "
+    bench_table(
+        "Rays|us|rms error|Window, ratio: N of the same error (8 or more)|us|rays take|Frustum: "
                 "N|us|rays take");
     for (size_t k = 0; k < SIZES; k++) {
         double at[2][2];
@@ -206,7 +200,7 @@ static void table_of_equal_error(bench *b, size_t first) {
             at[e][1] = between(c, ray[k].rms, time_of);
         }
         double us = ray[k].partial_us;
-        bench_row(&b->report, "%d x %d|%.1f|%.2e|%.0f|%.1f|%.2f x|%.0f|%.1f|%.2f x", ray[k].size, ray[k].size,
+        bench_row("%d x %d|%.1f|%.2e|%.0f|%.1f|%.2f x|%.0f|%.1f|%.2f x", ray[k].size, ray[k].size,
                   us, ray[k].rms, at[0][0], at[0][1], us / at[0][1], at[1][0], at[1][1], us / at[1][1]);
     }
 }
@@ -228,7 +222,6 @@ static double closed_form_us(const bench *b) {
 static void table_of_parts(bench *b, size_t first) {
     double form[REPETITIONS], reduce[REPETITIONS];
     bench_table(
-        &b->report,
         "N|us|summing and reading back, us|its share|fixed and for each pixel: from this and the next N");
     for (size_t k = 0; k < SIZES; k++) {
         bench_case *c = &b->cases[first + k];
@@ -238,41 +231,38 @@ static void table_of_parts(bench *b, size_t first) {
         double us = median(reduce, b->repetitions), pixels = (double)(c->size * c->size);
         const bench_case *next = k + 1 < SIZES ? c + 1 : c - 1;
         double each = (next->us - c->us) / ((double)(next->size * next->size) - pixels);
-        bench_row(&b->report, "%d|%.1f|%.2f|%.0f %%|%.1f us + %.2f ns", c->size, c->us, us,
+        bench_row("%d|%.1f|%.2f|%.0f %%|%.1f us + %.2f ns", c->size, c->us, us,
                   100.0 * us / c->us, c->us - each * pixels, 1e3 * each);
     }
     const bench_case *c = &b->cases[first + 3]; /* 64 x 64 */
     for (int r = 0; r < b->repetitions; r++) form[r] = closed_form_us(b);
     const uint64_t *n = c->counters.value;
     double passes = (double)n[SL_COUNT_RASTER_PASSES], tested = (double)n[SL_COUNT_CLUSTERS_TESTED] / passes;
-    bench_say(
-        &b->report,
+    printf(
         "\nThe hardware culls clusters: %.1f of %.0f are drawn, %.0f triangles submitted, %.0f rasterized. ",
         tested - (double)n[SL_COUNT_CLUSTERS_CULLED] / passes, tested,
         (double)n[SL_COUNT_TRIANGLES_SUBMITTED] / passes, (double)n[SL_COUNT_TRIANGLES_RASTERIZED] / passes);
-    bench_say(&b->report, "The closed form: %.2f us.\n", median(form, b->repetitions));
+    printf("The closed form: %.2f us.\n", median(form, b->repetitions));
 }
 
 int main(int argc, char **argv) {
     static bench b;
-    bench_options o = bench_options_parse(argc, argv, "build/light-sample");
+    bench_options o = bench_options_parse(argc, argv);
     sl_error error = {0};
     b.repetitions = o.brief ? 3 : REPETITIONS;
-    bench_report_open(&b.report, &o, "light_sample");
-    if (!bench_open_scene(&b.report, "scenes/generated/room.json", &b.scene)) return 1;
-    need(sl_raster_create(b.scene, 1, &b.raster, &error), "raster", &error);
-    need(sl_tracer_create(b.scene, 1, NULL, &b.tracer, &error), "rays", &error);
-    need(sl_sampled_lights_find(b.scene, &b.lights, &error), "lights", &error);
+    if (!bench_open_scene("scenes/generated/room.json", &b.scene)) return 1;
+    if (sl_raster_create(b.scene, 1, &b.raster, &error) != SL_OK ||
+        sl_tracer_create(b.scene, 1, NULL, &b.tracer, &error) != SL_OK ||
+        sl_sampled_lights_find(b.scene, &b.lights, &error) != SL_OK)
+        bench_fail("the room", &error);
     choose_light(&b);
     choose_points(&b);
-    bench_say(&b.report,
-              "The generated room, %zu triangles; %zu points, of which %zu see a part of the light.\n",
+    printf("The generated room, %zu triangles; %zu points, of which %zu see a part of the light.\n",
               b.scene->triangle_count, b.count, b.partial);
     size_t first = add_cases(&b);
     table_of_samples(&b, first);
     table_of_equal_error(&b, first);
     table_of_parts(&b, first);
-    bench_report_close(&b.report);
     free_cases(&b);
     sl_sampled_lights_destroy(b.lights);
     sl_tracer_destroy(b.tracer);

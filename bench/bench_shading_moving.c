@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "shading_bench.h"
 #include "timing.h"
 
@@ -57,10 +58,12 @@ static bool is_judged(const film *f, int update) {
 
 typedef struct judgement {
     int update;
+    bench_pixels pixels;
+    float *limit;
     double error[2], seconds[2], points[2];
 } judgement;
 
-/* One run of the film. Returns how often it was judged. */
+/* Runs the film once; the first run finds the limits, for both. Returns how often it was judged. */
 static int play(shading_world *w, const film *f, int block, rival *v, int which, judgement *judged) {
     int count = 0;
     for (int update = 0; update < f->warm + f->moving + f->rest; update++) {
@@ -68,58 +71,54 @@ static int play(shading_world *w, const film *f, int block, rival *v, int which,
             tell(v, shading_move(w, f->duration * (update - f->warm + 1) / f->moving));
         step(v);
         if (!is_judged(f, update) || count == JUDGED) continue;
-        shading_judge(w, block);
-        judged[count].update = update;
-        judged[count].error[which] = judge(v, w);
-        judged[count].seconds[which] = v->seconds;
-        judged[count].points[which] = points_of(v);
-        count++;
+        judgement *j = &judged[count++];
+        if (which == 0) shading_judge(w, block);
+        else w->pixels = j->pixels, w->limit = j->limit;
+        j->update = update;
+        j->error[which] = judge(v, w);
+        j->seconds[which] = v->seconds;
+        j->points[which] = points_of(v);
+        j->pixels = w->pixels, j->limit = w->limit;
+        w->pixels.index = NULL, w->limit = NULL;
     }
     return count;
 }
 
-static void open_rivals(shading_world *w, const sl_settings *settings, shading_run *run, int points,
-                        rival rivals[2]) {
-    shading_run_open(run, w, settings);
-    rivals[0] = (rival){.run = run};
-    rivals[1] = (rival){.cache = shading_rival(w, points)};
-}
-
-static void close_rivals(rival rivals[2]) {
-    shading_run_close(rivals[0].run);
-    render_cache_destroy(rivals[1].cache);
-}
-
 /* The RenderCache gets as many samples a frame as the cache needed points an update. */
-static void motion(bench_report *r, const bench_options *o, const char *path, film f) {
+static void motion(const bench_options *o, const char *path, film f) {
     shading_world w;
     shading_run run;
     rival rivals[2] = {{0}};
     static judgement judged[JUDGED];
     int block = o->brief ? 16 : 8;
-    if (!shading_open(r, o, path, o->brief ? 256 : 512, o->brief ? 25 : PATHS, &w)) return;
+    if (!shading_open(o, path, o->brief ? 256 : 512, o->brief ? 25 : PATHS, &w)) return;
     shading_move(&w, 0.0);
-    open_rivals(&w, NULL, &run, 2 * w.settings.shading_cache.points, rivals);
+    shading_run_open(&run, &w, NULL);
+    rivals[0] = (rival){.run = &run};
     int count = play(&w, &f, block / (o->brief ? 2 : 1), &rivals[0], 0, judged);
     double per_update = points_of(&rivals[0]) / (f.warm + f.moving + f.rest);
     shading_move(&w, 0.0);
-    render_cache_destroy(rivals[1].cache);
-    rivals[1].cache = shading_rival(&w, (int)(per_update + 0.5));
+    rivals[1] = (rival){.cache = shading_rival(&w, (int)(per_update + 0.5))};
     play(&w, &f, block / (o->brief ? 2 : 1), &rivals[1], 1, judged);
     double path_seconds;
+    w.pixels = judged[count - 1].pixels, w.limit = judged[count - 1].limit;
     double path_error = shading_path_error(&w, 1, &path_seconds);
+    w.pixels.index = NULL, w.limit = NULL; /* freed with the others */
     for (int i = 0; i < count; i++) {
-        const judgement *j = &judged[i];
+        judgement *j = &judged[i];
         const char *state = j->update < f.warm              ? "before"
                             : j->update < f.warm + f.moving ? "moving"
                                                             : "after";
-        bench_row(r, "%s|%s|%d|%.0f|%.2f|%.1f|%.2f|%.2f", w.name, state,
+        bench_row("%s|%s|%d|%.0f|%.2f|%.1f|%.2f|%.2f", w.name, state,
                   j->update - f.warm - (j->update < f.warm + f.moving ? -1 : f.moving - 1), j->points[0],
                   j->seconds[0], j->error[0], j->seconds[1], j->error[1]);
+        bench_pixels_free(&j->pixels);
+        sl_free(j->limit);
     }
-    bench_say(r, "| %s | path tracer, 1 sample a pixel | | | %.2f | %.1f | | |\n", w.name, path_seconds,
+    printf("| %s | path tracer, 1 sample a pixel | | | %.2f | %.1f | | |\n", w.name, path_seconds,
               path_error);
-    close_rivals(rivals);
+    shading_run_close(&run);
+    render_cache_destroy(rivals[1].cache);
     shading_close(&w);
 }
 
@@ -152,14 +151,14 @@ static recovery recover(shading_world *w, rival *v, int warm, int most, int bloc
     return c;
 }
 
-static void recovery_row(bench_report *r, const shading_world *w, const char *what, const recovery *c) {
+static void recovery_row(const shading_world *w, const char *what, const recovery *c) {
     char text[2][64];
     for (int k = 0; k < 2; k++) {
         if (c->updates[k] > 0.0)
             snprintf(text[k], sizeof text[k], "%.0f|%.0f|%.2f", c->updates[k], c->points[k], c->seconds[k]);
         else snprintf(text[k], sizeof text[k], "-|-|-");
     }
-    bench_row(r, "%s|%s|%.1f|%.1f|%s|%s|%.1f", w->name, what, c->before, c->jumped, text[0], text[1],
+    bench_row("%s|%s|%.1f|%.1f|%s|%s|%.1f", w->name, what, c->before, c->jumped, text[0], text[1],
               c->last);
 }
 
@@ -177,13 +176,13 @@ static const char *jump_variant(int i, sl_shading_cache_settings *c) {
     return names[i];
 }
 
-static void jump(bench_report *r, const bench_options *o, const char *path) {
+static void jump(const bench_options *o, const char *path) {
     int warm = 100, most = o->brief ? 120 : 200, block = o->brief ? 8 : 4;
     double per_update = 64.0;
     for (int i = 0; i <= JUMPS; i++) {
         shading_world w;
         shading_run run;
-        if (!shading_open(r, o, path, 256, 25, &w)) return;
+        if (!shading_open(o, path, 256, 25, &w)) return;
         shading_move(&w, 0.0);
         sl_settings s = w.settings;
         const char *name = "RenderCache, wide fill";
@@ -197,7 +196,7 @@ static void jump(bench_report *r, const bench_options *o, const char *path) {
         }
         recovery c = recover(&w, &v, warm, most, block);
         if (i == 0) per_update = points_of(&v) / (double)run.updates;
-        recovery_row(r, &w, name, &c);
+        recovery_row(&w, name, &c);
         if (v.run) shading_run_close(&run);
         else render_cache_destroy(v.cache);
         shading_close(&w);
@@ -205,29 +204,25 @@ static void jump(bench_report *r, const bench_options *o, const char *path) {
 }
 
 int main(int argc, char **argv) {
-    bench_options o = bench_options_parse(argc, argv, "build/shading-cache");
-    bench_report r;
-    bench_report_open(&r, &o, "shading_moving");
+    bench_options o = bench_options_parse(argc, argv);
     film f = o.brief ? (film){0.0, 100, 16, 64} : (film){0.0, 300, 32, 256};
-    bench_say(&r,
-              "\n%d x %d, %d paths a point. Error while things move and after they have, by updates. The "
+    printf(
+        "\n%d x %d, %d paths a point. Error while things move and after they have, by updates. The "
               "RenderCache, its gaps filled widely, gets the same points an update.\n",
               o.brief ? 256 : 512, o.brief ? 256 : 512, o.brief ? 25 : PATHS);
-    bench_table(&r,
-                "scene|when|updates|points|cache s|cache RMS levels|RenderCache s|RenderCache RMS levels");
+    bench_table(
+        "scene|when|updates|points|cache s|cache RMS levels|RenderCache s|RenderCache RMS levels");
     f.duration = 1.0;
-    motion(&r, &o, "scenes/generated/study-walk.json", f);
-    motion(&r, &o, "scenes/generated/study-chair.json", f);
-    motion(&r, &o, "scenes/generated/study-lamp.json", f);
-    motion(&r, &o, "scenes/generated/pool-walk.json", f);
-    bench_say(&r, "\n256 x 256, 25 paths a point. The lamp (the chair) jumps after 100 updates: what it "
+    motion(&o, "scenes/generated/study-walk.json", f);
+    motion(&o, "scenes/generated/study-chair.json", f);
+    motion(&o, "scenes/generated/study-lamp.json", f);
+    motion(&o, "scenes/generated/pool-walk.json", f);
+    printf("\n256 x 256, 25 paths a point. The lamp (the chair) jumps after 100 updates: what it "
                   "takes until half, and nine tenths, of what that added to the error are gone.\n");
     bench_table(
-        &r,
         "scene|cache|RMS before|after the jump|updates to 50 %|points|s|updates to 90 %|points|s|RMS then");
-    jump(&r, &o, "scenes/generated/study-lamp.json");
-    jump(&r, &o, "scenes/generated/study-chair.json");
-    jump(&r, &o, "scenes/moving-light.json");
-    bench_report_close(&r);
+    jump(&o, "scenes/generated/study-lamp.json");
+    jump(&o, "scenes/generated/study-chair.json");
+    jump(&o, "scenes/moving-light.json");
     return 0;
 }

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/math.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/random.h"
 #include "cache/splatting/splatting.h"
@@ -103,32 +104,30 @@ static double gather_ms(const world *w, const instrument *m, float *values) {
 /* Two gathers of N x N jittered rays with light samples of their own. */
 static void find_reference(world *w, int size) {
     instrument rays = {"reference", SL_GATHER_RAYS, size, 0.0, SL_BORDER_RADIAL, 1};
-    w->reference[0] = calloc(6 * w->count, sizeof(float));
-    if (!w->reference[0]) bench_fail("reference", NULL);
+    w->reference[0] = bench_allocate(6 * w->count, sizeof(float));
     w->reference[1] = w->reference[0] + 3 * w->count;
     for (int half = 0; half < 2; half++)
         gather_points(w, &rays, true, 1000 + (uint64_t)half, w->count, w->threads, w->reference[half]);
     for (size_t i = 0; i < 6 * w->count; i++) w->mean += (double)w->reference[0][i] / (double)(6 * w->count);
 }
 
-static bool open_world(bench_report *r, const char *path, size_t points, world *w) {
+static bool open_world(const char *path, size_t points, world *w) {
     sl_error error;
     *w = (world){.threads = sl_thread_count(0)};
-    if (!bench_open_scene(r, path, &w->scene)) return false;
+    if (!bench_open_scene(path, &w->scene)) return false;
     if (sl_raster_create(w->scene, 1, &w->raster, &error) != SL_OK) bench_fail("rasterizer", &error);
     if (sl_tracer_create(w->scene, 1, NULL, &w->tracer, &error) != SL_OK) bench_fail("tracer", &error);
-    w->points = calloc(points, sizeof *w->points);
-    w->gathered[0] = calloc(6 * points, sizeof(float));
-    if (!w->points || !w->gathered[0]) bench_fail("points", NULL);
+    w->points = bench_allocate(points, sizeof *w->points);
+    w->gathered[0] = bench_allocate(6 * points, sizeof(float));
     w->gathered[1] = w->gathered[0] + 3 * points;
     w->count = bench_visible_points(w->scene, w->tracer, points, w->points);
     return true;
 }
 
 static void close_world(world *w) {
-    free(w->points);
-    free(w->gathered[0]);
-    free(w->reference[0]);
+    sl_free(w->points);
+    sl_free(w->gathered[0]);
+    sl_free(w->reference[0]);
     sl_tracer_destroy(w->tracer);
     sl_raster_destroy(w->raster);
     sl_scene_destroy(w->scene);
@@ -188,12 +187,12 @@ static gather_error measure(const world *w, const instrument *m, double *ms) {
     return e;
 }
 
-static void error_row(bench_report *r, const char *scene, const instrument *m, const gather_error *e,
+static void error_row(const char *scene, const instrument *m, const gather_error *e,
                       double ms) {
     char fov[16] = "";
     if (m->fov_deg > 0.0) snprintf(fov, sizeof fov, "%.2f", m->fov_deg);
     int cells = m->kind == SL_GATHER_HEMICUBE ? 3 * m->size * m->size : m->size * m->size;
-    bench_row(r, "%s|%s|%d|%s|%d|%u|%.2f|%.2f|%.2f|%+.2f|%.3f", scene, m->name, m->size, fov, cells,
+    bench_row("%s|%s|%d|%s|%d|%u|%.2f|%.2f|%.2f|%+.2f|%.3f", scene, m->name, m->size, fov, cells,
               m->samples, 100.0 * e->relative, 100.0 * e->hemisphere, 100.0 * e->to_mean, 100.0 * e->bias,
               ms);
 }
@@ -211,10 +210,10 @@ static int size_of_cost(const world *w, sl_gather_kind kind, double ms) {
     return best;
 }
 
-static double row(bench_report *r, const world *w, const char *scene, const instrument *m, double *ms,
+static double row(const world *w, const char *scene, const instrument *m, double *ms,
                   double *best) {
     gather_error e = measure(w, m, ms);
-    error_row(r, scene, m, &e, *ms);
+    error_row(scene, m, &e, *ms);
     if (m->size == 64) *best = fmin(*best, e.relative);
     return e.relative;
 }
@@ -223,27 +222,27 @@ static double row(bench_report *r, const world *w, const char *scene, const inst
  * light samples as leave the hemisphere's error alone to be seen. */
 enum { MANY_SAMPLES = 16 };
 
-static void plane_rows(bench_report *r, const world *w, const char *scene, double fov, uint32_t samples,
+static void plane_rows(const world *w, const char *scene, double fov, uint32_t samples,
                        double e[3], double *radial_ms, double *best) {
     static const char *const names[] = {"plane, plain", "plane, LC04", "plane, radial"};
     static const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL};
     double ms;
     for (int i = 0; i < 3; i++) {
         instrument m = {names[i], SL_GATHER_PLANE, 64, fov, borders[i], samples};
-        e[i] = row(r, w, scene, &m, &ms, best);
+        e[i] = row(w, scene, &m, &ms, best);
         if (borders[i] == SL_BORDER_RADIAL) *radial_ms = ms;
     }
 }
 
-static void table_1(bench_report *r, const bench_options *o, const world *w, const char *scene,
+static void table_1(const bench_options *o, const world *w, const char *scene,
                     double *best) {
     static const double fovs[] = {126.87, 140.0};
     static const uint32_t samples[] = {1, MANY_SAMPLES};
     double ms, radial_ms = 0.0, errors[2][2][3];
-    bench_table(r, "scene|instrument|N|FOV|cells|light spp|relRMS %|hemisphere %|RMSE/mean %|bias %|ms");
+    bench_table("scene|instrument|N|FOV|cells|light spp|relRMS %|hemisphere %|RMSE/mean %|bias %|ms");
     for (int s = 0; s < 2; s++) {
         for (int f = 0; f < (o->brief ? 1 : 2); f++)
-            plane_rows(r, w, scene, fovs[f], samples[s], errors[s][f], &radial_ms, best);
+            plane_rows(w, scene, fovs[f], samples[s], errors[s][f], &radial_ms, best);
         const instrument others[] = {
             {"hemicube, N = 64", SL_GATHER_HEMICUBE, 64, 0.0, SL_BORDER_RADIAL, samples[s]},
             {"rays, N = 64", SL_GATHER_RAYS, 64, 0.0, SL_BORDER_RADIAL, samples[s]},
@@ -252,14 +251,14 @@ static void table_1(bench_report *r, const bench_options *o, const world *w, con
         for (size_t i = 0; i < (s ? 2 : 4); i++) {
             instrument m = others[i];
             if (!m.size) m.size = size_of_cost(w, m.kind, radial_ms);
-            row(r, w, scene, &m, &ms, best);
+            row(w, scene, &m, &ms, best);
         }
     }
     for (int s = 0; s < 2; s++) {
         for (int f = 0; f < (o->brief ? 1 : 2); f++) {
             const double *e = errors[s][f];
             bool ordered = e[0] > e[1] && e[1] > e[2];
-            bench_say(r,
+            printf(
                       "\n%s, %.2f degrees, %u light samples: plain : LC04 : radial = 1 : %.2f : %.2f (paper "
                       "1 : 0.57 : 0.32); order %s; radial / plain %s 0.6\n",
                       scene, fovs[f], samples[s], e[1] / e[0], e[2] / e[0],
@@ -268,10 +267,10 @@ static void table_1(bench_report *r, const bench_options *o, const world *w, con
     }
 }
 
-static void fov_sweep(bench_report *r, const bench_options *o, const world *w, const char *scene) {
+static void fov_sweep(const bench_options *o, const world *w, const char *scene) {
     static const double fovs[] = {90.0, 110.0, 120.0, 126.87, 133.0, 140.0, 150.0, 160.0};
-    bench_say(r, "\n%s, by field of view: the hemisphere's error alone\n", scene);
-    bench_table(r, "scene|FOV|F|plain %|LC04 %|radial %");
+    printf("\n%s, by field of view: the hemisphere's error alone\n", scene);
+    bench_table("scene|FOV|F|plain %|LC04 %|radial %");
     for (size_t f = 0; f < sizeof fovs / sizeof *fovs; f += o->brief ? 3 : 1) {
         double half = 0.5 * fovs[f] * SL_PI / 180.0, sine = sl_sin(half), e[3];
         for (int i = 0; i < 3; i++) {
@@ -280,16 +279,16 @@ static void fov_sweep(bench_report *r, const bench_options *o, const world *w, c
                 gather_points(w, &m, false, 1 + (uint64_t)k, some_points(w), w->threads, w->gathered[k]);
             e[i] = 100.0 * errors_of(w, some_points(w), w->gathered[0], w->gathered[1]).hemisphere;
         }
-        bench_row(r, "%s|%.2f|%.4f|%.2f|%.2f|%.2f", scene, fovs[f], 4.0 / SL_PI * sine * sl_atan(sine),
+        bench_row("%s|%.2f|%.4f|%.2f|%.2f|%.2f", scene, fovs[f], 4.0 / SL_PI * sine * sl_atan(sine),
                   e[0], e[1], e[2]);
     }
 }
 
-static void experiment(bench_report *r, const bench_options *o, const char *path, size_t points) {
+static void experiment(const bench_options *o, const char *path, size_t points) {
     char scene[64];
     world w;
     bench_scene_name(path, scene);
-    if (!bench_wants(o, scene) || !open_world(r, path, o->brief ? 100 : o->points ? o->points : points, &w))
+    if (!bench_wants(o, scene) || !open_world(path, o->brief ? 100 : o->points ? o->points : points, &w))
         return;
     /* noisier than some of what it judges, but the errors' form takes that off */
     int size = o->brief ? 64 : 96;
@@ -301,25 +300,22 @@ static void experiment(bench_report *r, const bench_options *o, const char *path
         noise += 0.25 * (a - b) * (a - b) / (mean * mean);
         used++;
     }
-    bench_say(r,
+    printf(
               "\n%s: %zu points, reference twice %d x %d rays, its noise %.2f %%; %.2f %% of the values are "
               "below a thousandth of the mean\n",
               scene, w.count, size, size, 100.0 * root(noise, used),
               100.0 * (1.0 - used / (double)(3 * w.count)));
     double best = INFINITY;
-    table_1(r, o, &w, scene, &best);
-    bench_say(r, "%s: best at N = 64: %.2f %%, %s 2 %%\n", scene, 100.0 * best,
+    table_1(o, &w, scene, &best);
+    printf("%s: best at N = 64: %.2f %%, %s 2 %%\n", scene, 100.0 * best,
               best < 0.02 ? "below" : "ABOVE");
-    fov_sweep(r, o, &w, scene);
+    fov_sweep(o, &w, scene);
     close_world(&w);
 }
 
 int main(int argc, char **argv) {
-    bench_options o = bench_options_parse(argc, argv, "build/splatting");
-    bench_report r;
-    bench_report_open(&r, &o, "table1");
-    experiment(&r, &o, "scenes/generated/cathedral.json", 10000);
-    experiment(&r, &o, "scenes/generated/atrium.json", 2000);
-    bench_report_close(&r);
+    bench_options o = bench_options_parse(argc, argv);
+    experiment(&o, "scenes/generated/cathedral.json", 10000);
+    experiment(&o, "scenes/generated/atrium.json", 2000);
     return 0;
 }

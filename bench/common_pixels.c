@@ -1,34 +1,29 @@
 /* Which pixels are compared, and from which points gathers are made. */
-#include <stdlib.h>
+#include <math.h>
 
 #include "base/math.h"
+#include "base/memory.h"
 #include "base/random.h"
 #include "common.h"
 
-static void set_ray(const sl_scene *scene, double x, double y, double aspect, sl_ray16 *rays, unsigned i) {
+/* Through a place of the film, -1 to 1 across and upwards. */
+static void set_ray(const sl_scene *scene, double x, double y, double aspect, sl_ray16 *ray) {
     const sl_camera *c = &scene->camera;
     double tangent = sl_tan(0.5 * (double)c->vertical_fov);
     sl_vec3 d = sl_sub(sl_mad(sl_scale(c->right, (float)(x * tangent * aspect)), (float)(y * tangent), c->up),
                        c->back);
     d = sl_normalize_or(d, sl_neg(c->back));
-    rays->origin_x[i] = c->eye.x;
-    rays->origin_y[i] = c->eye.y;
-    rays->origin_z[i] = c->eye.z;
-    rays->direction_x[i] = d.x;
-    rays->direction_y[i] = d.y;
-    rays->direction_z[i] = d.z;
-    rays->near[i] = 0.0f;
-    rays->far[i] = INFINITY;
-    rays->skip[i] = SL_NO_INDEX;
+    *ray = (sl_ray16){.origin_x = {c->eye.x},
+                      .origin_y = {c->eye.y},
+                      .origin_z = {c->eye.z},
+                      .direction_x = {d.x},
+                      .direction_y = {d.y},
+                      .direction_z = {d.z},
+                      .far = {INFINITY},
+                      .skip = {SL_NO_INDEX}};
 }
 
-void bench_camera_ray(const sl_scene *scene, int width, int height, uint32_t pixel, sl_ray16 *rays,
-                      unsigned lane) {
-    double x = (double)(pixel % (uint32_t)width) + 0.5, y = (double)(pixel / (uint32_t)width) + 0.5;
-    set_ray(scene, 2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, (double)width / height, rays, lane);
-}
-
-/* What the first ray hits, if it is a surface that reflects and does not shine. */
+/* Finds what the ray hits, if it is a surface that reflects and does not shine. */
 static bool sees_surface(const sl_scene *scene, const sl_tracer *tracer, const sl_ray16 *ray,
                          sl_surface *surface, uint32_t *triangle) {
     sl_hit16 hits;
@@ -67,8 +62,7 @@ void bench_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
     int across = width / block, down = height / block;
     uint64_t key = sl_random_key(5, 12);
     *pixels = (bench_pixels){.width = width, .height = height, .block = block};
-    pixels->index = calloc((size_t)across * (size_t)down, sizeof *pixels->index);
-    if (!pixels->index) bench_fail("pixels", NULL);
+    pixels->index = bench_allocate((size_t)across * (size_t)down, sizeof *pixels->index);
     sl_gbuffer *gbuffer = draw(scene, width, height);
     for (int i = 0; i < across * down; i++) {
         uint32_t bits = sl_random_bits(key, (uint64_t)i);
@@ -77,17 +71,17 @@ void bench_pixels_make(const sl_scene *scene, const sl_tracer *tracer, int width
         uint32_t pixel = (uint32_t)(y * width + x), triangle;
         sl_ray16 ray;
         sl_surface surface;
-        bench_camera_ray(scene, width, height, pixel, &ray, 0);
+        set_ray(scene, (2.0 * x + 1.0) / width - 1.0, 1.0 - (2.0 * y + 1.0) / height,
+                (double)width / height, &ray);
         if (sees_surface(scene, tracer, &ray, &surface, &triangle) &&
             gbuffer->id[(size_t)(height - 1 - y) * (size_t)width + (size_t)x] == triangle)
             pixels->index[pixels->count++] = pixel;
-        else pixels->empty++;
     }
     sl_gbuffer_destroy(gbuffer);
 }
 
 void bench_pixels_free(bench_pixels *pixels) {
-    free(pixels->index);
+    sl_free(pixels->index);
     pixels->index = NULL;
 }
 
@@ -102,7 +96,7 @@ size_t bench_visible_points(const sl_scene *scene, const sl_tracer *tracer, size
         sl_ray16 ray;
         sl_surface s;
         uint32_t triangle;
-        set_ray(scene, x, y, aspect, &ray, 0);
+        set_ray(scene, x, y, aspect, &ray);
         if (!sees_surface(scene, tracer, &ray, &s, &triangle)) continue;
         points[found++] = (sl_gather_point){.position = s.position,
                                             .geometric_normal = s.geometric_normal,

@@ -36,10 +36,7 @@ if [ -n "$brief" ]; then frame_count=10 seconds=2; fi
 [ -z "$frames" ] || "$build/bench/bench_frames" bench/frames.trials --table "$frames" ${brief:+--size 48 --frames 10} | tee "$out/frames.md"
 [ "$method" != direct-radiance ] || "$build/bench/bench_frames" bench/flicker.trials --frames "$frame_count" | tee -a "$out/frames.md"
 for program in $programs; do
-    "$build/bench/bench_$program" $brief --out "$out"
-    printf '<!-- table %s -->\n' "$program" >"$out/$program-table.md"
-    cat "$out/$program.md" >>"$out/$program-table.md"
-    echo '<!-- end -->' >>"$out/$program-table.md"
+    { echo "<!-- table $program -->" && "$build/bench/bench_$program" $brief && echo '<!-- end -->'; } | tee "$out/$program-table.md"
 done
 # Frames beside updates, by the clock.
 if [ "$method" = shading-cache ]; then

@@ -6,6 +6,7 @@
 
 #include "base/math.h"
 #include "base/memory.h"
+#include "common.h"
 #include "base/random.h"
 #include "cache/splatting/splatting.h"
 
@@ -14,7 +15,7 @@ enum { SIDE = 1000, PIXELS = SIDE * SIDE };
 static const double wanted_splats = 6.0, wanted_fill = 4.0, wanted_small = 3.5, wanted_reduction = 15.0;
 
 static void expect_ok(sl_status status, const sl_error *error) {
-    if (status != SL_OK) bench_stop("fragments", error->message);
+    if (status != SL_OK) bench_fail("fragments", error);
 }
 
 /* ---- splats: 4000 records of radiance cache splatting on a G-buffer of the room -------------- */

@@ -66,7 +66,7 @@ static peer_pass *make_pass(int width, int height, int planes, const osmesa_form
     return pass;
 }
 
-unsigned peer_scene_program(const char *vertex, const char *fragment) {
+static unsigned scene_program(const char *vertex, const char *fragment) {
     char text[2048];
     snprintf(text, sizeof text, "%s%s", transform, vertex);
     return osmesa_program(text, fragment);
@@ -135,7 +135,7 @@ peer_pass *peer_ids(const peer_mesh *mesh, const sl_view *views, size_t count, b
     }
     pass->mesh = ids ? upload_numbered(mesh) : upload(mesh, NULL, NULL);
     pass->program =
-        ids ? peer_scene_program(id_vertex, id_fragment) : peer_scene_program(depth_vertex, depth_fragment);
+        ids ? scene_program(id_vertex, id_fragment) : scene_program(depth_vertex, depth_fragment);
     set_views(pass, views, count);
     return pass;
 }
@@ -145,7 +145,7 @@ peer_pass *peer_gbuffer(const peer_mesh *mesh, const sl_view *view) {
     const osmesa_format formats[3] = {PLANE_RGBA32F, PLANE_RGBA32F, PLANE_RGBA32F};
     peer_pass *pass = make_pass(view->width, view->height, 3, formats, true, false);
     pass->mesh = upload(mesh, mesh->normal, mesh->colour);
-    pass->program = peer_scene_program(gbuffer_vertex, gbuffer_fragment);
+    pass->program = scene_program(gbuffer_vertex, gbuffer_fragment);
     set_views(pass, view, 1);
     return pass;
 }
@@ -154,7 +154,7 @@ peer_pass *peer_gouraud(const peer_mesh *mesh, const sl_view *view) {
     if (!running) return NULL;
     peer_pass *pass = make_pass(view->width, view->height, 1, (osmesa_format[]){PLANE_RGBA32F}, true, false);
     pass->mesh = upload(mesh, mesh->colour, NULL);
-    pass->program = peer_scene_program(gouraud_vertex, gouraud_fragment);
+    pass->program = scene_program(gouraud_vertex, gouraud_fragment);
     set_views(pass, view, 1);
     return pass;
 }
@@ -173,7 +173,6 @@ static void put4(float *out, float x, float y, float z, float w) {
 static void put_splat(float *row, const peer_splat *splat) {
     const sl_record *r = splat->record;
     put4(row, (float)splat->rect.x0, (float)splat->rect.y0, (float)splat->rect.x1, (float)splat->rect.y1);
-    if (!r) return;
     put4(row + 4, r->position.x, r->position.y, r->position.z, r->radius);
     put4(row + 8, r->normal.x, r->normal.y, r->normal.z, 0.0f);
     put4(row + 12, r->irradiance.r, r->irradiance.g, r->irradiance.b, 0.0f);
@@ -205,13 +204,11 @@ peer_pass *peer_splats(int width, int height, const peer_splat *splats, size_t c
                        const sl_weight_rules *rules, const sl_splat_receivers *receivers) {
     if (!running) return NULL;
     const osmesa_format formats[2] = {PLANE_RGBA32F, PLANE_RGBA32F};
-    peer_pass *pass = make_pass(width, height, receivers ? 2 : 1, formats, false, true);
+    peer_pass *pass = make_pass(width, height, 2, formats, false, true);
     pass->mesh = osmesa_mesh_create(0, NULL, 6 * count, NULL);
-    pass->program = receivers ? osmesa_program(splat_vertex, splat_fragment)
-                              : osmesa_program(blend_vertex, blend_fragment);
+    pass->program = osmesa_program(splat_vertex, splat_fragment);
     osmesa_uniform(pass->program, "size", 2, (float[]){(float)width, (float)height});
     pass->texture[0] = splat_texture(splats, count);
-    if (!receivers) return pass;
     pass->texture[1] =
         plane_texture(receivers, receivers->position_x, receivers->position_y, receivers->position_z);
     pass->texture[2] =
@@ -274,7 +271,7 @@ static void read_and_add(const peer_pass *pass, bool read) {
 /* ---- drawing --------------------------------------------------------------------------------- */
 
 /* OpenGL has a far plane: for views without one, z/w = 1 - 2 near/w. */
-void peer_set_view(unsigned program, const sl_view *view) {
+static void set_view(unsigned program, const sl_view *view) {
     float rows[4][4];
     memcpy(rows, view->clip, sizeof rows);
     if (view->depth == SL_DEPTH_INVERSE_W) rows[2][3] *= 2.0f;
@@ -292,7 +289,7 @@ static void begin(const peer_pass *pass) {
 
 static void draw(const peer_pass *pass, size_t view, bool read) {
     const osmesa_target *target = pass->views ? target_of(pass, &pass->views[view]) : &pass->target[0];
-    if (pass->views) peer_set_view(pass->program, &pass->views[view]);
+    if (pass->views) set_view(pass->program, &pass->views[view]);
     if (!pass->add) osmesa_clear(target);
     osmesa_draw_all(pass->program, &pass->mesh);
     if (read) read_back(pass, target);

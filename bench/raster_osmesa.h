@@ -30,19 +30,14 @@ peer_pass *peer_gouraud(const peer_mesh *mesh, const sl_view *view); /* colour i
 
 typedef struct peer_splat {
     sl_splat_rect rect;
-    const sl_record *record; /* NULL: blends 1 into all channels */
+    const sl_record *record;
 } peer_splat;
-/* (w E, w) in one RGBA32F and the count in another, or with receivers NULL one RGBA32F. */
+/* (w E, w) in one RGBA32F and the count in another. */
 peer_pass *peer_splats(int width, int height, const peer_splat *splats, size_t count,
                        const sl_weight_rules *rules, const sl_splat_receivers *receivers);
 /* rgba: size x size; halved until final x final. final = 0: read back as it is and added up by the processor,
  * the sums being plane 1. */
 peer_pass *peer_reduction(const float *rgba, int size, int final);
-
-/* For passes of one's own: a program whose vertex shader has to_clip() and the input `position` at location
- * 0, and its view. */
-unsigned peer_scene_program(const char *vertex, const char *fragment);
-void peer_set_view(unsigned program, const sl_view *view);
 
 /* All views (one after another, each read back before the next is drawn), or one. Without reading, waits
  * until all is drawn. Additive passes add to what is there. */

@@ -10,20 +10,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "trace/trace.h"
-#include "scene_parts.h"
-
-enum { BALLS = 110 };
-
-_Noreturn void bench_stop(const char *what, const char *why) {
-    fprintf(stderr, "bench_raster: %s: %s\n", what, why);
-    exit(1);
-}
-
-void *bench_allocate(size_t count, size_t size) {
-    void *memory = sl_allocate(count, size);
-    if (!memory) bench_stop("memory", "not enough");
-    return memory;
-}
+#include "common.h"
 
 /* ---- sharing vertices ------------------------------------------------------------------------ */
 
@@ -72,46 +59,6 @@ static peer_mesh shared_vertices(const sl_scene *scene) {
     return (peer_mesh){w.count, scene->triangle_count, w.position, w.normal, colour, index};
 }
 
-static void corners_of(const peer_mesh *m, size_t triangle, sl_vec3 p[3]) {
-    for (size_t k = 0; k < 3; k++) memcpy(&p[k], &m->position[3 * m->index[3 * triangle + k]], sizeof p[k]);
-}
-
-/* Winds triangles [first, end) of one convex part so that their fronts are seen from outside, or from inside.
- */
-static void wind(peer_mesh *m, size_t first, size_t end, bool outside) {
-    sl_vec3 p[3], sum = {0, 0, 0};
-    for (size_t t = first; t < end; t++) {
-        corners_of(m, t, p);
-        sum = sl_add(sum, sl_add(p[0], sl_add(p[1], p[2])));
-    }
-    sl_vec3 middle = sl_scale(sum, 1.0f / (3.0f * (float)(end - first)));
-    for (size_t t = first; t < end; t++) {
-        corners_of(m, t, p);
-        sl_vec3 n = sl_cross(sl_sub(p[1], p[0]), sl_sub(p[2], p[0]));
-        if ((sl_dot(n, sl_sub(p[0], middle)) > 0.0f) == outside) continue;
-        uint32_t *index = (uint32_t *)m->index + 3 * t, other = index[1];
-        index[1] = index[2];
-        index[2] = other;
-    }
-}
-
-/* Area-weighted means of the normals around each vertex. */
-static float *smooth_normals(const peer_mesh *m) {
-    float *normals = bench_allocate(m->vertex_count, 3 * sizeof *normals);
-    for (size_t t = 0; t < m->triangle_count; t++) {
-        sl_vec3 p[3];
-        corners_of(m, t, p);
-        sl_vec3 n = sl_cross(sl_sub(p[1], p[0]), sl_sub(p[2], p[0]));
-        for (size_t k = 0; k < 3; k++) {
-            float *sum = &normals[3 * m->index[3 * t + k]];
-            sum[0] += n.x;
-            sum[1] += n.y;
-            sum[2] += n.z;
-        }
-    }
-    return normals;
-}
-
 static void free_mesh(peer_mesh *m) {
     sl_free((void *)m->position);
     sl_free((void *)m->normal);
@@ -123,100 +70,27 @@ static void free_mesh(peer_mesh *m) {
 
 static void make_raster(bench_scene *s) {
     sl_error error;
-    if (sl_raster_create(s->scene, 1, &s->raster, &error) != SL_OK) bench_stop("raster", error.message);
+    if (sl_raster_create(s->scene, 1, &s->raster, &error) != SL_OK) bench_fail("raster", &error);
 }
 
-/* The tests' room has vertices of its own for every triangle; here it is built anew from shared ones. each:
- * triangles of a ball. */
-static sl_scene *smooth_scene(sl_scene *raw, size_t each) {
-    peer_mesh m = shared_vertices(raw);
-    size_t walls = m.triangle_count - BALLS * each;
-    wind(&m, 0, walls, false);
-    for (size_t b = 0; b < BALLS; b++) wind(&m, walls + b * each, walls + (b + 1) * each, true);
-    float *normals = smooth_normals(&m);
-    sl_material grey = {.diffuse = {0.5f, 0.5f, 0.5f}, .texture = SL_NO_INDEX, .alpha_texture = SL_NO_INDEX};
-    sl_camera camera;
-    sl_camera_look_at(&camera, sl_v3(0.2f, 2.6f, 0.2f), sl_v3(2.2f, 1.2f, 3.0f), sl_v3(0, 1, 0), 1.3f);
-    sl_scene_parts parts = {.vertex_count = m.vertex_count,
-                            .positions = m.position,
-                            .normals = normals,
-                            .triangle_count = m.triangle_count,
-                            .indices = m.index,
-                            .material_count = 1,
-                            .materials = &grey,
-                            .camera = &camera};
-    sl_scene *scene;
-    sl_error error;
-    if (sl_scene_build(&parts, &scene, &error) != SL_OK) bench_stop("room", error.message);
-    sl_free(normals);
-    free_mesh(&m);
-    sl_scene_destroy(raw);
-    return scene;
-}
-
-static void put_points_on_walls(bench_scene *s) {
-    const float size[3] = {4.0f, 3.0f, 5.0f};
-    uint64_t key = sl_random_key(5, 0);
-    for (s->points = 0; s->points < BENCH_POINTS; s->points++) {
-        int axis = (int)s->points % 3, high = (int)s->points / 3 % 2;
-        float p[3], n[3] = {0};
-        for (int k = 0; k < 3; k++)
-            p[k] = random_between(key, 3 * s->points + (uint64_t)k, 0.1f, 0.9f) * size[k];
-        p[axis] = high ? size[axis] : 0.0f;
-        n[axis] = high ? -1.0f : 1.0f;
-        s->point[s->points] = sl_v3(p[0], p[1], p[2]);
-        s->normal[s->points] = sl_v3(n[0], n[1], n[2]);
-    }
-}
-
-/* Random directions through the film; every hit is a point, with the normal turned to the camera. */
-static void put_points_in_sight(bench_scene *s) {
-    const sl_camera *c = &s->scene->camera;
-    float tangent = (float)sl_tan(0.5 * (double)c->vertical_fov);
-    float aspect = (float)s->scene->film_width / (float)s->scene->film_height;
-    uint64_t key = sl_random_key(1, 2);
+/* Points of gathers: what the camera sees in random places, with the normal turned to it. */
+static void find_points(bench_scene *s) {
+    sl_gather_point points[BENCH_POINTS];
     sl_tracer *tracer;
-    sl_counters counters = {{0}};
-    if (sl_tracer_create(s->scene, 1, NULL, &tracer, NULL) != SL_OK) bench_stop(s->name, "no rays");
-    for (uint64_t i = 0; i < 40 * BENCH_POINTS && s->points < BENCH_POINTS; i++) {
-        float x = (2.0f * sl_random_unit(key, 2 * i) - 1.0f) * tangent * aspect;
-        float y = (2.0f * sl_random_unit(key, 2 * i + 1) - 1.0f) * tangent;
-        sl_vec3 d = sl_sub(sl_mad(sl_scale(c->right, x), y, c->up), c->back);
-        sl_ray16 ray = {.origin_x = {c->eye.x},
-                        .origin_y = {c->eye.y},
-                        .origin_z = {c->eye.z},
-                        .direction_x = {d.x},
-                        .direction_y = {d.y},
-                        .direction_z = {d.z},
-                        .far = {INFINITY},
-                        .skip = {SL_NO_INDEX}};
-        sl_hit16 hit;
-        sl_trace(tracer, &ray, 1, false, &hit, &counters);
-        if (hit.triangle[0] == SL_NO_INDEX) continue;
-        sl_surface surface;
-        sl_scene_surface(s->scene, hit.triangle[0], hit.w1[0], hit.w2[0], sl_neg(d), &surface);
-        s->normal[s->points] = surface.geometric_normal;
-        s->point[s->points++] = surface.position;
-    }
-    sl_tracer_destroy(tracer);
-}
-
-static void open_room(bench_scene *s) {
-    s->scene = smooth_scene(furnished_room(BALLS, s->n), 12 * (size_t)s->n * (size_t)s->n);
-    put_points_on_walls(s);
-}
-
-static void open_file(bench_scene *s) {
     sl_error error;
-    if (sl_scene_load_with(s->path, &(sl_load_options){.allow_outside = true}, &s->scene, &error) != SL_OK)
-        bench_stop(s->path, error.message);
-    put_points_in_sight(s);
+    if (sl_tracer_create(s->scene, 1, NULL, &tracer, &error) != SL_OK) bench_fail(s->name, &error);
+    s->points = bench_visible_points(s->scene, tracer, BENCH_POINTS, points);
+    for (size_t i = 0; i < s->points; i++)
+        s->point[i] = points[i].position, s->normal[i] = points[i].geometric_normal;
+    sl_tracer_destroy(tracer);
 }
 
 void bench_scene_open(bench_scene *s) {
     if (s->scene) return;
-    if (s->path) open_file(s);
-    else open_room(s);
+    sl_error error;
+    if (sl_scene_load_with(s->path, &(sl_load_options){.allow_outside = true}, &s->scene, &error) != SL_OK)
+        bench_fail(s->path, &error);
+    find_points(s);
     make_raster(s);
     s->mesh = shared_vertices(s->scene);
 }
@@ -224,7 +98,7 @@ void bench_scene_open(bench_scene *s) {
 void bench_scene_of_triangles(bench_scene *s, const float *xyz, const float *colours, size_t count) {
     size_t floats = 9 * count;
     s->scene = scene_of_triangles(xyz, count);
-    if (s->scene->triangle_count != count) bench_stop(s->name, "a triangle without area");
+    if (s->scene->triangle_count != count) bench_fail("a triangle without area", NULL);
     make_raster(s);
     float *position = bench_allocate(floats, sizeof(float)), *colour = bench_allocate(floats, sizeof(float));
     uint32_t *index = bench_allocate(3 * count, sizeof *index);

@@ -1,5 +1,5 @@
-/* What the rasterizer's benchmark draws: rooms and scene files, with vertices shared as graphics hardware
- * likes them, a view through a camera, and points on surfaces to gather at. */
+/* What the rasterizer's benchmark draws: scene files, with vertices shared as graphics hardware likes them, a
+ * view through the camera, and points that it sees to gather at. */
 #ifndef SL_BENCH_RASTER_SCENES_H
 #define SL_BENCH_RASTER_SCENES_H
 
@@ -8,11 +8,9 @@
 
 enum { BENCH_POINTS = 24 };
 
-/* name, and path or n, are set by who makes one; bench_scene_open() makes the rest. */
+/* name and path are set by who makes one; bench_scene_open() makes the rest. */
 typedef struct bench_scene {
     const char *name, *path;
-    /* a room of 4 x 3 x 5 with 110 balls of 12 n^2 triangles each, smooth normals; points on its walls */
-    int n;
     bool gathers;      /* few enough triangles for OSMesa to draw hundreds of views */
     sl_scene *scene;
     sl_raster *raster;
@@ -21,11 +19,7 @@ typedef struct bench_scene {
     sl_vec3 point[BENCH_POINTS], normal[BENCH_POINTS];
 } bench_scene;
 
-/* Ends the program with a message: a benchmark has nothing to clean up. */
-_Noreturn void bench_stop(const char *what, const char *why);
-void *bench_allocate(size_t count, size_t size);
-
-/* Does nothing where it has been opened. A file's points are what its camera sees. */
+/* Does nothing where it has been opened. */
 void bench_scene_open(bench_scene *scene);
 /* Triangles as nine floats each, clip coordinates, and three colours each; nothing shared. */
 void bench_scene_of_triangles(bench_scene *scene, const float *xyz, const float *colours, size_t count);

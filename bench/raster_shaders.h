@@ -92,20 +92,6 @@ static const char splat_fragment[] =
     "    count = vec4(w > 0.0 ? 1.0 : 0.0);\n"
     "}\n";
 
-static const char blend_vertex[] =
-    "uniform sampler2D records;\n"
-    "uniform vec2 size;\n"
-    "const int corner[6] = int[6](0, 1, 3, 0, 3, 2);\n"
-    "void main() {\n"
-    "    int c = corner[gl_VertexID % 6];\n"
-    "    vec4 rect = texelFetch(records, ivec2(0, gl_VertexID / 6), 0);\n"
-    "    vec2 at = vec2((c & 1) != 0 ? rect.z : rect.x, (c & 2) != 0 ? rect.w : rect.y);\n"
-    "    gl_Position = vec4(at / size * 2.0 - 1.0, 0.0, 1.0);\n"
-    "}\n";
-static const char blend_fragment[] =
-    "layout(location = 0) out vec4 sum;\n"
-    "void main() { sum = vec4(1.0); }\n";
-
 /* One triangle over the whole target. */
 static const char screen_vertex[] = "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, "
                                     "gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";

@@ -23,12 +23,12 @@ typedef struct shading_world {
 
 /* size: of pictures; indirect: paths a point (0: no indirect light). One thread. False where the scene is not
  * wanted, or not there. */
-bool shading_open(bench_report *r, const bench_options *o, const char *path, int size, int indirect,
+bool shading_open(const bench_options *o, const char *path, int size, int indirect,
                   shading_world *w);
 void shading_close(shading_world *w);
 /* Everything goes to where it is at a time; returns SL_CHANGED_ bits. */
 unsigned shading_move(shading_world *w, double time);
-/* The limit for one pixel of each block x block, from the disk if it is there. */
+/* Finds the limit for one pixel of each block x block. */
 void shading_judge(shading_world *w, int block);
 /* Of R, G, B planes against the limit: root mean square of the difference in displayed levels, 0 to 255, over
  * pixels and channels. What lamps are brighter than white by so counts for nothing, and what shows in the

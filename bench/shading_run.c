@@ -5,6 +5,7 @@
 
 #include "cache/shading_cache/plan.h"
 #include "base/math.h"
+#include "base/memory.h"
 #include "scene/ambient.h"
 #include "shading_bench.h"
 #include "timing.h"
@@ -45,11 +46,11 @@ static void make_renderers(shading_world *w) {
         bench_fail("indirect light", &error);
 }
 
-bool shading_open(bench_report *r, const bench_options *o, const char *path, int size, int indirect,
+bool shading_open(const bench_options *o, const char *path, int size, int indirect,
                   shading_world *w) {
     memset(w, 0, sizeof *w);
     bench_scene_name(path, w->name);
-    if (!bench_wants(o, w->name) || !bench_open_scene(r, path, &w->scene)) return false;
+    if (!bench_wants(o, w->name) || !bench_open_scene(path, &w->scene)) return false;
     w->settings = settings_for(size, indirect);
     w->display = (sl_display_curve){.reference = sl_rgb_mean(sl_ambient_irradiance_of_all_bounces(w->scene)) *
                                                  (float)(1.0 / SL_PI)};
@@ -60,7 +61,7 @@ bool shading_open(bench_report *r, const bench_options *o, const char *path, int
 
 static void forget_pixels(shading_world *w) {
     bench_pixels_free(&w->pixels);
-    free(w->limit);
+    sl_free(w->limit);
     w->limit = NULL;
 }
 
@@ -99,18 +100,10 @@ void shading_judge(shading_world *w, int block) {
     forget_pixels(w);
     bench_pixels_make(w->scene, w->tracer, w->settings.width, w->settings.height, block, &w->pixels);
     size_t count = w->pixels.count;
-    w->limit = calloc(3 * count + 1, sizeof *w->limit);
-    if (!w->limit) bench_fail("pixels", NULL);
-    const sl_shading_cache_settings *c = &w->settings.shading_cache;
-    const uint64_t what[] = {sl_scene_hash(w->scene), (uint64_t)w->settings.width,
-                             (uint64_t)c->indirect_samples, (uint64_t)c->area_samples, (uint64_t)c->area};
-    uint64_t hash =
-        bench_hash(bench_hash(3, what, sizeof what), w->pixels.index, count * sizeof *w->pixels.index);
-    if (bench_store_load("shading", hash, 3 * count, w->limit)) return;
+    w->limit = bench_allocate(3 * count + 1, sizeof *w->limit);
     render_cache_settings s = rival_settings(w, 1);
     if (render_cache_reference(&s, count, w->pixels.index, w->limit, &error) != SL_OK)
         bench_fail("reference", &error);
-    bench_store_save("shading", hash, 3 * count, w->limit);
 }
 
 double shading_error(shading_world *w, const float *planes) {
@@ -195,16 +188,16 @@ double shading_path_error(shading_world *w, uint32_t samples, double *seconds) {
     sl_error error;
     sl_shading_transport(&w->settings, &settings.transport);
     settings.transport.filter = SL_FILTER_CENTRE;
-    float *planes = calloc(3 * pixels, sizeof *planes);
+    float *planes = bench_allocate(3 * pixels, sizeof *planes);
     double from = process_ms();
-    if (!planes || sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK)
-        bench_fail("path tracer", planes ? &error : NULL);
+    if (sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK)
+        bench_fail("path tracer", &error);
     for (uint32_t i = 0; i < samples; i++)
         if (sl_path_tracer_sample(path, i, &counters, &error) != SL_OK) bench_fail("path tracer", &error);
     *seconds = 1e-3 * (process_ms() - from);
     sl_path_tracer_mean(path, -1, planes, planes + pixels, planes + 2 * pixels);
     double e = shading_error(w, planes);
     sl_path_tracer_destroy(path);
-    free(planes);
+    sl_free(planes);
     return e;
 }

@@ -77,29 +77,6 @@ static void a_line_that_was_cut_off_is_passed_over_and_spoils_none_after_it(void
     sl_journal_close(journal);
 }
 
-static void a_line_of_which_any_byte_has_changed_is_passed_over(void **state) {
-    (void)state;
-    char text[256], path[256];
-    snprintf(path, sizeof path, "%s", scene_file_text("changed.jsonl", ""));
-    sl_journal *journal = open_journal(path);
-    add(journal, "a", 1.25);
-    sl_journal_close(journal);
-    FILE *file = fopen(path, "r");
-    const size_t length = fread(text, 1, sizeof text - 1, file);
-    fclose(file);
-    text[length] = '\0';
-    for (size_t i = 0; i + 1 < length; i++) {
-        text[i] ^= 1;
-        journal = open_journal(scene_file_text("changed.jsonl", text));
-        assert_null(sl_journal_at(journal, 0));
-        sl_journal_close(journal);
-        text[i] ^= 1;
-    }
-    journal = open_journal(scene_file_text("changed.jsonl", text));
-    assert_true(value_of(journal, "a") == 1.25);
-    sl_journal_close(journal);
-}
-
 /* ---- errors ---- */
 
 /* In [-1,1); a mixing of bits. */
@@ -323,7 +300,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_added_is_there_in_the_next_run),
         cmocka_unit_test(a_line_that_was_cut_off_is_passed_over_and_spoils_none_after_it),
-        cmocka_unit_test(a_line_of_which_any_byte_has_changed_is_passed_over),
         cmocka_unit_test(the_noise_of_a_reference_is_no_error_of_the_picture),
         cmocka_unit_test(an_error_far_below_the_noise_is_only_bounded),
         cmocka_unit_test(what_noise_leaves_in_doubt_is_what_theory_says),

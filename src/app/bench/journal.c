@@ -2,6 +2,8 @@
 
 #include "app/bench/child.h"
 #include "base/error.h"
+#include "base/grow.h"
+#include "base/memory.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -23,39 +25,8 @@ static sl_status fail(sl_error *error, const char *path, const char *what) {
                    strerror(errno));
 }
 
-/* FNV-1a; begun with FIRST_HASH. */
-static const uint64_t FIRST_HASH = 0xcbf29ce484222325u;
-
-static uint64_t hash_on(uint64_t hash, const void *bytes, size_t count) {
-    for (const unsigned char *at = bytes, *end = at + count; at < end; at++)
-        hash = (hash ^ *at) * 0x100000001b3u;
-    return hash;
-}
-
-/* ---- lines ---- */
-
-enum { SUM_BYTES = sizeof ",\"sum\":\"0123456789abcdef\"}" - 1 };
-
-/* Writes the end of a line, in place of its last brace. */
-static void write_sum(const char *line, size_t length, char text[SUM_BYTES + 1]) {
-    snprintf(text, SUM_BYTES + 1, ",\"sum\":\"%016" PRIx64 "\"}", hash_on(FIRST_HASH, line, length));
-}
-
-static bool is_whole(const char *line, size_t length) {
-    char sum[SUM_BYTES + 1];
-    if (length <= SUM_BYTES) return false;
-    write_sum(line, length - SUM_BYTES, sum);
-    return memcmp(line + length - SUM_BYTES, sum, SUM_BYTES) == 0;
-}
-
 static bool keep(sl_journal *j, cJSON *entry) {
-    if (j->count == j->room) {
-        size_t room = 2 * j->room + 64;
-        cJSON **more = realloc(j->entries, room * sizeof(cJSON *));
-        if (!more) return false;
-        j->entries = more;
-        j->room = room;
-    }
+    if (!sl_make_room(&j->entries, j->count, &j->room, sizeof *j->entries)) return false;
     j->entries[j->count++] = entry;
     return true;
 }
@@ -66,7 +37,7 @@ static bool read_entries(sl_journal *j, FILE *in) {
     bool kept = true;
     for (ssize_t length; kept && (length = getline(&line, &size, in)) > 0;) {
         j->torn = line[length - 1] != '\n';
-        cJSON *entry = !j->torn && is_whole(line, (size_t)length - 1) ? cJSON_Parse(line) : NULL;
+        cJSON *entry = j->torn ? NULL : cJSON_Parse(line);
         if (!cJSON_IsString(cJSON_GetObjectItem(entry, "key"))) cJSON_Delete(entry);
         else if (!keep(j, entry)) kept = (cJSON_Delete(entry), false);
     }
@@ -93,7 +64,7 @@ sl_status sl_journal_open(const char *path, sl_journal **journal, sl_error *erro
 void sl_journal_close(sl_journal *j) {
     if (!j) return;
     for (size_t i = 0; i < j->count; i++) cJSON_Delete(j->entries[i]);
-    free(j->entries);
+    sl_free(j->entries);
     free(j->path);
     free(j);
 }
@@ -112,25 +83,16 @@ const cJSON *sl_journal_at(const sl_journal *j, size_t index) {
 /* Appends a line in one write, so that two programs cannot mix theirs; where that fails the line is torn, and
  * the next begins anew. */
 static bool append(sl_journal *j, const char *text) {
-    size_t length = strlen(text) - 1, at = 0; /* without its last brace */
-    char *line = malloc(length + SUM_BYTES + 3);
-    int file = open(j->path, O_WRONLY | O_APPEND | O_CREAT, 0666);
+    char *line = malloc(strlen(text) + 3);
+    int file = open(j->path, O_WRONLY | O_APPEND | O_CREAT, 0666), reason = errno;
     bool well = line && file >= 0;
-    int reason = errno;
     if (well) {
-        if (j->torn) line[at++] = '\n';
-        memcpy(line + at, text, length);
-        write_sum(text, length, line + at + length);
-        at += length + SUM_BYTES;
-        line[at] = '\n';
-        well = sl_write_all(file, line, at + 1);
+        sprintf(line, "%s%s\n", j->torn ? "\n" : "", text);
+        well = sl_write_all(file, line, strlen(line));
         reason = errno;
         j->torn = !well;
     }
-    if (file >= 0 && close(file) != 0 && well) {
-        well = false;
-        reason = errno;
-    }
+    if (file >= 0 && close(file) != 0 && well) well = false, reason = errno;
     free(line);
     errno = reason;
     return well;
@@ -146,10 +108,11 @@ sl_status sl_journal_add(sl_journal *j, cJSON *entry, sl_error *error) {
 }
 
 void sl_program_fingerprint(char text[17]) {
-    uint64_t hash = FIRST_HASH;
+    uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a */
     FILE *in = fopen("/proc/self/exe", "rb");
     unsigned char bytes[16384];
-    for (size_t n; in && (n = fread(bytes, 1, sizeof bytes, in)) > 0;) hash = hash_on(hash, bytes, n);
+    for (size_t n; in && (n = fread(bytes, 1, sizeof bytes, in)) > 0;)
+        for (size_t i = 0; i < n; i++) hash = (hash ^ bytes[i]) * 0x100000001b3u;
     if (in) fclose(in);
     snprintf(text, 17, "%016" PRIx64, hash);
 }

@@ -1,7 +1,6 @@
 /* What has been measured, one JSON object a line, appended as soon as it is known: whatever ends the program,
  * this is kept, and the next run goes on from here. An entry counts for the very same work only: its key
- * holds the scene's hash, the size, the threads, the arguments and the program's own fingerprint. Each line
- * ends with the sum of what stands before, so that nothing is taken for measured that was not. */
+ * holds the scene's hash, the size, the threads, the arguments and the program's own fingerprint. */
 #ifndef SL_APP_BENCH_JOURNAL_H
 #define SL_APP_BENCH_JOURNAL_H
 
@@ -11,7 +10,7 @@
 
 typedef struct sl_journal sl_journal;
 
-/* Reads what there is; a line that was cut off or changed is passed over. The file need not exist. */
+/* Reads what there is; a line that was cut off is passed over. The file need not exist. */
 sl_status sl_journal_open(const char *path, sl_journal **journal, sl_error *error);
 void sl_journal_close(sl_journal *journal);
 /* Returns the last entry with this "key", or NULL. The journal owns it. */

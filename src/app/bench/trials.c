@@ -13,6 +13,8 @@
 #include "app/bench/trials.h"
 
 #include "base/error.h"
+#include "base/grow.h"
+#include "base/memory.h"
 #include "base/values.h"
 
 #include <stdio.h>
@@ -62,25 +64,15 @@ static bool is_looked_at(const sl_trials *all, const sl_trial *t) {
     return t->quality != SL_BENCH_CURVE && (!tracer || t->quality == SL_BENCH_DRAFT);
 }
 
-static sl_trial *add_trial(reader *r) {
-    sl_trials *all = r->trials;
-    if (all->count == r->room) {
-        r->room = 2 * r->room + 64;
-        sl_trial *more = realloc(all->trial, r->room * sizeof *more);
-        if (!more) return NULL;
-        all->trial = more;
-    }
-    return memset(&all->trial[all->count++], 0, sizeof *all->trial);
-}
-
 /* NAME = OPTIONS */
 static const char *read_trial(reader *r, char *rest) {
     char *equals = strstr(rest, " =");
     sl_settings settings;
     if (!equals || !r->with || !r->truth) return "expected trial NAME = OPTIONS, after with and truth";
     *equals = '\0';
-    sl_trial *t = add_trial(r);
-    if (!t) return "not enough memory";
+    sl_trials *all = r->trials;
+    if (!sl_make_room(&all->trial, all->count, &r->room, sizeof *all->trial)) return "not enough memory";
+    sl_trial *t = &all->trial[all->count++];
     bool fits = (size_t)snprintf(t->arguments, sizeof t->arguments, "%s%s", r->with, equals + 2) <
                     sizeof t->arguments &&
                 copy(t->name, sizeof t->name, rest) && copy(t->transport, sizeof t->transport, r->truth);
@@ -92,9 +84,9 @@ static const char *read_trial(reader *r, char *rest) {
     t->scenes = r->scenes;
     t->table = r->table;
     t->ordered = r->curve != NULL;
-    bool goes_on = t > r->trials->trial && strcmp(t[-1].curve, t->curve) == 0;
+    bool goes_on = t > all->trial && strcmp(t[-1].curve, t->curve) == 0;
     t->rank = goes_on ? t[-1].rank + 1 : 0;
-    t->look = is_looked_at(r->trials, t);
+    t->look = is_looked_at(all, t);
     return NULL;
 }
 
@@ -165,7 +157,7 @@ sl_status sl_trials_read(const char *path, sl_trials *trials, sl_error *error) {
 }
 
 void sl_trials_free(sl_trials *trials) {
-    free(trials->trial);
+    sl_free(trials->trial);
     free(trials->text);
     *trials = (sl_trials){0};
 }

@@ -1,41 +1,25 @@
 #include "app/numerics/cases.h"
 
 #include "base/error.h"
+#include "base/grow.h"
+#include "base/memory.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the room ---- */
-
 /* ---- vertices and triangles ---- */
 
-static bool make_room(void **array, size_t *room, size_t count, size_t size) {
-    if (count < *room) return true;
-    size_t more = *room ? 2 * *room : 256;
-    void *grown = realloc(*array, more * size);
-    if (grown) *array = grown, *room = more;
-    return grown != NULL;
-}
-
 static size_t add_vertex(sl_room *r, double x, double y, double z) {
-    if (!make_room((void **)&r->vertex, &r->vertex_room, r->vertex_count, sizeof *r->vertex)) {
-        r->failed = true;
-        return 0;
-    }
-    r->vertex[r->vertex_count][0] = x, r->vertex[r->vertex_count][1] = y, r->vertex[r->vertex_count][2] = z;
+    r->failed |= !sl_make_room(&r->vertex, r->vertex_count, &r->vertex_room, sizeof *r->vertex);
+    if (r->failed) return 0;
+    memcpy(r->vertex[r->vertex_count], (const double[3]){x, y, z}, sizeof *r->vertex);
     return r->vertex_count++;
 }
 
 static void add_triangle(sl_room *r, size_t a, size_t b, size_t c, int material) {
-    if (!make_room((void **)&r->triangle, &r->triangle_room, r->triangle_count, sizeof *r->triangle)) {
-        r->failed = true;
-        return;
-    }
-    r->triangle[r->triangle_count].corner[0] = a;
-    r->triangle[r->triangle_count].corner[1] = b;
-    r->triangle[r->triangle_count].corner[2] = c;
-    r->triangle[r->triangle_count++].material = material;
+    r->failed |= !sl_make_room(&r->triangle, r->triangle_count, &r->triangle_room, sizeof *r->triangle);
+    if (!r->failed) r->triangle[r->triangle_count++] = (sl_room_triangle){{a, b, c}, material};
 }
 
 static double share(int i, int count, double skew) {
@@ -46,7 +30,9 @@ static double share(int i, int count, double skew) {
     return s < 1.0 ? s : even;
 }
 
-/* A quadrilateral, counter-clockwise from the front, cut in parts. */
+static const sl_room_cut plain_cut = {1, 1, 0.0};
+
+/* Adds a quadrilateral, counter-clockwise from the front, cut in parts. */
 static void add_quad(sl_room *r, const double corner[4][3], int material, const sl_room_cut *cut) {
     size_t first = r->vertex_count, columns = (size_t)cut->columns + 1;
     for (int j = 0; j <= cut->rows; j++) {
@@ -73,12 +59,11 @@ static void add_box(sl_room *r, const double low[3], const double high[3]) {
     /* bits: x, y, z */
     static const int side[6][4] = {{4, 5, 7, 6}, {1, 0, 2, 3}, {5, 1, 3, 7},
                                    {0, 4, 6, 2}, {6, 7, 3, 2}, {0, 1, 5, 4}};
-    const sl_room_cut whole = {1, 1, 0.0};
     for (int s = 0; s < 6; s++) {
         double corner[4][3];
         for (int k = 0; k < 4; k++)
             for (int c = 0; c < 3; c++) corner[k][c] = side[s][k] >> c & 1 ? high[c] : low[c];
-        add_quad(r, corner, SL_ROOM_BOX, &whole);
+        add_quad(r, corner, SL_ROOM_BOX, &plain_cut);
     }
 }
 
@@ -96,7 +81,6 @@ void sl_room_begin(sl_room *r, const sl_room_cut *cut) {
     static const int of_wall[5] = {SL_ROOM_WHITE, SL_ROOM_WHITE, SL_ROOM_WHITE, SL_ROOM_RED, SL_ROOM_GREEN};
     static const double lamp[4][3] = {
         {-0.4, 2.95, -0.6}, {0.4, 2.95, -0.6}, {0.4, 2.95, 0.2}, {-0.4, 2.95, 0.2}};
-    const sl_room_cut whole = {1, 1, 0.0};
     *r = (sl_room){.eye = {0.1, 1.4, 6.0},
                    .target = {0.0, 1.3, -2.5},
                    .fov_deg = 42.0,
@@ -108,14 +92,20 @@ void sl_room_begin(sl_room *r, const sl_room_cut *cut) {
                                 {"box", {0.6, 0.6, 0.5}, 0, 1, 0, {0}},
                                 {"lamp", {0, 0, 0}, 0, 1, 0, {12, 11, 9}}}};
     for (int w = 0; w < 5; w++) add_quad(r, walls[w], of_wall[w], cut);
-    add_quad(r, lamp, SL_ROOM_LAMP, &whole);
+    add_quad(r, lamp, SL_ROOM_LAMP, &plain_cut);
     add_box(r, (const double[3]){-1.2, 0.0, -1.6}, (const double[3]){-0.2, 1.3, -0.6});
 }
 
 void sl_room_end(sl_room *r) {
-    free(r->vertex);
-    free(r->triangle);
+    sl_free(r->vertex);
+    sl_free(r->triangle);
     *r = (sl_room){.vertex_count = 0};
+}
+
+static void turn(sl_room_triangle *t) {
+    size_t second = t->corner[1];
+    t->corner[1] = t->corner[2];
+    t->corner[2] = second;
 }
 
 static void move_point(double p[3], double scale, const double by[3], bool mirrored) {
@@ -128,11 +118,7 @@ static void move_room(sl_room *r, double scale, const double by[3], bool mirrore
     for (size_t i = 0; i < r->vertex_count; i++) move_point(r->vertex[i], scale, by, mirrored);
     move_point(r->eye, scale, by, mirrored);
     move_point(r->target, scale, by, mirrored);
-    for (size_t i = 0; mirrored && i < r->triangle_count; i++) { /* fronts stay fronts */
-        size_t b = r->triangle[i].corner[1];
-        r->triangle[i].corner[1] = r->triangle[i].corner[2];
-        r->triangle[i].corner[2] = b;
-    }
+    for (size_t i = 0; mirrored && i < r->triangle_count; i++) turn(&r->triangle[i]); /* fronts stay fronts */
 }
 
 /* ---- as files ---- */
@@ -191,15 +177,11 @@ sl_status sl_room_write(const sl_room *r, const char *folder, char *path, size_t
     return SL_OK;
 }
 
-static const sl_room_cut plain_cut = {1, 1, 0.0};
-
 static void reordered(sl_room *r) {
     for (size_t i = 0; i < r->triangle_count / 2; i++) {
-        size_t other = r->triangle_count - 1 - i;
-        char one[sizeof r->triangle[0]];
-        memcpy(one, &r->triangle[i], sizeof one);
-        memcpy(&r->triangle[i], &r->triangle[other], sizeof one);
-        memcpy(&r->triangle[other], one, sizeof one);
+        sl_room_triangle *other = &r->triangle[r->triangle_count - 1 - i], one = r->triangle[i];
+        r->triangle[i] = *other;
+        *other = one;
     }
 }
 
@@ -231,10 +213,7 @@ static void t_junctions(sl_room *r) {
 /* Surfaces reflect on both sides; the lamp stays as it is. */
 static void inverted(sl_room *r) {
     for (size_t i = 0; i < r->triangle_count; i++) {
-        if (r->triangle[i].material == SL_ROOM_LAMP) continue;
-        size_t b = r->triangle[i].corner[1];
-        r->triangle[i].corner[1] = r->triangle[i].corner[2];
-        r->triangle[i].corner[2] = b;
+        if (r->triangle[i].material != SL_ROOM_LAMP) turn(&r->triangle[i]);
     }
 }
 

@@ -14,13 +14,15 @@ typedef struct sl_room_material {
 /* Materials that every room has; emission leaves the front. */
 enum { SL_ROOM_WHITE, SL_ROOM_RED, SL_ROOM_GREEN, SL_ROOM_BOX, SL_ROOM_LAMP, SL_ROOM_MATERIALS };
 
+typedef struct sl_room_triangle {
+    size_t corner[3];
+    int material;
+} sl_room_triangle;
+
 typedef struct sl_room {
     double (*vertex)[3];
     size_t vertex_count, vertex_room;
-    struct {
-        size_t corner[3];
-        int material;
-    } *triangle;
+    sl_room_triangle *triangle;
     size_t triangle_count, triangle_room;
     sl_room_material material[SL_ROOM_MATERIALS];
     char lights[512];       /* JSON, between the brackets of "lights" */
