@@ -163,7 +163,6 @@ static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *er
                                 .method = o->settings.method,
                                 .width = width,
                                 .height = height,
-                                .frames_per_second = o->frames_per_second,
                                 .stages = &stages};
     sl_status status = sl_scene_set_time(scene, o->at, NULL, error);
     if (status == SL_OK)

@@ -10,10 +10,8 @@
 
 /* ---- text ---- */
 
-void sl_put_escaped(FILE *out, const char *text) { sl_put_escaped_part(out, text, strlen(text)); }
-
-void sl_put_escaped_part(FILE *out, const char *text, size_t length) {
-    for (const char *end = text + length; text < end; text++) {
+void sl_put_escaped(FILE *out, const char *text) {
+    for (; *text; text++) {
         switch (*text) {
         case '&': fputs("&amp;", out); break;
         case '<': fputs("&lt;", out); break;
@@ -53,13 +51,28 @@ char *sl_picture_text(const sl_image *image, bool tone) {
     return text;
 }
 
-sl_status sl_text_write(const char *path, const char *text, size_t size, sl_error *error) {
+char *sl_printed(sl_printer *print, const void *what) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return NULL;
+    print(out, what);
+    bool whole = !ferror(out);
+    if (fclose(out) == 0 && whole) return text;
+    free(text);
+    return NULL;
+}
+
+sl_status sl_print_file(const char *path, sl_printer *print, const void *what, sl_error *error) {
     sl_output_file file;
-    sl_status status = sl_output_open(&file, path, error);
-    if (status != SL_OK) return status;
-    status = sl_output_write(&file, text, size, error);
-    if (status == SL_OK) return sl_output_commit(&file, error);
-    sl_output_discard(&file);
+    char *text = sl_printed(print, what);
+    sl_status status = text ? sl_output_open(&file, path, error) : sl_fail_memory(error, path);
+    if (status == SL_OK) {
+        status = sl_output_write(&file, text, strlen(text), error);
+        if (status == SL_OK) status = sl_output_commit(&file, error);
+        else sl_output_discard(&file);
+    }
+    free(text);
     return status;
 }
 
@@ -99,25 +112,39 @@ void sl_json_print(cJSON *json, bool one_line) {
     cJSON_Delete(json);
 }
 
+void sl_json_add_counters(cJSON *to, const char *name, const sl_counters *counters, bool zeros) {
+    cJSON *object = cJSON_AddObjectToObject(to, name);
+    for (int i = 0; i < SL_COUNTERS; i++)
+        if (zeros || counters->value[i])
+            cJSON_AddNumberToObject(object, sl_counter_name((sl_counter)i), (double)counters->value[i]);
+}
+
 /* ---- pages ---- */
 
-static void put_page(FILE *out, const char *title, const char *heading, const sl_page_files *files,
-                     const char *data) {
+typedef struct page {
+    const char *title, *heading;
+    const sl_page_files *files;
+    const char *data;
+} page;
+
+static void put_page(FILE *out, const void *what) {
+    const page *p = what;
+    const sl_page_files *files = p->files;
     fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
           "content=\"width=device-width, initial-scale=1\">\n"
           "<meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n<title>",
           out);
-    sl_put_escaped(out, title);
+    sl_put_escaped(out, p->title);
     fputs("</title>\n<style>\n", out);
     fwrite(files->css, 1, (size_t)(files->css_end - files->css), out);
     fputs("</style>\n</head>\n<body>\n", out);
-    if (*heading) {
+    if (*p->heading) {
         fputs("<header><h1>", out);
-        sl_put_escaped(out, heading);
+        sl_put_escaped(out, p->heading);
         fputs("</h1></header>\n", out);
     }
     fputs("<main></main>\n<script type=\"application/json\" id=\"data\">", out);
-    for (; *data; data++) { /* no tag may begin within the script element */
+    for (const char *data = p->data; *data; data++) { /* no tag may begin within the script element */
         if (*data == '<') fputs("\\u003c", out);
         else fputc(*data, out);
     }
@@ -128,14 +155,9 @@ static void put_page(FILE *out, const char *title, const char *heading, const sl
 
 sl_status sl_page_write(const char *path, const char *title, const char *heading, const sl_page_files *files,
                         const cJSON *data, sl_error *error) {
-    char *text = NULL, *json = cJSON_PrintUnformatted(data);
-    size_t size = 0;
-    FILE *out = json ? open_memstream(&text, &size) : NULL;
-    if (out) put_page(out, title, heading, files, json);
-    bool whole = out && !ferror(out);
-    if (out && fclose(out) != 0) whole = false;
-    sl_status status = whole ? sl_text_write(path, text, size, error) : sl_fail_memory(error, "the page");
-    free(text);
+    char *json = cJSON_PrintUnformatted(data);
+    const page p = {title, heading, files, json};
+    sl_status status = json ? sl_print_file(path, put_page, &p, error) : sl_fail_memory(error, "the page");
     cJSON_free(json);
     return status;
 }

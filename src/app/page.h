@@ -16,14 +16,18 @@ typedef struct sl_page_files {
 /* Writes the page, with its heading unless that is ""; the file appears whole or not at all. */
 sl_status sl_page_write(const char *path, const char *title, const char *heading, const sl_page_files *files,
                         const cJSON *data, sl_error *error);
-/* Writes a text file that appears whole or not at all. */
-sl_status sl_text_write(const char *path, const char *text, size_t size, sl_error *error);
+typedef void sl_printer(FILE *out, const void *what);
+/* Returns what is printed as text, which the caller frees; NULL: no memory. */
+char *sl_printed(sl_printer *print, const void *what);
+/* Writes it to a file that appears whole or not at all. */
+sl_status sl_print_file(const char *path, sl_printer *print, const void *what, sl_error *error);
 /* Prints and deletes the object, on one line if asked for. Names of files are bytes, JSON is UTF-8: each byte
  * that belongs to no character is a question mark. */
 void sl_json_print(cJSON *json, bool one_line);
+/* Adds an object of that name with the counters, also those that are 0 where asked for. */
+void sl_json_add_counters(cJSON *to, const char *name, const sl_counters *counters, bool zeros);
 /* Text as HTML and SVG have it. */
 void sl_put_escaped(FILE *out, const char *text);
-void sl_put_escaped_part(FILE *out, const char *text, size_t length);
 /* Bytes in base 64, which the caller frees; NULL: no memory. */
 char *sl_base_64(const void *bytes, size_t count);
 /* As PNG in base 64, which the caller frees; NULL: no memory. tone: of radiance; else values as they are. */

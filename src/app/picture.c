@@ -222,9 +222,7 @@ cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const 
     int width = o->settings.width, height = o->settings.height;
     if (!width) sl_scene_film(scene, &width, &height);
     cJSON *root = cJSON_CreateObject();
-    cJSON *size = cJSON_AddArrayToObject(root, "size");
-    cJSON_AddItemToArray(size, cJSON_CreateNumber(width));
-    cJSON_AddItemToArray(size, cJSON_CreateNumber(height));
+    cJSON_AddItemToObject(root, "size", cJSON_CreateIntArray((const int[]){width, height}, 2));
     cJSON_AddStringToObject(root, "scene", o->scene_path);
     cJSON_AddStringToObject(root, "method", o->settings.method);
     cJSON_AddStringToObject(root, "output", o->output);
@@ -235,10 +233,7 @@ cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const 
     cJSON_AddBoolToObject(root, "done", progress->done);
     cJSON_AddNumberToObject(root, "memory_bytes", (double)sl_method_memory_bytes(method));
     add_warnings(root, image);
-    cJSON *counters = cJSON_AddObjectToObject(root, "counters");
-    const sl_counters *c = sl_method_counters(method);
-    for (int i = 0; i < SL_COUNTERS; i++)
-        cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
+    sl_json_add_counters(root, "counters", sl_method_counters(method), true);
     return root;
 }
 

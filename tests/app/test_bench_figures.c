@@ -189,7 +189,7 @@ static sl_bench_row row(const char *curve, double seconds, double error) {
     static sl_trial trials[8];
     static int next;
     sl_trial *t = &trials[next++ % 8];
-    sl_bench_row r = {.trial = t, .end = SL_BENCH_RAN, .cpu = {1, seconds, seconds, seconds}};
+    sl_bench_row r = {.trial = t, .end = SL_CHILD_DONE, .cpu = {1, seconds, seconds, seconds}};
     snprintf(t->curve, sizeof t->curve, "%s", curve);
     snprintf(t->method, sizeof t->method, "%.*s", (int)strcspn(curve, ","), curve);
     snprintf(t->arguments, sizeof t->arguments, "%g", seconds);

@@ -77,7 +77,7 @@ static sl_child_outcome listen_to(int in, const sl_child_limits *limits, report 
     for (;;) {
         struct pollfd wait = {in, POLLIN, 0};
         int ready = poll(&wait, 1, 50);
-        if (limits->interrupted && limits->interrupted()) return SL_CHILD_INTERRUPTED;
+        if (limits->interrupted && limits->interrupted()) return SL_CHILD_LEFT_OUT;
         if (limits->seconds > 0.0 && sl_seconds_now() > until) return SL_CHILD_STOPPED;
         if (ready > 0 && !read_more(in, r)) return SL_CHILD_DONE;
     }
@@ -86,7 +86,7 @@ static sl_child_outcome listen_to(int in, const sl_child_limits *limits, report 
 static void explain(int how, const sl_child_limits *limits, const report *r, sl_child_end *end) {
     if (end->outcome == SL_CHILD_STOPPED) {
         snprintf(end->why, sizeof end->why, "stopped after %g seconds", limits->seconds);
-    } else if (end->outcome == SL_CHILD_INTERRUPTED) {
+    } else if (end->outcome == SL_CHILD_LEFT_OUT) {
         snprintf(end->why, sizeof end->why, "interrupted");
     } else if (WIFSIGNALED(how)) {
         end->outcome = SL_CHILD_CRASHED;

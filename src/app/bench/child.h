@@ -7,10 +7,10 @@
 
 typedef enum sl_child_outcome {
     SL_CHILD_DONE,
-    SL_CHILD_FAILED,     /* it said why */
-    SL_CHILD_CRASHED,    /* by a signal, or by an exit of its own */
-    SL_CHILD_STOPPED,    /* the seconds were up */
-    SL_CHILD_INTERRUPTED /* somebody wants this program to end */
+    SL_CHILD_FAILED,  /* it said why: out of memory, a scene that it cannot do */
+    SL_CHILD_CRASHED, /* by a signal, or by an exit of its own */
+    SL_CHILD_STOPPED, /* the seconds were up */
+    SL_CHILD_LEFT_OUT /* somebody wants this program to end; or it was not begun */
 } sl_child_outcome;
 
 typedef struct sl_child_limits {

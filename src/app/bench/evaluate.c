@@ -32,7 +32,7 @@ static bool list_references(const sl_bench_options *o, sl_bench_scene *s) {
     if (o->trials->truth[SL_BENCH_FULL]) add_reference(s, "full");
     if (o->trials->truth[SL_BENCH_ONE_BOUNCE]) add_reference(s, "one-bounce");
     for (size_t i = 0; i < s->row_count; i++) {
-        if (o->trials->truth[SL_BENCH_MATCHED] && s->rows[i].end == SL_BENCH_RAN)
+        if (o->trials->truth[SL_BENCH_MATCHED] && s->rows[i].end == SL_CHILD_DONE)
             add_reference(s, s->rows[i].trial->transport);
     }
     if (o->trials->truth[SL_BENCH_FULL]) add_reference(s, "direct");
@@ -41,7 +41,7 @@ static bool list_references(const sl_bench_options *o, sl_bench_scene *s) {
 
 static bool is_judged_by(const sl_bench_options *o, const sl_bench_row *row, const char *transport,
                          sl_bench_truth truth) {
-    if (row->end != SL_BENCH_RAN || !o->trials->truth[truth]) return false;
+    if (row->end != SL_CHILD_DONE || !o->trials->truth[truth]) return false;
     return strcmp(transport,
                   truth == SL_BENCH_MATCHED ? row->trial->transport : sl_bench_truth_name(truth)) == 0;
 }

@@ -60,7 +60,8 @@ typedef struct axis {
 } axis;
 
 typedef struct label {
-    const char *text, *class;
+    const char *text;
+    int class;
     double x, y, at; /* where the curve ends, and how high the name stands */
 } label;
 
@@ -68,16 +69,13 @@ static double place(const axis *a, double value) {
     return a->from + (log10(value) - a->least) / (a->most - a->least) * (a->to - a->from);
 }
 
-/* Returns which of the five methods' and two tracers' colours. */
-static const char *class_of(const char *curve) {
-    static const char *const names[] = {"splatting",     "direct-radiance", "light-octree",
-                                        "multi-mesh",    "shading-cache",   "path",
-                                        "bidirectional", "photons"};
-    static const char *const classes[] = {"m0", "m1", "m2", "m3", "m4", "m5", "m6", "m7"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        if (strncmp(curve, names[i], strlen(names[i])) == 0) return classes[i];
-    }
-    return "m7";
+/* Returns which of the five methods' and two tracers' colours; the last is the photon map's. */
+static int class_of(const char *curve) {
+    static const char *const names[] = {"splatting",     "direct-radiance", "light-octree", "multi-mesh",
+                                        "shading-cache", "path",            "bidirectional"};
+    int i = 0, count = sizeof names / sizeof *names;
+    while (i < count && strncmp(curve, names[i], strlen(names[i])) != 0) i++;
+    return i;
 }
 
 /* ---- error over time ---- */
@@ -126,15 +124,9 @@ static bool is_on_paper(const sl_bench_row *row, sl_bench_truth truth) {
     return row->cpu.median > 0.0 && row->error[truth].rel_rmse > 0.0;
 }
 
-static const char *tick_text(double value, char text[32]) {
-    snprintf(text, 32, "%.12g", value);
-    return text;
-}
-
 /* 1, 2, 5 of each power of ten, and their names. scale: the unit of the names. */
 static void put_axis(FILE *out, const axis *a, bool across, double scale) {
     static const double steps[] = {1.0, 2.0, 5.0};
-    char text[32];
     for (int power = (int)floor(a->least); power <= (int)ceil(a->most); power++) {
         for (int i = 0; i < 3; i++) {
             double value = steps[i] * pow(10.0, power), at = log10(value);
@@ -145,14 +137,14 @@ static void put_axis(FILE *out, const axis *a, bool across, double scale) {
                 fprintf(out, "<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%d\" y2=\"%d\"/>", p, p, TOP,
                         HEIGHT - BOTTOM);
                 if (named)
-                    fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%s</text>", p,
-                            HEIGHT - BOTTOM + 17, tick_text(scale * value, text));
+                    fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%.12g</text>", p,
+                            HEIGHT - BOTTOM + 17, scale * value);
             } else {
                 fprintf(out, "<line class=\"grid\" x1=\"%d\" x2=\"%d\" y1=\"%.1f\" y2=\"%.1f\"/>", LEFT,
                         WIDTH - RIGHT, p, p);
                 if (named)
-                    fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%s %%</text>", LEFT - 6,
-                            p + 4.0, tick_text(scale * value, text));
+                    fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%.12g %%</text>", LEFT - 6,
+                            p + 4.0, scale * value);
             }
         }
     }
@@ -170,31 +162,26 @@ static void put_goals(FILE *out, const axis *y) {
 }
 
 /* Qualities are large, other settings small; what is only known to be less than that points down. */
-static void put_point(FILE *out, const sl_bench_row *row, sl_bench_truth truth, bool best, const char *class,
+static void put_point(FILE *out, const sl_bench_row *row, sl_bench_truth truth, bool best, int class,
                       double x, double y) {
-    char error[32], seconds[32];
+    char error[32], seconds[32], title[2 * SL_BENCH_NAME + 80];
     double r = row->trial->quality == SL_BENCH_CURVE ? 2.6 : 4.4;
     sl_error_text(&row->error[truth], error);
     sl_seconds_text(row->cpu.median, seconds);
-    fprintf(out, "<g class=\"%s%s\">", best ? "f" : "off m", class + 1);
+    fprintf(out, "<g class=\"%s%d\">", best ? "f" : "off m", class);
     if (row->error[truth].lost)
         fprintf(out, "<path d=\"M%.1f %.1fh%.1fl%.1f %.1fz\">", x - r, y - r, 2.0 * r, -r, 2.0 * r);
     else fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\">", x, y, r);
+    snprintf(title, sizeof title, "%s, %s: %s s, %s", row->trial->curve, row->trial->name, seconds, error);
     fputs("<title>", out);
-    sl_put_escaped(out, row->trial->curve);
-    fputs(", ", out);
-    sl_put_escaped(out, row->trial->name);
-    fputs(": ", out);
-    sl_put_escaped(out, seconds);
-    fputs(" s, ", out);
-    sl_put_escaped(out, error);
+    sl_put_escaped(out, title);
     fprintf(out, "</title></%s></g>\n", row->error[truth].lost ? "path" : "circle");
 }
 
 static label put_curve(FILE *out, const sl_curve *c, sl_bench_truth truth, const axis *x, const axis *y) {
     label end = {c->name, class_of(c->name), 0.0, 0.0, 0.0};
     bool dashed = (strstr(c->name, "one-bounce") && truth == SL_BENCH_MATCHED) || strstr(c->name, "bounces");
-    fprintf(out, "<polyline class=\"line %s\"%s points=\"", end.class,
+    fprintf(out, "<polyline class=\"line m%d\"%s points=\"", end.class,
             dashed ? " stroke-dasharray=\"7 4\"" : "");
     for (size_t i = 0; i < c->count; i++) {
         if (!c->best[i] || !is_on_paper(c->row[i], truth)) continue;
@@ -226,10 +213,9 @@ static void put_labels(FILE *out, label *labels, size_t count) {
     for (size_t i = count; i-- > 0; limit -= apart) labels[i].at = fmin(labels[i].at, limit);
     for (size_t i = 0; i < count; i++) {
         const label *l = &labels[i];
-        fprintf(out, "<line class=\"lead %s\" x1=\"%.1f\" y1=\"%.1f\" x2=\"%d\" y2=\"%.1f\"/>", l->class,
+        fprintf(out, "<line class=\"lead m%d\" x1=\"%.1f\" y1=\"%.1f\" x2=\"%d\" y2=\"%.1f\"/>", l->class,
                 l->x + 5.0, l->y, WIDTH - RIGHT + 6, l->at);
-        fprintf(out, "<text class=\"n%s\" x=\"%d\" y=\"%.1f\">", l->class + 1, WIDTH - RIGHT + 9,
-                l->at + 4.0);
+        fprintf(out, "<text class=\"n%d\" x=\"%d\" y=\"%.1f\">", l->class, WIDTH - RIGHT + 9, l->at + 4.0);
         sl_put_escaped(out, l->text);
         fputs("</text>\n", out);
     }
@@ -277,7 +263,7 @@ static const style bar_style = {".plot .in{font-size:11px}",
 
 /* Leaves out the tracers, which have one pass, and nothing to show. */
 static bool is_shown(const sl_bench_row *r) {
-    return r->end == SL_BENCH_RAN && r->look && !sl_bench_is_tracer(r->trial);
+    return r->end == SL_CHILD_DONE && r->look && !sl_bench_is_tracer(r->trial);
 }
 
 static int bars_of(const sl_bench_scene *s) {
@@ -297,9 +283,12 @@ static double put_part(FILE *out, const char *name, double share, int number, do
     sl_put_escaped(out, name);
     fprintf(out, ": %.1f %%</title></rect>", 100.0 * share);
     if (room >= 4) {
+        char shown[128];
+        snprintf(shown, sizeof shown, "%.*s%s", length <= room ? length : room - 1, name,
+                 length <= room ? "" : ".");
         fprintf(out, "<text class=\"in\" x=\"%.1f\" y=\"%d\">", x + 4.0, y + 14);
-        sl_put_escaped_part(out, name, (size_t)(length <= room ? length : room - 1));
-        fputs(length <= room ? "</text>" : ".</text>", out);
+        sl_put_escaped(out, shown);
+        fputs("</text>", out);
     }
     return x + width;
 }
@@ -321,8 +310,8 @@ static void put_bar(FILE *out, const sl_bench_row *row, int y) {
 
 static void plot_parts(FILE *out, const sl_bench_scene *s) {
     int y = HEAD;
-    begin(out, &bar_style, BAR_LEFT + BAR_WIDTH + 16,
-                  HEAD + bars_of(s) * BAR_STEP + 8, s->name, ": parts of a picture's processor time");
+    begin(out, &bar_style, BAR_LEFT + BAR_WIDTH + 16, HEAD + bars_of(s) * BAR_STEP + 8, s->name,
+          ": parts of a picture's processor time");
     for (size_t i = 0; i < s->row_count; i++) {
         if (!is_shown(&s->rows[i])) continue;
         put_bar(out, &s->rows[i], y);
@@ -331,13 +320,12 @@ static void plot_parts(FILE *out, const sl_bench_scene *s) {
     fputs("</svg>\n", out);
 }
 
-bool sl_plot_is_there(const sl_bench_scene *s, int plot) {
-    return plot == SL_PLOT_PARTS ? bars_of(s) > 0 : has_curves(s, (sl_bench_truth)plot);
+bool sl_plot_is_there(const sl_plot *p) {
+    return p->plot == SL_PLOT_PARTS ? bars_of(p->scene) > 0 : has_curves(p->scene, (sl_bench_truth)p->plot);
 }
 
-bool sl_plot(FILE *out, const sl_bench_scene *s, int plot) {
-    if (!sl_plot_is_there(s, plot)) return false;
-    if (plot == SL_PLOT_PARTS) plot_parts(out, s);
-    else plot_curves(out, s, (sl_bench_truth)plot);
-    return true;
+void sl_put_plot(FILE *out, const void *plot) {
+    const sl_plot *p = plot;
+    if (p->plot == SL_PLOT_PARTS) plot_parts(out, p->scene);
+    else plot_curves(out, p->scene, (sl_bench_truth)p->plot);
 }

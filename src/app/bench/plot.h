@@ -10,10 +10,15 @@
  * processor time of a picture, a bar a setting. */
 enum { SL_PLOT_PARTS = SL_BENCH_TRUTHS, SL_PLOTS };
 
+typedef struct sl_plot {
+    const sl_bench_scene *scene;
+    int plot;
+} sl_plot;
+
 const char *sl_plot_name(int plot);
 /* Tells whether there is anything to be drawn: two settings with a known error, or one that was looked at. */
-bool sl_plot_is_there(const sl_bench_scene *scene, int plot);
-/* Draws it; false: there is nothing. */
-bool sl_plot(FILE *out, const sl_bench_scene *scene, int plot);
+bool sl_plot_is_there(const sl_plot *plot);
+/* Draws an sl_plot. */
+void sl_put_plot(FILE *out, const void *plot);
 
 #endif

@@ -28,7 +28,7 @@ static void put_csv_row(FILE *out, const sl_bench_scene *s, const sl_bench_row *
     fprintf(out, "%s,%s,", sl_bench_quality_name(r->trial->quality), r->trial->transport);
     put_quoted(out, r->trial->arguments);
     fprintf(out, "%s,", sl_bench_end_name(r->end));
-    put_quoted(out, r->end == SL_BENCH_RAN ? "" : r->why);
+    put_quoted(out, r->end == SL_CHILD_DONE ? "" : r->why);
     fprintf(out, "%d,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.0f,%.0f", r->cpu.count, r->cpu.median,
             r->cpu.least, r->cpu.most, r->wall.median, r->wall.least, r->wall.most,
             sl_bench_number(r->look, "first_picture"), sl_bench_number(r->result, "peak_bytes"),
@@ -49,7 +49,8 @@ static void put_csv_row(FILE *out, const sl_bench_scene *s, const sl_bench_row *
     fputc('\n', out);
 }
 
-static void put_csv(FILE *out, const sl_bench_results *results) {
+static void put_csv(FILE *out, const void *what) {
+    const sl_bench_results *results = what;
     fputs("scene,hash,width,height,method,curve,setting,quality,transport,arguments,end,why,runs,"
           "cpu_seconds,cpu_least,cpu_most,wall_seconds,wall_least,wall_most,first_picture_cpu_seconds,"
           "peak_bytes,method_bytes,rays,shadow_rays,records,samples,fragments_shaded",
@@ -69,48 +70,19 @@ static void put_csv(FILE *out, const sl_bench_results *results) {
 
 /* ---- files ---- */
 
-/* What a file shows: all results, or a plot of one scene. */
-typedef struct shown {
-    const sl_bench_results *results;
-    void (*put)(FILE *out, const sl_bench_results *results);
-    const sl_bench_scene *scene;
-    int plot;
-} shown;
-
-static bool put(FILE *out, const shown *s) {
-    if (s->scene) return sl_plot(out, s->scene, s->plot);
-    s->put(out, s->results);
-    return true;
-}
-
-/* Writes nothing where there is nothing to be seen. */
-static sl_status write_file(const shown *s, const char *folder, const char *name, sl_error *error) {
-    char *text = NULL, path[SL_BENCH_PATH];
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    bool any = out && put(out, s), whole = out && !ferror(out);
-    if (out && fclose(out) != 0) whole = false;
-    snprintf(path, sizeof path, "%.900s/%.110s", folder, name);
-    sl_status status = !whole ? sl_fail_memory(error, name)
-                       : any  ? sl_text_write(path, text, size, error)
-                              : SL_OK;
-    free(text);
-    return status;
-}
-
-static void put_markdown(FILE *out, const sl_bench_results *results) {
+static void put_markdown(FILE *out, const void *what) {
+    const sl_bench_results *results = what;
     sl_report_overview(out, results);
     for (size_t s = 0; s < results->scene_count; s++) sl_report_scene(out, &results->scenes[s]);
 }
 
-static sl_status write_plots(const sl_bench_results *r, const char *folder, sl_error *error) {
+static sl_status write_plots(const sl_bench_scene *s, const char *folder, sl_error *error) {
     sl_status status = SL_OK;
-    for (size_t i = 0; i < r->scene_count * SL_PLOTS && status == SL_OK; i++) {
-        const sl_bench_scene *s = &r->scenes[i / SL_PLOTS];
-        int plot = (int)(i % SL_PLOTS);
-        char name[SL_BENCH_NAME + 32];
-        snprintf(name, sizeof name, "%s-%s.svg", s->name, sl_plot_name(plot));
-        status = write_file(&(shown){.scene = s, .plot = plot}, folder, name, error);
+    for (int i = 0; i < SL_PLOTS && status == SL_OK; i++) {
+        const sl_plot plot = {s, i};
+        char path[SL_BENCH_PATH];
+        snprintf(path, sizeof path, "%.800s/%s-%s.svg", folder, s->name, sl_plot_name(i));
+        if (sl_plot_is_there(&plot)) status = sl_print_file(path, sl_put_plot, &plot, error);
     }
     return status;
 }
@@ -118,17 +90,18 @@ static sl_status write_plots(const sl_bench_results *r, const char *folder, sl_e
 sl_status sl_report_write(const sl_bench_results *r, const char *folder, sl_error *error) {
     static const struct {
         const char *name;
-        void (*put)(FILE *out, const sl_bench_results *results);
-    } files[] = {{"results.csv", put_csv},
-                 {"report.md", put_markdown},
-                 {"tables.md", sl_report_tables}};
-    char page[SL_BENCH_PATH];
+        sl_printer *put;
+    } files[] = {{"results.csv", put_csv}, {"report.md", put_markdown}, {"tables.md", sl_report_tables}};
+    char path[SL_BENCH_PATH];
     sl_status status = SL_OK;
-    for (size_t i = 0; i < sizeof files / sizeof *files && status == SL_OK; i++)
-        status = write_file(&(shown){.results = r, .put = files[i].put}, folder, files[i].name, error);
-    if (status == SL_OK) status = write_plots(r, folder, error);
-    snprintf(page, sizeof page, "%.1000s/report.html", folder);
-    return status == SL_OK ? sl_report_page(r, page, error) : status;
+    for (size_t i = 0; i < sizeof files / sizeof *files && status == SL_OK; i++) {
+        snprintf(path, sizeof path, "%.1000s/%s", folder, files[i].name);
+        status = sl_print_file(path, files[i].put, r, error);
+    }
+    for (size_t i = 0; i < r->scene_count && status == SL_OK; i++)
+        status = write_plots(&r->scenes[i], folder, error);
+    snprintf(path, sizeof path, "%.1000s/report.html", folder);
+    return status == SL_OK ? sl_report_page(r, path, error) : status;
 }
 
 /* ---- texts ---- */

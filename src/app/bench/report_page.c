@@ -11,10 +11,10 @@
 extern const char _binary_src_app_bench_page_css_start[], _binary_src_app_bench_page_css_end[];
 extern const char _binary_src_app_bench_page_js_start[], _binary_src_app_bench_page_js_end[];
 
-/* Adds what was printed to a stream in memory. */
-static void add_printed(cJSON *to, const char *name, FILE *out, char **text) {
-    if (out && fclose(out) == 0) cJSON_AddStringToObject(to, name, *text);
-    free(*text);
+static void add_printed(cJSON *to, const char *name, sl_printer *print, const void *what) {
+    char *text = sl_printed(print, what);
+    if (text) cJSON_AddStringToObject(to, name, text);
+    free(text);
 }
 
 static void add_figure(cJSON *to, const char *picture, const char *title, const char *note) {
@@ -49,16 +49,10 @@ static void add_references(cJSON *to, const sl_bench_scene *s) {
 
 static cJSON *scene_json(const sl_bench_scene *s) {
     cJSON *json = cJSON_CreateObject(), *plots = cJSON_AddObjectToObject(json, "plots");
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (out) sl_report_scene(out, s);
-    add_printed(json, "text", out, &text);
-    for (int plot = 0; plot < SL_PLOTS; plot++) {
-        char *svg = NULL;
-        out = sl_plot_is_there(s, plot) ? open_memstream(&svg, &size) : NULL;
-        if (out) sl_plot(out, s, plot);
-        add_printed(plots, sl_plot_name(plot), out, &svg);
+    add_printed(json, "text", sl_report_scene, s);
+    for (int i = 0; i < SL_PLOTS; i++) {
+        const sl_plot plot = {s, i};
+        if (sl_plot_is_there(&plot)) add_printed(plots, sl_plot_name(i), sl_put_plot, &plot);
     }
     add_differences(cJSON_AddArrayToObject(json, "differences"), s);
     add_references(cJSON_AddArrayToObject(json, "references"), s);
@@ -70,11 +64,7 @@ sl_status sl_report_page(const sl_bench_results *r, const char *path, sl_error *
         _binary_src_app_bench_page_css_start, _binary_src_app_bench_page_css_end,
         _binary_src_app_bench_page_js_start, _binary_src_app_bench_page_js_end};
     cJSON *data = cJSON_CreateObject(), *scenes = cJSON_AddArrayToObject(data, "scenes");
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (out) sl_report_overview(out, r);
-    add_printed(data, "overview", out, &text);
+    add_printed(data, "overview", sl_report_overview, r);
     for (size_t s = 0; s < r->scene_count; s++) cJSON_AddItemToArray(scenes, scene_json(&r->scenes[s]));
     sl_status status = sl_page_write(path, "softlux: speed against error", "", &files, data, error);
     cJSON_Delete(data);

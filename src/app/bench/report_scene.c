@@ -21,7 +21,7 @@ static void put_spread(FILE *out, const sl_bench_spread *s) {
 static void put_row(FILE *out, const sl_bench_row *r) {
     char text[32];
     fprintf(out, "| %s | %s |", r->trial->curve, r->trial->name);
-    if (r->end != SL_BENCH_RAN) {
+    if (r->end != SL_CHILD_DONE) {
         fprintf(out, " %s: %s | | | | | | | | `%s` |\n", sl_bench_end_name(r->end), r->why,
                 r->trial->arguments);
         return;
@@ -75,7 +75,8 @@ static void put_reference(FILE *out, const sl_bench_reference *r) {
     else fputs(strcmp(r->transport, "full") == 0 ? " 100 % | |\n" : " | |\n", out);
 }
 
-void sl_report_scene(FILE *out, const sl_bench_scene *s) {
+void sl_report_scene(FILE *out, const void *what) {
+    const sl_bench_scene *s = what;
     fprintf(out, "\n## %s\n\n", s->name);
     if (s->trouble[0]) {
         fprintf(out, "Nothing was measured: %s\n", s->trouble);
@@ -88,7 +89,7 @@ void sl_report_scene(FILE *out, const sl_bench_scene *s) {
     for (size_t i = 0; i < s->row_count; i++) put_row(out, &s->rows[i]);
     fputc('\n', out);
     for (int i = 0; i < SL_PLOTS; i++)
-        if (sl_plot_is_there(s, i))
+        if (sl_plot_is_there(&(sl_plot){s, i}))
             fprintf(out, "![%s, %s](%s-%s.svg)\n", s->name, sl_plot_name(i), s->name, sl_plot_name(i));
     put_times(out, s, SL_BENCH_ONE_BOUNCE, "Against one bounce");
     put_times(out, s, SL_BENCH_FULL, "Against full global illumination");
@@ -114,7 +115,7 @@ static void print_lead(FILE *out, const sl_bench_scene *s, double error) {
 static void print_row(FILE *out, const sl_bench_row *r) {
     char seconds[32], errors[SL_BENCH_TRUTHS][32];
     fprintf(out, "  %-26s %-34s ", r->trial->curve, r->trial->name);
-    if (r->end != SL_BENCH_RAN) {
+    if (r->end != SL_CHILD_DONE) {
         fprintf(out, "%s: %s\n", sl_bench_end_name(r->end), r->why);
         return;
     }

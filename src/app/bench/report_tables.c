@@ -23,7 +23,7 @@ static void put_machine(FILE *out, const sl_bench_results *r) {
     for (size_t i = 0; i < r->scene_count; i++) {
         const sl_bench_scene *s = &r->scenes[i];
         scenes += is_measured(s);
-        for (size_t k = 0; k < s->row_count; k++) rows += s->rows[k].end == SL_BENCH_RAN;
+        for (size_t k = 0; k < s->row_count; k++) rows += s->rows[k].end == SL_CHILD_DONE;
         for (size_t k = 0; k < s->reference_count; k++) {
             const sl_bench_reference *reference = &s->references[k];
             if (!(reference->wanted > 0.0)) continue;
@@ -154,7 +154,7 @@ static size_t least_errors(const sl_bench_results *r, const char *curve, sl_benc
         double least = HUGE_VAL;
         for (size_t k = 0; k < s->row_count; k++) {
             const sl_bench_row *row = &s->rows[k];
-            if (row->end == SL_BENCH_RAN && strcmp(row->trial->curve, curve) == 0 && row->error[truth].known)
+            if (row->end == SL_CHILD_DONE && strcmp(row->trial->curve, curve) == 0 && row->error[truth].known)
                 least = fmin(least, error_of(row, truth));
         }
         if (least < HUGE_VAL) to[count++] = (least_error){s->name, least};
@@ -198,7 +198,7 @@ static const sl_bench_row *row_of(const sl_bench_scene *s, const char *curve, in
     for (size_t i = 0; i < s->row_count; i++) {
         const sl_bench_row *row = &s->rows[i];
         if ((int)row->trial->quality == quality && strcmp(row->trial->curve, curve) == 0)
-            return row->end == SL_BENCH_RAN && row->error[SL_BENCH_MATCHED].known ? row : NULL;
+            return row->end == SL_CHILD_DONE && row->error[SL_BENCH_MATCHED].known ? row : NULL;
     }
     return NULL;
 }
@@ -307,7 +307,8 @@ static void put_promises(FILE *out, const sl_bench_results *r) {
 
 /* ---- all together ---- */
 
-void sl_report_tables(FILE *out, const sl_bench_results *results) {
+void sl_report_tables(FILE *out, const void *what) {
+    const sl_bench_results *results = what;
     static const struct {
         const char *name;
         void (*put)(FILE *out, const sl_bench_results *results);
@@ -325,7 +326,8 @@ void sl_report_tables(FILE *out, const sl_bench_results *results) {
     }
 }
 
-void sl_report_overview(FILE *out, const sl_bench_results *r) {
+void sl_report_overview(FILE *out, const void *results) {
+    const sl_bench_results *r = results;
     fputs("# Speed against error\n\n", out);
     put_machine(out, r);
     fputs(

@@ -82,8 +82,8 @@ static void put_row(FILE *out, const sl_trial_table *table, const char *scene, c
     char column[CELL];
     sl_image *picture = NULL;
     fprintf(out, "| %s | %s |", scene, row->trial->name);
-    if (row->end == SL_BENCH_RAN && sl_image_read(row->picture, &picture, NULL) != SL_OK) picture = NULL;
-    if (row->end != SL_BENCH_RAN) fprintf(out, " %s: %s |", sl_bench_end_name(row->end), row->why);
+    if (row->end == SL_CHILD_DONE && sl_image_read(row->picture, &picture, NULL) != SL_OK) picture = NULL;
+    if (row->end != SL_CHILD_DONE) fprintf(out, " %s: %s |", sl_bench_end_name(row->end), row->why);
     else
         while (next_column(&at, column)) put_cell(out, row, picture, column);
     fputc('\n', out);

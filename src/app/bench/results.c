@@ -66,7 +66,7 @@ bool sl_bench_is_tracer(const sl_trial *trial) {
     return strcmp(trial->method, "path") == 0 || strcmp(trial->method, "bidirectional") == 0;
 }
 
-const char *sl_bench_end_name(sl_bench_end end) {
+const char *sl_bench_end_name(sl_child_outcome end) {
     static const char *const names[] = {"ran", "failed", "crashed", "stopped", "left out"};
     return names[end];
 }
@@ -91,7 +91,7 @@ size_t sl_curves_of(const sl_bench_scene *s, sl_bench_truth truth, sl_curve curv
     size_t count = 0;
     for (size_t i = 0; i < s->row_count; i++) {
         const sl_bench_row *row = &s->rows[i];
-        if (row->end != SL_BENCH_RAN || !row->error[truth].known || row->cpu.count == 0 ||
+        if (row->end != SL_CHILD_DONE || !row->error[truth].known || row->cpu.count == 0 ||
             !(row->cpu.median > 0.0))
             continue;
         size_t k = 0;

@@ -6,14 +6,6 @@
 
 #include <cjson/cJSON.h>
 
-typedef enum sl_bench_end {
-    SL_BENCH_RAN,
-    SL_BENCH_FAILED,  /* with an error message of its own: out of memory, a scene that it cannot do */
-    SL_BENCH_CRASHED,
-    SL_BENCH_STOPPED, /* by the limit of seconds */
-    SL_BENCH_LEFT_OUT /* cheaper settings took too long, or somebody interrupted */
-} sl_bench_end;
-
 /* The middle of repeated measurements, and the first and last of them in order of size. */
 typedef struct sl_bench_spread {
     int count;
@@ -36,7 +28,7 @@ typedef struct sl_bench_error {
 /* One setting of one method. */
 typedef struct sl_bench_row {
     const sl_trial *trial;
-    sl_bench_end end;
+    sl_child_outcome end;
     char why[256];             /* where it did not run to its end */
     /* seconds until the picture was there, reading the scene not included; cpu: of all threads */
     sl_bench_spread cpu, wall;
@@ -100,7 +92,7 @@ double sl_bench_counter(const sl_bench_row *row, sl_counter counter);
 bool sl_bench_promises(const sl_bench_row *row);
 /* Tells whether the trial is one of the reference tracers'. */
 bool sl_bench_is_tracer(const sl_trial *trial);
-const char *sl_bench_end_name(sl_bench_end end);
+const char *sl_bench_end_name(sl_child_outcome end);
 
 /* ---- curves ---- */
 

@@ -52,7 +52,7 @@ static void key_of(const sl_bench_options *o, const sl_bench_scene *s, const sl_
 }
 
 static cJSON *make_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key,
-                         sl_bench_end end, const char *why, cJSON *result) {
+                         sl_child_outcome end, const char *why, cJSON *result) {
     cJSON *entry = cJSON_CreateObject();
     cJSON_AddStringToObject(entry, "key", key);
     cJSON_AddStringToObject(entry, "program", o->program);
@@ -63,12 +63,12 @@ static cJSON *make_entry(const sl_bench_options *o, const sl_bench_scene *s, con
     return entry;
 }
 
-static sl_bench_end end_of(const cJSON *entry) {
+static sl_child_outcome end_of(const cJSON *entry) {
     const char *end = cJSON_GetStringValue(cJSON_GetObjectItem(entry, "end"));
-    for (int e = SL_BENCH_RAN; end && e <= SL_BENCH_STOPPED; e++) {
-        if (strcmp(end, sl_bench_end_name((sl_bench_end)e)) == 0) return (sl_bench_end)e;
+    for (int e = SL_CHILD_DONE; end && e <= SL_CHILD_STOPPED; e++) {
+        if (strcmp(end, sl_bench_end_name((sl_child_outcome)e)) == 0) return (sl_child_outcome)e;
     }
-    return SL_BENCH_CRASHED;
+    return SL_CHILD_CRASHED;
 }
 
 /* Finds the entry of a run; what was stopped, or ran out of memory, is no answer where more is allowed now.
@@ -78,11 +78,11 @@ static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *
     char key[KEY];
     key_of(o, s, t, run, key);
     const cJSON *entry = sl_journal_find(journal, key);
-    if (!entry || end_of(entry) == SL_BENCH_RAN) return entry;
+    if (!entry || end_of(entry) == SL_CHILD_DONE) return entry;
     double limit = sl_bench_number(entry, "limit"), memory = sl_bench_number(entry, "memory");
     bool more_time = limit > 0.0 && (o->limit <= 0.0 || o->limit > limit);
     bool more_memory = memory > 0.0 && (!o->memory_bytes || (double)o->memory_bytes > memory);
-    return (end_of(entry) == SL_BENCH_STOPPED && more_time) || more_memory ? NULL : entry;
+    return (end_of(entry) == SL_CHILD_STOPPED && more_time) || more_memory ? NULL : entry;
 }
 
 static double seconds_of(const cJSON *entry) {
@@ -96,7 +96,7 @@ static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_
     for (const sl_trial *t = o->trials->trial; trial->ordered && t != trial; t++) {
         bool cheaper = t->ordered && t->table == trial->table && strcmp(t->curve, trial->curve) == 0;
         const cJSON *entry = cheaper ? find_entry(o, s, journal, t, 0) : NULL;
-        if (entry && (end_of(entry) == SL_BENCH_STOPPED ||
+        if (entry && (end_of(entry) == SL_CHILD_STOPPED ||
                       (o->limit > 0.0 && seconds_of(entry) > most_of_limit * o->limit)))
             return t;
     }
@@ -121,10 +121,10 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
     char picture[SL_BENCH_PATH];
     const cJSON *entry = find_entry(o, s, journal, t, run);
     picture_path(o, s, t, picture);
-    if (entry) return run == 0 && end_of(entry) == SL_BENCH_RAN && access(picture, R_OK) != 0;
+    if (entry) return run == 0 && end_of(entry) == SL_CHILD_DONE && access(picture, R_OK) != 0;
     if (run == 0) return !stopped_before(o, s, journal, t);
     entry = find_entry(o, s, journal, t, 0);
-    if (!entry || end_of(entry) != SL_BENCH_RAN) return false;
+    if (!entry || end_of(entry) != SL_CHILD_DONE) return false;
     if (run == LOOK && t->table >= 0) return true; /* its table asks for it */
     const double seconds = sl_bench_number(cJSON_GetObjectItem(entry, "result"), "cpu_seconds");
     return seconds < (double)(run == LOOK ? LONG_LOOK_SECONDS : LONG_SECONDS);
@@ -142,9 +142,9 @@ static sl_status measure(const sl_bench_options *o, const sl_bench_scene *s, sl_
     sl_trial_run work = {t->arguments, s->path, s->width, s->height, o->threads, run == LOOK,
                          run == 0 && o->trials->estimates, run == 0 ? picture : NULL, o->load};
     sl_status status = sl_child_run(sl_trial_work, &work, &limits, &end, error);
-    if (status == SL_OK && end.outcome != SL_CHILD_INTERRUPTED) {
+    if (status == SL_OK && end.outcome != SL_CHILD_LEFT_OUT) {
         cJSON *result = end.outcome == SL_CHILD_DONE ? cJSON_Parse(end.text) : NULL;
-        cJSON *entry = make_entry(o, s, key, (sl_bench_end)end.outcome, end.why, result);
+        cJSON *entry = make_entry(o, s, key, end.outcome, end.why, result);
         cJSON_AddNumberToObject(entry, "limit", o->limit);
         cJSON_AddNumberToObject(entry, "memory", (double)o->memory_bytes);
         status = sl_journal_add(journal, entry, error);
@@ -152,10 +152,6 @@ static sl_status measure(const sl_bench_options *o, const sl_bench_scene *s, sl_
     free(end.text);
     return status;
 }
-_Static_assert((int)SL_BENCH_STOPPED == (int)SL_CHILD_STOPPED &&
-                   (int)SL_BENCH_CRASHED == (int)SL_CHILD_CRASHED,
-               "one order in both");
-
 /* Runs every trial of a rank that is wanted; looks come after the first round. */
 static sl_status run_rank(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal, int round,
                           int rank, double from, sl_error *error) {
@@ -196,7 +192,7 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     enum { MOST = 64 };
     double cpu[MOST], wall[MOST];
     int runs = 0;
-    *row = (sl_bench_row){.trial = t, .end = SL_BENCH_LEFT_OUT};
+    *row = (sl_bench_row){.trial = t, .end = SL_CHILD_LEFT_OUT};
     const sl_trial *cheaper = stopped_before(o, s, journal, t);
     if (cheaper)
         snprintf(row->why, sizeof row->why, "'%s' took most of the limit of seconds, and this takes longer",
@@ -231,7 +227,7 @@ sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const s
         sl_bench_row *row = &s->rows[s->row_count];
         if (!is_wanted(o, s, t)) continue;
         make_row(o, s, journal, t, row);
-        bool tried = row->end != SL_BENCH_LEFT_OUT || stopped_before(o, s, journal, t);
+        bool tried = row->end != SL_CHILD_LEFT_OUT || stopped_before(o, s, journal, t);
         if (tried || !o->report_only) s->row_count++;
     }
     return SL_OK;

@@ -1,6 +1,7 @@
 /* One trial, in its own process: a scene, a method, a picture, and what they cost. */
 #include "app/bench/trials.h"
 #include "app/options.h"
+#include "app/page.h"
 #include "app/clock.h"
 
 #include <cjson/cJSON.h>
@@ -76,12 +77,7 @@ static cJSON *report(const sl_trial_run *run, const made *m, sl_pass_times *watc
     cJSON_AddNumberToObject(root, "wall_seconds", m->wall);
     cJSON_AddNumberToObject(root, "peak_bytes", 1024.0 * (double)usage.ru_maxrss);
     cJSON_AddNumberToObject(root, "method_bytes", (double)sl_method_memory_bytes(m->method));
-    cJSON *counters = cJSON_AddObjectToObject(root, "counters");
-    const sl_counters *c = sl_method_counters(m->method);
-    for (int i = 0; i < SL_COUNTERS; i++) {
-        if (c->value[i])
-            cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)c->value[i]);
-    }
+    sl_json_add_counters(root, "counters", sl_method_counters(m->method), false);
     if (run->look) {
         cJSON_AddNumberToObject(root, "first_picture", m->first_picture);
         add_parts(root, watch);

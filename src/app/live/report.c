@@ -11,9 +11,7 @@ static double each(double seconds, uint64_t count) { return count ? 1e3 * second
 
 static cJSON *json_of(const sl_show_report *r) {
     cJSON *root = cJSON_CreateObject();
-    cJSON *size = cJSON_AddArrayToObject(root, "size");
-    cJSON_AddItemToArray(size, cJSON_CreateNumber(r->width));
-    cJSON_AddItemToArray(size, cJSON_CreateNumber(r->height));
+    cJSON_AddItemToObject(root, "size", cJSON_CreateIntArray((const int[]){r->width, r->height}, 2));
     cJSON_AddStringToObject(root, "scene", r->scene);
     cJSON_AddStringToObject(root, "method", r->method);
     cJSON_AddNumberToObject(root, "seconds", r->seconds);
@@ -36,9 +34,7 @@ static cJSON *json_of(const sl_show_report *r) {
         const sl_pass_time *s = &r->stages->pass[i];
         cJSON_AddNumberToObject(stages, s->name, each(s->seconds, s->times));
     }
-    cJSON *counters = cJSON_AddObjectToObject(root, "counters");
-    for (int i = 0; i < SL_COUNTERS; i++)
-        cJSON_AddNumberToObject(counters, sl_counter_name((sl_counter)i), (double)r->counters.value[i]);
+    sl_json_add_counters(root, "counters", &r->counters, true);
     return root;
 }
 

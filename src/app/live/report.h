@@ -7,9 +7,7 @@
 typedef struct sl_show_report {
     const char *scene, *method;
     int width, height;
-    unsigned threads;
     double seconds;
-    double frames_per_second;     /* wanted; 0: as many as can be */
     uint64_t frames, missed;
     double drawing, longest;      /* seconds of the drawing thread, and by the clock */
     /* seconds from moves to frames that show what they have changed: their sum over last.changes_shown, and

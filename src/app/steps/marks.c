@@ -87,15 +87,8 @@ static void put_mark(FILE *out, const sl_mark_view *view, const sl_mark *m) {
     }
 }
 
-char *sl_marks_draw(const sl_mark_view *view, const sl_mark *marks, size_t count, size_t limit) {
-    char *text = NULL;
-    size_t size = 0, drawn = count < limit ? count : limit;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return NULL;
-    for (size_t i = 0; i < drawn; i++) put_mark(out, view, &marks[i * count / drawn]);
-    if (fclose(out) != 0) {
-        free(text);
-        return NULL;
-    }
-    return text;
+void sl_marks_put(FILE *out, const void *marks) {
+    const sl_marks *m = marks;
+    size_t drawn = m->count < m->limit ? m->count : m->limit;
+    for (size_t i = 0; i < drawn; i++) put_mark(out, m->view, &m->marks[i * m->count / drawn]);
 }

@@ -18,8 +18,13 @@ typedef struct sl_mark_view {
 
 /* Column and row, from the top, of a point; false: behind the eye. */
 bool sl_mark_project(const sl_mark_view *view, const float at[3], double *column, double *row);
-/* SVG elements for the visible ones among at most `limit` marks, evenly chosen, as text that the caller
- * frees; NULL: no memory. */
-char *sl_marks_draw(const sl_mark_view *view, const sl_mark *marks, size_t count, size_t limit);
+typedef struct sl_marks {
+    const sl_mark_view *view;
+    const sl_mark *marks;
+    size_t count, limit;
+} sl_marks;
+
+/* Prints SVG elements for the visible ones among at most `limit` of sl_marks, evenly chosen. */
+void sl_marks_put(FILE *out, const void *marks);
 
 #endif

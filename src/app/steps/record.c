@@ -130,8 +130,9 @@ static void on_pass(void *context, const sl_pass *pass) {
         r->failed = r->failed || !step->latest;
     }
     if (pass->mark_count) {
+        const sl_marks marks = {&r->view, pass->marks, pass->mark_count, MARKS_SHOWN};
         free(step->latest_marks);
-        step->latest_marks = sl_marks_draw(&r->view, pass->marks, pass->mark_count, MARKS_SHOWN);
+        step->latest_marks = sl_printed(sl_marks_put, &marks);
         r->failed = r->failed || !step->latest_marks;
     }
 }
@@ -194,15 +195,13 @@ static int by_place(const void *a, const void *b) {
 }
 
 static cJSON *json_of(sl_step *step) {
-    cJSON *json = cJSON_CreateObject(), *cost = cJSON_AddObjectToObject(json, "cost");
+    cJSON *json = cJSON_CreateObject();
+    sl_json_add_counters(json, "cost", &step->cost, false);
     cJSON_AddStringToObject(json, "name", step->name);
     cJSON_AddStringToObject(json, "source", step->source);
     cJSON_AddNumberToObject(json, "times", (double)step->times);
     cJSON_AddNumberToObject(json, "width", step->width);
     cJSON_AddNumberToObject(json, "height", step->height);
-    for (int i = 0; i < SL_COUNTERS; i++)
-        if (step->cost.value[i])
-            cJSON_AddNumberToObject(cost, sl_counter_name((sl_counter)i), (double)step->cost.value[i]);
     if (step->told) cJSON_AddItemToObject(json, "told", cJSON_Duplicate(step->told, true));
     cJSON_AddItemToObject(json, "frames", step->frames);
     step->frames = NULL;
