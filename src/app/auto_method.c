@@ -47,21 +47,16 @@ static sl_settings small_picture(const sl_scene *scene, const sl_settings *base,
     return s;
 }
 
-static sl_status mean_of_picture(const sl_scene *scene, const sl_settings *s, double *mean, sl_error *error) {
+/* Finds the mean of a small picture, of which the paths are no less than `least`: noise must not make shares
+ * negative. */
+static sl_status mean_light(const sl_scene *scene, const sl_settings *small, double least, double *mean,
+                            sl_error *error) {
     sl_image *image = NULL;
-    sl_status status = sl_picture_make(scene, s, HUGE_VAL, &image, error);
-    if (status == SL_OK) *mean = mean_of(image);
+    sl_status status = sl_picture_make(scene, small, HUGE_VAL, &image, error);
+    if (status == SL_OK) *mean = fmax(mean_of(image), least);
     sl_image_destroy(image);
     return status;
 }
-
-static sl_status mean_light(const sl_scene *scene, const sl_settings *base, const char *method,
-                            const char *transport, double *mean, sl_error *error) {
-    const sl_settings s = small_picture(scene, base, method, transport);
-    return mean_of_picture(scene, &s, mean, error);
-}
-
-static double at_least(double a, double b) { return a > b ? a : b; }
 
 /* What a scene looks like from afar. */
 typedef struct scene_kind {
@@ -76,22 +71,21 @@ static sl_status look_at(const sl_scene *scene, const sl_settings *base, scene_k
     enum { MANY = 50 };
     sl_features f = sl_scene_features(scene);
     bool mirrors = f.mirror_triangles > 0;
-    double direct = 0.0, one = 0.0, surfaces = 0.0, all;
-    sl_status status = mean_light(scene, base, "path", "direct", &direct, error);
-    if (status == SL_OK) status = mean_light(scene, base, "path", "one-bounce", &one, error);
-    if (status == SL_OK) /* bounces off glossy surfaces count as mirrored where there are mirrors */
-        status = mean_light(scene, base, "path", mirrors ? "matched:splatting" : "full", &surfaces, error);
-    all = surfaces;
-    if (status == SL_OK && mirrors) status = mean_light(scene, base, "bidirectional", "full", &all, error);
-    one = at_least(one, direct); /* noise must not make shares negative */
-    surfaces = at_least(surfaces, one);
-    all = at_least(all, surfaces);
+    /* bounces off glossy surfaces count as mirrored where there are mirrors */
+    const char *const paths[] = {"direct", "one-bounce", mirrors ? "matched:splatting" : "full", "full"};
+    double mean[4] = {0.0};
+    sl_status status = SL_OK;
+    for (int i = 0; i < (mirrors ? 4 : 3) && status == SL_OK; i++) {
+        sl_settings small = small_picture(scene, base, i == 3 ? "bidirectional" : "path", paths[i]);
+        status = mean_light(scene, &small, i ? mean[i - 1] : 0.0, &mean[i], error);
+    }
+    double direct = mean[0], one = mean[1], surfaces = mean[2], all = mirrors ? mean[3] : surfaces;
     size_t dots = f.point_lights + f.spot_lights + f.directional_lights;
     *k = (scene_kind){.lit = all > 0.0,
-                .glossy = f.glossy_triangles > 0,
-                .mirrors = mirrors,
-                .many_lights = f.emitters + dots >= MANY,
-                .dots = dots > 0};
+                      .glossy = f.glossy_triangles > 0,
+                      .mirrors = mirrors,
+                      .many_lights = f.emitters + dots >= MANY,
+                      .dots = dots > 0};
     if (!k->lit) return status;
     k->direct = direct / all;
     k->second = (one - direct) / all;
@@ -109,8 +103,8 @@ static sl_status look_into_mirrors(const sl_scene *scene, const sl_settings *bas
     double all = 0.0, plain = 0.0;
     with.filter = without.filter = SL_FILTER_CENTRE;
     without.bounces = 1;
-    sl_status status = mean_of_picture(scene, &with, &all, error);
-    if (status == SL_OK) status = mean_of_picture(scene, &without, &plain, error);
+    sl_status status = mean_light(scene, &with, 0.0, &all, error);
+    if (status == SL_OK) status = mean_light(scene, &without, 0.0, &plain, error);
     *seen = all > plain ? (all - plain) / all : 0.0;
     return status;
 }
@@ -154,20 +148,17 @@ static const char *choose(const scene_kind *k, const sl_auto_budget *b, sl_auto_
 
 /* seen: the share that is seen in mirrors. */
 static void tell(const scene_kind *kind, double seen, const char *because, sl_auto_choice *choice) {
-    int used = snprintf(choice->why, sizeof choice->why, "%s", choice->method);
-    if (choice->bounces)
-        used +=
-            snprintf(choice->why + used, sizeof choice->why - (size_t)used, ", %u bounces", choice->bounces);
+    char bounces[32] = "", in_mirrors[48] = "", light[200] = "";
+    if (choice->bounces) snprintf(bounces, sizeof bounces, ", %u bounces", choice->bounces);
+    if (kind->mirrors) snprintf(in_mirrors, sizeof in_mirrors, ", and %.0f %% is seen in them", 100.0 * seen);
     if (kind->lit)
-        used += snprintf(choice->why + used, sizeof choice->why - (size_t)used,
-                         ": of the light %.0f %% is direct, %.0f %% comes by one diffuse surface, %.0f %% by "
-                         "more, %.0f %% by mirrors",
-                         100.0 * kind->direct, 100.0 * kind->second, 100.0 * kind->further,
-                         100.0 * kind->mirrored);
-    if (kind->lit && kind->mirrors)
-        used += snprintf(choice->why + used, sizeof choice->why - (size_t)used,
-                         ", and %.0f %% is seen in them", 100.0 * seen);
-    snprintf(choice->why + used, sizeof choice->why - (size_t)used, "%s %s", kind->lit ? ";" : ":", because);
+        snprintf(light, sizeof light,
+                 ": of the light %.0f %% is direct, %.0f %% comes by one diffuse surface, %.0f %% by more, "
+                 "%.0f %% by mirrors%s;",
+                 100.0 * kind->direct, 100.0 * kind->second, 100.0 * kind->further, 100.0 * kind->mirrored,
+                 in_mirrors);
+    snprintf(choice->why, sizeof choice->why, "%s%s%s %s", choice->method, bounces, kind->lit ? light : ":",
+             because);
 }
 
 sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, const sl_auto_budget *budget,
