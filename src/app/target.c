@@ -101,42 +101,32 @@ static sl_status judge(climb *c, const sl_image *image, sl_error_estimate *e, sl
     return status;
 }
 
-/* What is told of an estimate: in the picture's metadata, and by --json, where what is infinite is null. */
-typedef struct told {
-    const char *name;
-    double value;
-} told;
-enum { TOLD = 6 };
-
-static void tell_of(const climb *c, const sl_error_estimate *e, told to[TOLD]) {
-    const told all[TOLD] = {{"asked", c->o->error},         {"estimate", e->rel_rmse},
-                            {"bound", e->bound},            {"least", e->least},
-                            {"probes", (double)e->probes}, {"samples", (double)e->samples}};
-    memcpy(to, all, sizeof all);
-}
-
-static sl_status stamp(const climb *c, sl_image *image, const sl_error_estimate *e, sl_error *error) {
-    told all[TOLD];
-    sl_status status = SL_OK;
-    tell_of(c, e, all);
-    for (size_t i = 0; i < TOLD && status == SL_OK; i++) {
-        char key[48], text[32];
-        snprintf(key, sizeof key, "softlux.error.%s", all[i].name);
-        snprintf(text, sizeof text, "%.9g", all[i].value);
-        status = sl_image_set_metadata(image, key, text, error);
-    }
-    if (status == SL_OK && e->blind)
-        status = sl_image_set_metadata(image, "softlux.error.blind", "true", error);
-    return status;
-}
-
+/* Tells of an estimate for --json, where what is infinite is null. */
 static void add_json(const climb *c, cJSON *root, const sl_error_estimate *e) {
     cJSON *object = cJSON_AddObjectToObject(root, "error");
-    told all[TOLD];
-    tell_of(c, e, all);
-    for (size_t i = 0; i < TOLD; i++) cJSON_AddNumberToObject(object, all[i].name, all[i].value);
+    cJSON_AddNumberToObject(object, "asked", c->o->error);
+    cJSON_AddNumberToObject(object, "estimate", e->rel_rmse);
+    cJSON_AddNumberToObject(object, "bound", e->bound);
+    cJSON_AddNumberToObject(object, "least", e->least);
+    cJSON_AddNumberToObject(object, "probes", (double)e->probes);
+    cJSON_AddNumberToObject(object, "samples", (double)e->samples);
     cJSON_AddBoolToObject(object, "within", e->bound <= c->o->error);
     cJSON_AddBoolToObject(object, "blind", e->blind);
+}
+
+/* Tells the same numbers in the picture's metadata. */
+static sl_status stamp(sl_image *image, const cJSON *told, sl_error *error) {
+    sl_status status = SL_OK;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, told) {
+        char key[48], text[32];
+        snprintf(key, sizeof key, "softlux.error.%s", item->string);
+        snprintf(text, sizeof text, "%.9g", item->valuedouble);
+        if (status == SL_OK && cJSON_IsNumber(item)) status = sl_image_set_metadata(image, key, text, error);
+    }
+    if (status == SL_OK && cJSON_IsTrue(cJSON_GetObjectItem(told, "blind")))
+        status = sl_image_set_metadata(image, "softlux.error.blind", "true", error);
+    return status;
 }
 
 /* ---- one step -------------------------------------------------------------------------------- */
@@ -213,8 +203,8 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
         if (status == SL_OK && c->steps && progress->done && !(c->judged.bound <= c->o->error))
             status = hold_against_last(c, p.image, step, error);
         p.estimate = c->judged;
-        if (status == SL_OK) status = stamp(c, p.image, &p.estimate, error);
-        if (status == SL_OK) add_json(c, p.json, &p.estimate);
+        add_json(c, p.json, &p.estimate);
+        if (status == SL_OK) status = stamp(p.image, cJSON_GetObjectItem(p.json, "error"), error);
         c->reached = status == SL_OK && p.estimate.bound <= c->o->error;
     }
     if (status == SL_OK) tell(c, &p);

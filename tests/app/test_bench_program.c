@@ -39,19 +39,17 @@ static int finish(pid_t child) {
     return WEXITSTATUS(how);
 }
 
-/* ---- files ---- */
+/* ---- files: texts stand in memory until the tests end ---- */
 
 static char *file_of(const char *folder, const char *name) {
-    char path[256];
+    enum { FILES = 32, MOST = 1 << 20 };
+    static char texts[FILES][MOST];
+    static int count;
+    char path[256], *text = texts[count++ % FILES];
     snprintf(path, sizeof path, "%s/%s/%s", base, folder, name);
     FILE *in = fopen(path, "rb");
-    char *text = calloc(1, 1 << 22);
-    assert_non_null(text);
-    if (in) {
-        size_t n = fread(text, 1, (1 << 22) - 1, in);
-        text[n] = '\0';
-        fclose(in);
-    }
+    text[in ? fread(text, 1, MOST - 1, in) : 0] = '\0';
+    if (in) fclose(in);
     return text;
 }
 
@@ -70,27 +68,20 @@ typedef struct csv {
     char *field[ROWS][FIELDS];
 } csv;
 
-/* One field, without its quotes; returns where the next one begins. */
-static const char *take_field(const char *at, char **field, bool *last) {
-    size_t n = 0;
+/* One field, without its quotes, in place; returns where the next one begins. */
+static char *take_field(char *at, char **field, bool *last) {
     bool quoted = *at == '"';
-    *field = calloc(strlen(at) + 1, 1);
-    assert_non_null(*field);
-    for (at += quoted; *at; at++) {
-        if (!quoted && (*at == ',' || *at == '\n')) break;
-        if (quoted && *at == '"' && at[1] != '"') {
-            quoted = false;
-            continue;
-        }
-        if (quoted && *at == '"') at++; /* two stand for one */
-        (*field)[n++] = *at;
-    }
+    *field = at + quoted;
+    at += quoted ? strcspn(*field, "\"") + 2 : strcspn(at, ",\n");
     *last = *at != ',';
-    return *at ? at + 1 : at;
+    if (quoted) at[-1] = '\0';
+    if (*at) *at++ = '\0';
+    return at;
 }
 
-static csv parse_csv(const char *text) {
+static csv table_of(const char *folder) {
     csv c = {0};
+    char *text = file_of(folder, "results.csv");
     for (size_t row = 0; *text && row < ROWS; row++) {
         size_t field = 0;
         for (bool last = false; !last && field < FIELDS; field++)
@@ -110,48 +101,40 @@ static const char *field(const csv *c, size_t row, const char *name) {
     return NULL;
 }
 
-static void free_csv(csv *c) {
-    for (size_t r = 0; r < ROWS; r++) {
-        for (size_t i = 0; i < FIELDS; i++) free(c->field[r][i]);
-    }
-}
+static double number(const csv *c, size_t row, const char *name) { return strtod(field(c, row, name), NULL); }
 
 /* ---- the tests ---- */
 
 static void every_trial_is_a_row_with_its_time_and_its_errors(void **state) {
     (void)state;
     assert_int_equal(finish(start("whole", "")), 0);
-    char *text = file_of("whole", "results.csv");
-    csv c = parse_csv(text);
+    csv c = table_of("whole");
     assert_int_equal(c.rows, 3); /* direct radiance mapping; the path tracer on both sets of paths */
     for (size_t i = 0; i < c.rows; i++) {
         assert_string_equal(field(&c, i, "end"), "ran");
         assert_string_equal(field(&c, i, "runs"), "2");
-        assert_true(strtod(field(&c, i, "cpu_seconds"), NULL) > 0.0);
-        assert_true(strtod(field(&c, i, "peak_bytes"), NULL) > 1e6);
-        assert_true(strtod(field(&c, i, "matched_rel_rmse"), NULL) > 0.005 &&
-                    strtod(field(&c, i, "matched_rel_rmse"), NULL) < 0.5);
+        assert_true(number(&c, i, "cpu_seconds") > 0.0);
+        assert_true(number(&c, i, "peak_bytes") > 1e6);
+        assert_true(number(&c, i, "matched_rel_rmse") > 0.005 &&
+                    number(&c, i, "matched_rel_rmse") < 0.5);
     }
     /* what is told without the reference is near to what is found with it */
     for (size_t i = 0; i < c.rows; i++) {
-        double told = strtod(field(&c, i, "estimate_rel_rmse"), NULL),
-               bound = strtod(field(&c, i, "estimate_bound"), NULL);
-        double measured = strtod(field(&c, i, "matched_rel_rmse"), NULL);
+        double told = number(&c, i, "estimate_rel_rmse"),
+               bound = number(&c, i, "estimate_bound");
+        double measured = number(&c, i, "matched_rel_rmse");
         assert_true(measured > 0.0 && told > 0.6 * measured && told < 1.5 * measured && bound >= told);
     }
     /* What one bounce leaves out of the Cornell box is about a third of its light. */
-    assert_true(strtod(field(&c, 1, "full_bias"), NULL) < -0.1);
-    assert_true(strtod(field(&c, 2, "full_rel_rmse"), NULL) <
-                strtod(field(&c, 2, "one-bounce_rel_rmse"), NULL));
-    free_csv(&c);
-    free(text);
+    assert_true(number(&c, 1, "full_bias") < -0.1);
+    assert_true(number(&c, 2, "full_rel_rmse") <
+                number(&c, 2, "one-bounce_rel_rmse"));
 }
 
 static void the_page_holds_every_row_and_fetches_nothing(void **state) {
     (void)state;
-    char *page = file_of("whole", "report.html"), *table = file_of("whole", "results.csv"),
-         *markdown = file_of("whole", "report.md");
-    csv c = parse_csv(table);
+    char *page = file_of("whole", "report.html"), *markdown = file_of("whole", "report.md");
+    csv c = table_of("whole");
     assert_int_equal(c.rows, 3);
     for (size_t i = 0; i < c.rows; i++) {
         assert_non_null(strstr(page, field(&c, i, "arguments")));
@@ -164,10 +147,6 @@ static void the_page_holds_every_row_and_fetches_nothing(void **state) {
     assert_null(strstr(page, "@import"));
     assert_non_null(strstr(page, "\"picture\":\"iVBOR"));
     assert_non_null(strstr(page, "\\u003csvg"));
-    free_csv(&c);
-    free(page);
-    free(table);
-    free(markdown);
 }
 
 static void interrupted_it_goes_on_to_the_same_rows(void **state) {
@@ -177,12 +156,10 @@ static void interrupted_it_goes_on_to_the_same_rows(void **state) {
     char *text = file_of("halves", "journal.jsonl");
     while (lines_of(text) < 2) {
         nanosleep(&moment, NULL);
-        free(text);
         text = file_of("halves", "journal.jsonl");
     }
     kill(child, SIGINT);
     assert_int_equal(finish(child), 128 + SIGINT);
-    free(text);
     text = file_of("halves", "journal.jsonl");
     size_t kept = lines_of(text);
     assert_true(kept >= 2 && kept < 9);
@@ -190,8 +167,7 @@ static void interrupted_it_goes_on_to_the_same_rows(void **state) {
     char *more = file_of("halves", "journal.jsonl");
     assert_int_equal(lines_of(more), 9);
     assert_memory_equal(more, text, strlen(text));
-    char *whole_rows = file_of("whole", "results.csv"), *rows = file_of("halves", "results.csv");
-    csv a = parse_csv(whole_rows), b = parse_csv(rows);
+    csv a = table_of("whole"), b = table_of("halves");
     assert_int_equal(b.rows, 3);
     for (size_t i = 0; i < a.rows; i++) {
         static const char *const same[] = {"scene", "hash", "arguments", "end",
@@ -199,42 +175,27 @@ static void interrupted_it_goes_on_to_the_same_rows(void **state) {
         for (size_t k = 0; k < sizeof same / sizeof *same; k++)
             assert_string_equal(field(&a, i, same[k]), field(&b, i, same[k]));
     }
-    free_csv(&a);
-    free_csv(&b);
-    free(whole_rows);
-    free(rows);
-    free(more);
-    free(text);
 }
 
 static void a_report_alone_runs_no_trial(void **state) {
     (void)state;
     char *before = file_of("halves", "journal.jsonl");
     assert_int_equal(finish(start("halves", "--report-only -m direct-radiance,multi-mesh")), 0);
-    char *after = file_of("halves", "journal.jsonl"), *text = file_of("halves", "results.csv");
-    assert_string_equal(before, after);
-    csv c = parse_csv(text);
+    assert_string_equal(before, file_of("halves", "journal.jsonl"));
+    csv c = table_of("halves");
     assert_int_equal(c.rows, 1); /* of multi-mesh caching there is nothing to tell */
     assert_string_equal(field(&c, 0, "method"), "direct-radiance");
-    free_csv(&c);
-    free(before);
-    free(after);
-    free(text);
 }
 
 static void a_trial_without_memory_is_a_row_that_says_so(void **state) {
     (void)state;
     assert_int_equal(finish(start("little", "--memory 16 -m direct-radiance")), 0);
-    char *text = file_of("little", "results.csv"), *page = file_of("little", "report.html");
-    csv c = parse_csv(text);
+    csv c = table_of("little");
     assert_int_equal(c.rows, 1);
     assert_true(strcmp(field(&c, 0, "end"), "failed") == 0 || strcmp(field(&c, 0, "end"), "crashed") == 0);
     assert_string_not_equal(field(&c, 0, "why"), "");
     assert_string_equal(field(&c, 0, "runs"), "0");
-    assert_non_null(strstr(page, field(&c, 0, "end")));
-    free_csv(&c);
-    free(text);
-    free(page);
+    assert_non_null(strstr(file_of("little", "report.html"), field(&c, 0, "end")));
 }
 
 static bool is_there(const char *folder, const char *name) {
@@ -247,18 +208,14 @@ static bool is_there(const char *folder, const char *name) {
 static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **state) {
     (void)state;
     assert_int_equal(finish(start("hurried", "-m shading-cache -q draft,normal,high,curve --limit 0.1")), 0);
-    char *text = file_of("hurried", "results.csv"), *journal = file_of("hurried", "journal.jsonl");
-    csv c = parse_csv(text);
+    csv c = table_of("hurried");
     assert_true(c.rows > 3);
     assert_string_equal(field(&c, 0, "end"), "stopped");
     for (size_t i = 1; i < c.rows; i++) {
         assert_string_equal(field(&c, i, "end"), "left out");
         assert_non_null(strstr(field(&c, i, "why"), "took most of the limit"));
     }
-    assert_int_equal(lines_of(journal), 1);
-    free_csv(&c);
-    free(text);
-    free(journal);
+    assert_int_equal(lines_of(file_of("hurried", "journal.jsonl")), 1);
 }
 
 static void two_programs_measure_and_a_third_tells(void **state) {
@@ -269,17 +226,14 @@ static void two_programs_measure_and_a_third_tells(void **state) {
     assert_int_equal(finish(b), 0);
     assert_false(is_there("shared", "report.html"));
     assert_int_equal(finish(start("shared", "--report-only -s 16x16")), 0);
-    char *text = file_of("shared", "results.csv"), *tables = file_of("shared", "tables.md");
-    csv c = parse_csv(text);
+    char *tables = file_of("shared", "tables.md");
+    csv c = table_of("shared");
     assert_int_equal(c.rows, 3);
     for (size_t i = 0; i < c.rows; i++)
         assert_true(strcmp(field(&c, i, "end"), "ran") == 0 &&
-                    strtod(field(&c, i, "full_rel_rmse"), NULL) > 0.0);
+                    number(&c, i, "full_rel_rmse") > 0.0);
     assert_non_null(strstr(tables, "<!-- table goal -->"));
     assert_non_null(strstr(tables, "| cornell | diffuse |"));
-    free_csv(&c);
-    free(text);
-    free(tables);
 }
 
 static void a_file_of_trials_becomes_a_table_with_its_columns(void **state) {
@@ -303,7 +257,6 @@ static void a_file_of_trials_becomes_a_table_with_its_columns(void **state) {
                        &photons);
     assert_int_equal(found, 4);
     assert_true(strtod(cpu, NULL) > 0.0 && strtod(error, NULL) > 0.0 && photons > 9);
-    free(text);
 }
 
 static int make_folder(void **state) {

@@ -241,35 +241,6 @@ static void json_is_utf_8_whatever_files_are_called(void **state) {
     assert_true(says(out, "/?0.pfm"));
 }
 
-/* ---- info ------------------------------------------------------------------------------------ */
-
-/* A wall that is a mirror fills most of the picture: what is seen in it is no caustic, and comes by a mirror
- * all the same. */
-static void info_tells_what_is_seen_in_mirrors(void **state) {
-    (void)state;
-    static const char mesh[] =
-        "mtllib m.mtl\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv 2 3 -2\nv -2 3 -2\nv -2 3 2\nv 2 3 2\n"
-        "usemtl white\nf 4 3 2 1\nf 3 4 7 8\nusemtl mirror\nf 1 2 5 6\n";
-    static const char library[] =
-        "newmtl white\nKd 0.7 0.7 0.7\nnewmtl mirror\nKd 0 0 0\nKs 0.9 0.9 0.9\nillum 3\n";
-    static const char scene[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"m.obj\"}], \"lights\": "
-                                "[{\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": 1}],"
-                                "\"camera\": {\"eye\": [0, 1.5, 1.5], \"target\": [0, 1.4, -2], \"up\": [0, "
-                                "1, 0], \"fov_deg\": 60}, \"film\": {\"width\": 64, \"height\": 64}}";
-    const char *const files[3][2] = {{"m.obj", mesh}, {"m.mtl", library}, {"m.json", scene}};
-    int seen = -1;
-    for (int i = 0; i < 3; i++) {
-        FILE *file = fopen(path_of(files[i][0]), "wb");
-        assert_true(file && fputs(files[i][1], file) >= 0 && fclose(file) == 0);
-    }
-    expect(0, sl_command_info, "%/m.json");
-    const char *told = strstr(out, " by mirrors, and ");
-    assert_true(told && sscanf(told, " by mirrors, and %d %% is seen in them", &seen) == 1);
-    assert_in_range(seen, 40, 75);
-    expect(0, sl_command_info, "scenes/cornell.json");
-    assert_false(says(out, "seen in them"));
-}
-
 /* ---- what cannot be written ------------------------------------------------------------------ */
 
 /* Each has another mistake, too, which comes to light later: the scene, the picture or the method is not
@@ -399,7 +370,6 @@ int main(void) {
         cmocka_unit_test(a_png_that_tells_no_tone_is_not_compared_with_radiance),
         cmocka_unit_test(a_rendered_png_tells_its_exposure),
         cmocka_unit_test(json_is_utf_8_whatever_files_are_called),
-        cmocka_unit_test(info_tells_what_is_seen_in_mirrors),
         cmocka_unit_test(what_cannot_be_written_is_noticed_before_the_work),
         cmocka_unit_test(looking_whether_a_file_can_be_written_leaves_no_trace),
         cmocka_unit_test(what_is_done_is_kept_whatever_ends_it_and_the_status_tells),
