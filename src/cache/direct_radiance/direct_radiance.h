@@ -35,7 +35,7 @@
 
 typedef struct sl_radiance_plan {
     bool receivers;      /* some surface is diffuse or glossy */
-    bool shadows;        /* pass 1: something can stand between a light and what it lights */
+    bool shadows;        /* pass 1 */
     bool map;            /* passes 2 and 3: some surface reflects a light */
     bool glossy;         /* some surface is: true colour instead of radiance, eye vectors */
     bool normals;        /* pass 2c */
@@ -48,14 +48,8 @@ typedef struct sl_radiance_plan {
 void sl_radiance_complete(sl_settings *settings);
 /* settings are complete. */
 sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings);
-/* Of the plan's shadows alone: anew where lights have moved. */
-bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings);
 void sl_radiance_transport(const sl_settings *settings, sl_transport *transport);
 void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
-
-/* Tells if a point of the scene's surface can hide another from a light: not where all of it bounds one
- * convex space, or one convex body, and no light without extent is beyond any of its planes. */
-bool sl_scene_throws_shadows(const sl_scene *scene);
 
 sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings);
 extern const sl_reduction sl_radiance_reductions[];

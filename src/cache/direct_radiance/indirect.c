@@ -19,7 +19,6 @@ struct sl_photon_sums {
     sl_photon_registers *photon;
     sl_weight_form *form;
     sl_lobe_registers *lobe;    /* NULL where all photons are Lambertian */
-    sl_photon_polygon *polygon; /* NULL unless polygons are wanted */
     bool plain;                 /* all photons are Lambertian, and of one form */
     sl_vec3 *ray_end;           /* of each photon; NULL: photons are seen from everywhere */
     sl_receiver_kernels kernels;
@@ -30,14 +29,12 @@ typedef sl_photon_sums indirect_pass;
 
 static bool make_tables(indirect_pass *p) {
     const sl_map_photons *photons = p->pass->photons;
-    const bool seen = p->pass->tracer != NULL, lobes = photons->lobe != NULL,
-               polygons = p->pass->weight == SL_WEIGHT_POLYGON && photons->quad;
+    const bool seen = p->pass->tracer != NULL, lobes = photons->lobe != NULL;
     p->photon = sl_allocate(p->count, sizeof *p->photon);
     p->form = sl_allocate(p->count, sizeof *p->form);
     if (lobes) p->lobe = sl_allocate(p->count, sizeof *p->lobe);
-    if (polygons) p->polygon = sl_allocate(p->count, sizeof *p->polygon);
     if (seen) p->ray_end = sl_allocate(p->count, sizeof *p->ray_end);
-    return p->photon && p->form && (!lobes || p->lobe) && (!polygons || p->polygon) && (!seen || p->ray_end);
+    return p->photon && p->form && (!lobes || p->lobe) && (!seen || p->ray_end);
 }
 
 /* Returns where rays to a photon end. One that stands for several texels lies at their mean, which on a
@@ -56,9 +53,7 @@ static void fill_tables(indirect_pass *p) {
         p->form[j] = sl_photon_load(photons, j, p->pass->weight, &p->photon[j]);
         if (p->ray_end) p->ray_end[j] = ray_end(&photons->photon[j], 1e-5f * p->pass->scene->scale);
         if (p->lobe) (void)sl_photon_with_lobe(photons, j, p->pass->weight, &p->lobe[j]);
-        if (p->form[j] != SL_FORM_POLYGON) continue;
-        sl_photon_polygon_of(photons, j, &p->polygon[j]);
-        p->plain = false;
+        if (p->form[j] == SL_FORM_POLYGON) p->plain = false;
     }
 }
 
@@ -67,7 +62,6 @@ static void release(indirect_pass *p) {
     sl_free(p->photon);
     sl_free(p->form);
     sl_free(p->lobe);
-    sl_free(p->polygon);
 }
 
 /* ---- a photon and what is done with its weight ---- */
@@ -79,14 +73,15 @@ static void weigh(const indirect_pass *p, const sl_receiver_tile *tile, size_t j
         return;
     }
     const sl_light_points points = sl_receiver_tile_points(tile);
+    const sl_photon_polygon *polygon = &p->pass->photons->polygon[j];
     float pi[2][SL_TILE_PIXELS], any = 0.0f;
     for (size_t i = 0; i < tile->padded; i++) pi[0][i] = 1.0f;
-    p->kernels.weigh_polygon(tile, r, &p->polygon[j], pi[0], weight);
+    p->kernels.weigh_polygon(tile, r, polygon, pi[0], weight);
     for (size_t i = 0; i < tile->padded; i++) any = weight[i] > any ? weight[i] : any;
     if (!(any > 0.0f)) return; /* all of the tile is behind the photon: in a room, often */
-    for (int t = 0; t < 2; t++) p->kernels.light.polygon(&points, &p->polygon[j].triangle[t], pi[t]);
+    for (int t = 0; t < 2; t++) p->kernels.light.polygon(&points, &polygon->triangle[t], pi[t]);
     for (size_t i = 0; i < tile->padded; i++) pi[0][i] += pi[1][i];
-    p->kernels.weigh_polygon(tile, r, &p->polygon[j], pi[0], weight);
+    p->kernels.weigh_polygon(tile, r, polygon, pi[0], weight);
 }
 
 static void multiply(size_t count, const float *restrict b, float *restrict a) {
@@ -260,9 +255,8 @@ static sl_weight_form form_of(const sl_map_photons *photons, size_t photon, sl_p
                               sl_weight_terms *terms) {
     *terms = sl_weight_terms_of(photons, photon);
     if (sl_weight_is_cosine(*weight)) return SL_FORM_COSINE;
-    const sl_photon_quad *quad =
-        *weight == SL_WEIGHT_POLYGON && photons->quad ? &photons->quad[photon] : NULL;
-    if (!quad || quad->count != 4 || !(quad->area > 0.0f)) return SL_FORM_DISC;
+    if (*weight != SL_WEIGHT_POLYGON || !photons->polygon || !(photons->polygon[photon].over_area > 0.0f))
+        return SL_FORM_DISC;
     *weight = SL_WEIGHT_PLAIN;
     terms->unit = 1.0f;
     return SL_FORM_POLYGON;
@@ -296,27 +290,4 @@ sl_map_photon sl_photon_with_lobe(const sl_map_photons *photons, size_t photon, 
     *out = (sl_lobe_registers){mirrored.x, mirrored.y, mirrored.z, lobe->exponent, {r.red, r.green, r.blue}};
     p.flux = p.radiance = sl_rgb_mul(arriving, sl_rgb_scale(lobe->diffuse, (float)(1.0 / SL_PI)));
     return p;
-}
-
-static sl_polygon_light triangle_of(sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3 normal) {
-    sl_vec3 winding = sl_cross(sl_sub(b, a), sl_sub(c, a)),
-            centre = sl_scale(sl_add(sl_add(a, b), c), 1.0f / 3.0f);
-    bool turned = sl_dot(winding, normal) < 0.0f;
-    sl_polygon_light t = {
-        .corner = {a, turned ? c : b, turned ? b : c}, .normal = normal, .area = 0.5f * sl_length(winding)};
-    for (int k = 0; k < 3; k++) {
-        sl_vec3 d = sl_sub(t.corner[k], centre);
-        t.extent_squared = fmaxf(t.extent_squared, sl_dot(d, d));
-    }
-    return t;
-}
-
-void sl_photon_polygon_of(const sl_map_photons *photons, size_t photon, sl_photon_polygon *polygon) {
-    const sl_photon_quad *q = &photons->quad[photon];
-    sl_vec3 normal = photons->photon[photon].normal;
-    for (int c = 0; c < 4; c++) polygon->corner[c] = q->corner[c];
-    polygon->depth = q->depth;
-    polygon->over_area = q->area > 0.0f ? 1.0f / q->area : 0.0f;
-    for (int t = 0; t < 2; t++)
-        polygon->triangle[t] = triangle_of(q->corner[0], q->corner[1 + t], q->corner[2 + t], normal);
 }

@@ -82,40 +82,22 @@ double sl_printed_footprint(double b, double fov, int m);
 /* (13): A' / cos alpha; infinite at grazing incidence, 0 below. */
 double sl_printed_tilted_footprint(double footprint, double cos_alpha);
 
-/* ---- the pictures that a light takes: frames and extents, before anything is drawn (map_faces.c) ---- */
-
-/* Two hemicubes. */
-enum { SL_LIGHT_FACES_MAX = 10 };
-
-typedef struct sl_face_shape {
-    sl_map_shape shape; /* AUTO: by the light's kind */
-    double fov;         /* of a frustum; 0: the spot's own, or 90 degrees */
-    int samples, texels; /* m, and texels a side of a block: w / m */
-} sl_face_shape;
-
-sl_face_shape sl_face_shape_of(const sl_radiance_map_settings *settings);
-/* A light's faces, without views; at most SL_LIGHT_FACES_MAX. aim: unit; where a point light's frustum or
- * hemicube looks. Faces that are dark all over (behind, outside a cone) are not among them; *dark says how
- * many. A directional light has one face, which needs the scene. */
-int sl_light_faces(const sl_scene *scene, const sl_light_eye *light, const sl_face_shape *shape, sl_vec3 aim,
-                   sl_map_face *face, int *dark);
 /* Texels a side of a block in a directional light's picture, of `texels` in others': it holds the whole
  * scene, and the sun that falls through a window is a small part of it. 8 times as many, up to 512 a side of
  * the picture. */
 int sl_parallel_texels(int samples, int texels);
-/* Returns the view that draws a face. */
-sl_view sl_map_face_view(const sl_scene *scene, const sl_light_eye *light, const sl_map_face *face);
-/* Passes 2a to 2c: the faces' triangles, and what they are resolved to. */
 
 typedef struct sl_map_drawing {
     const sl_scene *scene;
     const sl_raster *raster;
     const sl_radiance_map_settings *settings;
     const sl_radiance_map_options *options;
-    sl_radiance_map *map;           /* faces and planes are there; pictures are written */
+    sl_radiance_map *map;
     sl_counters *counters;
 } sl_map_drawing;
 
+/* Chooses the faces of all lights, and what they hold of their flux (map_faces.c). */
+sl_status sl_map_faces_choose(const sl_map_drawing *drawing, sl_error *error);
 /* Draws all faces, and writes what they show. No shadows are looked up: what the light sees is lit. */
 sl_status sl_map_pictures_draw(const sl_map_drawing *drawing, sl_error *error);
 
@@ -206,20 +188,24 @@ typedef struct sl_photon_lobe {
     sl_vec3 normal;           /* unit, shading */
 } sl_photon_lobe;
 
-/* The corners of a photon's footprint on its tangent plane, in turn; count 0 where they do not all meet it in
- * front of the light, or a ray is longer than 4 b: then the flux weight stands in. */
-typedef struct sl_photon_quad {
-    int count; /* 0 or 4 */
+/* A photon's footprint, the polygon between its corners on its tangent plane, as two triangles seen from its
+ * lit side. None where the corners do not all meet the plane in front of the light, or a ray to one is longer
+ * than 4 b: then the flux weight stands in. */
+typedef struct sl_photon_polygon {
     sl_vec3 corner[4];
-    float area;  /* A_q > 0 */
-    float depth; /* by how much the plane may miss the surface */
-} sl_photon_quad;
+    float over_area; /* 1 / A_q; 0: none */
+    float depth;     /* by how much its plane may miss the surface */
+    sl_polygon_light triangle[2];
+} sl_photon_polygon;
+
+/* corners: in turn, counter-clockwise seen from the lit side. */
+sl_photon_polygon sl_photon_polygon_of(const sl_vec3 corner[4], sl_vec3 normal, float area, float depth);
 
 typedef struct sl_map_photons {
     size_t count, room;      /* of the arrays */
     sl_map_photon *photon;   /* in order of light, face, row, column, group: of every sum */
     sl_photon_lobe *lobe;    /* NULL where all surfaces are Lambertian */
-    sl_photon_quad *quad;    /* NULL unless the polygon weight is wanted */
+    sl_photon_polygon *polygon; /* NULL unless the polygon weight is wanted */
     /* samples without a photon: nearer to the light than 1e-4 of the diagonal of the scene's central region,
      * or without light */
     size_t dropped;
@@ -255,10 +241,6 @@ double sl_block_angle(const sl_radiance_map *map, const sl_map_face *face, int c
 
 /* Appends the sample; nothing where it holds no light, or where a float cannot hold it. */
 void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_map_texel *sample);
-
-/* The footprint's corners on the sample's tangent plane. */
-void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_map_texel *sample,
-                         sl_photon_quad *quad);
 
 enum { SL_PHOTON_GROUPS = 4 }; /* surfaces of a block, at most */
 /* Appends a photon for each surface of the block whose lower left texel that is (photon_groups.c). */

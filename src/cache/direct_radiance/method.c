@@ -224,9 +224,6 @@ static sl_status radiance_edit(void *state, unsigned changes, sl_error *error) {
     forget_picture(s);
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) sl_radiance_darken(s);
     if (changes & SL_CHANGED_OBJECTS) s->placed = false; /* and planned anew */
-    /* they may have left a convex room */
-    if (s->placed && (changes & SL_CHANGED_LIGHTS))
-        s->plan.shadows = sl_radiance_has_shadows(s->scene, &s->settings);
     return SL_OK;
 }
 

@@ -71,14 +71,14 @@ static size_t count_blocks(const sl_radiance_map *map, uint32_t light) {
 }
 
 /* Room for the most that the samples can be: four groups a block. */
-static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_map_photons **photons,
+static sl_status create(const sl_radiance_map *map, bool polygons, size_t room, sl_map_photons **photons,
                         sl_error *error) {
     sl_map_photons *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "sample photons");
     p->photon = sl_allocate(room, sizeof *p->photon);
     if (!map->lambertian) p->lobe = sl_allocate(room, sizeof *p->lobe);
-    if (quads) p->quad = sl_allocate(room, sizeof *p->quad);
-    if (!p->photon || (!map->lambertian && !p->lobe) || (quads && !p->quad)) {
+    if (polygons) p->polygon = sl_allocate(room, sizeof *p->polygon);
+    if (!p->photon || (!map->lambertian && !p->lobe) || (polygons && !p->polygon)) {
         sl_map_photons_destroy(p);
         return sl_fail_memory(error, "sample photons");
     }
@@ -90,8 +90,8 @@ static sl_status create(const sl_radiance_map *map, bool quads, size_t room, sl_
 sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
                               const sl_radiance_map_settings *settings, sl_map_photons **photons,
                               sl_counters *counters, sl_error *error) {
-    bool quads = settings->weight == SL_WEIGHT_POLYGON;
-    sl_status status = create(map, quads, SL_PHOTON_GROUPS * count_blocks(map, SL_NO_INDEX), photons, error);
+    bool polygons = settings->weight == SL_WEIGHT_POLYGON;
+    sl_status status = create(map, polygons, SL_PHOTON_GROUPS * count_blocks(map, SL_NO_INDEX), photons, error);
     if (status != SL_OK) return status;
     sl_map_photons *p = *photons;
     p->nearest = (float)(NEAREST_RECEIVER * (double)scene->scale);
@@ -114,14 +114,14 @@ void sl_map_photons_destroy(sl_map_photons *photons) {
     if (!photons) return;
     sl_free(photons->photon);
     sl_free(photons->lobe);
-    sl_free(photons->quad);
+    sl_free(photons->polygon);
     sl_free(photons);
 }
 
 size_t sl_map_photons_bytes(const sl_map_photons *photons) {
     if (!photons) return 0;
     size_t each = sizeof *photons->photon + (photons->lobe ? sizeof *photons->lobe : 0) +
-                  (photons->quad ? sizeof *photons->quad : 0);
+                  (photons->polygon ? sizeof *photons->polygon : 0);
     return sizeof *photons + photons->room * each;
 }
 
@@ -282,41 +282,6 @@ static bool photon_is_sound(const sl_map_photon *p) {
            p->footprint > 0.0f && p->cos_alpha > 0.0f && sl_rgb_max(p->flux) > 0.0f;
 }
 
-/* Texels of several surfaces in one photon have a mean plane that may pass close to the light, where the
- * polygon is far smaller than what they cover: its radiance would be that much too large. */
-static bool holds_surface(const sl_photon_quad *quad, const sl_map_texel *s) {
-    return 2.0 * (double)quad->area * s->cos_alpha >= s->footprint;
-}
-
-void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_map_texel *s) {
-    sl_map_photons *photons = list->photons;
-    if (photons->count == photons->room) return;
-    sl_map_photon *photon = &photons->photon[photons->count];
-    *photon = (sl_map_photon){.position = sl_to_float(s->position),
-                              .footprint = (float)s->footprint,
-                              .flux = rgb_of(s->flux),
-                              .cos_alpha = (float)fmin(s->cos_alpha, 1.0),
-                              .normal = sl_to_float(s->normal),
-                              .printed_area = (float)printed_area(list, face, s),
-                              .radiance = rgb_of(s->radiance),
-                              .samples = (uint32_t)list->samples};
-    if (!photon_is_sound(photon)) return;
-    if (photons->lobe) {
-        /* the material without its texture, which the map's true colour has */
-        photons->lobe[photons->count] =
-            (sl_photon_lobe){rgb_of(s->color), s->material->specular, s->material->exponent,
-                             sl_to_float(s->to_light), sl_to_float(s->shading)};
-    }
-    if (photons->quad) {
-        sl_photon_quad *quad = &photons->quad[photons->count];
-        sl_photon_quad_find(list->map, face, s, quad);
-        if (!holds_surface(quad, s)) *quad = (sl_photon_quad){0};
-        /* 0.09 of the radius, as in indirect.c; or rounding */
-        quad->depth = sqrtf(quad->area) * (s->bent ? 0.05f : 1e-4f);
-    }
-    photons->count++;
-}
-
 /* The polygon that a photon stands for: where the corner rays of its part of the picture meet its tangent
  * plane. */
 
@@ -341,12 +306,36 @@ static bool meet_plane(const corner_rays *rays, sl_vec3d origin, sl_vec3d direct
     return t > 0.0 && t * sl_lengthd(direction) <= rays->longest;
 }
 
-void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, const sl_map_texel *s,
-                         sl_photon_quad *quad) {
-    *quad = (sl_photon_quad){0};
+static sl_polygon_light triangle_of(sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3 normal) {
+    sl_vec3 winding = sl_cross(sl_sub(b, a), sl_sub(c, a)),
+            centre = sl_scale(sl_add(sl_add(a, b), c), 1.0f / 3.0f);
+    bool turned = sl_dot(winding, normal) < 0.0f;
+    sl_polygon_light t = {
+        .corner = {a, turned ? c : b, turned ? b : c}, .normal = normal, .area = 0.5f * sl_length(winding)};
+    for (int k = 0; k < 3; k++) {
+        sl_vec3 d = sl_sub(t.corner[k], centre);
+        t.extent_squared = fmaxf(t.extent_squared, sl_dot(d, d));
+    }
+    return t;
+}
+
+sl_photon_polygon sl_photon_polygon_of(const sl_vec3 corner[4], sl_vec3 normal, float area, float depth) {
+    sl_photon_polygon polygon = {.over_area = 1.0f / area, .depth = depth};
+    for (int c = 0; c < 4; c++) polygon.corner[c] = corner[c];
+    for (int t = 0; t < 2; t++)
+        polygon.triangle[t] = triangle_of(corner[0], corner[1 + t], corner[2 + t], normal);
+    return polygon;
+}
+
+/* Texels of several surfaces in one photon have a mean plane that may pass close to the light, where the
+ * polygon is far smaller than what they cover: its radiance would be that much too large. Its plane misses
+ * the surface by 0.09 of the radius, as in indirect.c; or by rounding. */
+static sl_photon_polygon find_polygon(const sl_radiance_map *map, const sl_map_face *face,
+                                      const sl_map_texel *s) {
+    const sl_photon_polygon none = {.over_area = 0.0f};
     bool directional = sl_face_is_directional(map, face);
     const sl_texel_rectangle *r = &s->rectangle; /* empty where the light came by mirrors */
-    if (!(r->left < r->right) || !(r->bottom < r->top)) return;
+    if (!(r->left < r->right) || !(r->bottom < r->top)) return none;
     double width = (face->right - face->left) / face->width * (r->right - r->left);
     double height = (face->top - face->bottom) / face->height * (r->top - r->bottom);
     corner_rays rays = {s->position, s->normal, LONGEST_RAY * s->way, fmax(fabs(width), fabs(height)),
@@ -357,15 +346,39 @@ void sl_photon_quad_find(const sl_radiance_map *map, const sl_map_face *face, co
     for (int c = 0; c < 4; c++) {
         sl_vec3d origin, direction;
         sl_map_face_ray(face, directional, column[c], row[c], &origin, &direction);
-        if (!meet_plane(&rays, origin, direction, &corner[c])) return;
+        if (!meet_plane(&rays, origin, direction, &corner[c])) return none;
     }
     /* Twice the area, along the normal where the corners turn counter-clockwise; a mirrored picture turns
      * them round. */
     sl_vec3d twice = sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1]));
     double area = 0.5 * sl_lengthd(twice);
-    if (!(area > 0.0) || !isfinite(area) || !((float)area > 0.0f)) return;
+    if (!isfinite(area) || !((float)area > 0.0f) || 2.0 * area * s->cos_alpha < s->footprint) return none;
     bool turned = sl_dotd(twice, s->normal) < 0.0;
-    for (int c = 0; c < 4; c++) quad->corner[c] = sl_to_float(corner[turned ? 3 - c : c]);
-    quad->count = 4;
-    quad->area = (float)area;
+    sl_vec3 in_turn[4];
+    for (int c = 0; c < 4; c++) in_turn[c] = sl_to_float(corner[turned ? 3 - c : c]);
+    return sl_photon_polygon_of(in_turn, sl_to_float(s->normal), (float)area,
+                                sqrtf((float)area) * (s->bent ? 0.05f : 1e-4f));
+}
+
+void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_map_texel *s) {
+    sl_map_photons *photons = list->photons;
+    if (photons->count == photons->room) return;
+    sl_map_photon *photon = &photons->photon[photons->count];
+    *photon = (sl_map_photon){.position = sl_to_float(s->position),
+                              .footprint = (float)s->footprint,
+                              .flux = rgb_of(s->flux),
+                              .cos_alpha = (float)fmin(s->cos_alpha, 1.0),
+                              .normal = sl_to_float(s->normal),
+                              .printed_area = (float)printed_area(list, face, s),
+                              .radiance = rgb_of(s->radiance),
+                              .samples = (uint32_t)list->samples};
+    if (!photon_is_sound(photon)) return;
+    if (photons->lobe) {
+        /* the material without its texture, which the map's true colour has */
+        photons->lobe[photons->count] =
+            (sl_photon_lobe){rgb_of(s->color), s->material->specular, s->material->exponent,
+                             sl_to_float(s->to_light), sl_to_float(s->shading)};
+    }
+    if (photons->polygon) photons->polygon[photons->count] = find_polygon(list->map, face, s);
+    photons->count++;
 }

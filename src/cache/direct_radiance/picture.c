@@ -10,6 +10,8 @@
 #include "cache/direct_radiance/receivers.h"
 #include "image/unset.h"
 
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 /* APART: floats between planes, lest at widths that are powers of two the same pixel of all of them fell into
@@ -39,7 +41,6 @@ typedef struct {
     sl_direct_light direct;
     sl_photon_sums *sums; /* NULL: no indirect light */
     sl_image *image;
-    sl_compose_kernel *compose;
     strip *worker;
     unsigned workers;
     size_t room;            /* from plane to plane of a strip */
@@ -157,22 +158,45 @@ static const char *const layer_names[SL_RADIANCE_CHANNELS] = {
     "R",        "G",        "B",        "emission.R", "emission.G", "emission.B",
     "direct.R", "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B"};
 
+/* sl_picture_value(), without a branch. */
+static inline float value(float v) {
+    float large = v > 0.0f ? FLT_MAX : 0.0f;
+    return fabsf(v) <= FLT_MAX ? v : large;
+}
+
+/* One channel of a row; out: the picture, emission, direct and indirect light, pixels apart. */
+static void compose(size_t width, const float *restrict emission, const float *restrict direct,
+                    const float *restrict indirect, size_t pixels, float *restrict out) {
+    float *restrict e = out + SL_RADIANCE_EMISSION * pixels, *restrict d = out + SL_RADIANCE_DIRECT * pixels,
+          *restrict i = out + SL_RADIANCE_INDIRECT * pixels;
+#pragma omp simd
+    for (size_t x = 0; x < width; x++) {
+        e[x] = value(emission[x]);
+        d[x] = value(direct[x]);
+        i[x] = value(indirect[x]);
+        out[x] = value(e[x] + d[x] + i[x]);
+    }
+}
+
+static void compose_without_layers(size_t width, const float *restrict emission, const float *restrict direct,
+                                   const float *restrict indirect, float *restrict out) {
+#pragma omp simd
+    for (size_t x = 0; x < width; x++)
+        out[x] = value(value(emission[x]) + value(direct[x]) + value(indirect[x]));
+}
+
 /* Composes a row. Rows count from the bottom, as on the hardware; images have row 0 at the top. */
 static void compose_row(const drawing *d, const strip *s, size_t row) {
     const sl_image *image = d->image;
     const size_t width = (size_t)image->width, height = (size_t)image->height, pixels = width * height;
     const size_t from = row * width, to = (height - 1 - (size_t)s->first_row - row) * width;
-    const bool all = !d->state->settings.radiance_map.without_layers;
     for (size_t k = 0; k < 3; k++) {
+        const float *emission = s->emission[k] + from, *direct = s->target.direct[k] + from,
+                    *indirect = s->target.indirect[k] + from;
         float *out = image->planes + k * pixels + to;
-        const sl_compose_row channel = {width,
-                                        s->emission[k] + from,
-                                        s->target.direct[k] + from,
-                                        s->target.indirect[k] + from,
-                                        {out, all ? out + SL_RADIANCE_EMISSION * pixels : NULL,
-                                         all ? out + SL_RADIANCE_DIRECT * pixels : NULL,
-                                         all ? out + SL_RADIANCE_INDIRECT * pixels : NULL}};
-        d->compose(&channel);
+        if (d->state->settings.radiance_map.without_layers)
+            compose_without_layers(width, emission, direct, indirect, out);
+        else compose(width, emission, direct, indirect, pixels, out);
     }
 }
 
@@ -233,7 +257,6 @@ sl_status sl_radiance_draw_image(const sl_radiance_state *state, sl_image **imag
                  .view = sl_view_scene(scene, state->settings.width, state->settings.height),
                  .light = sl_radiance_lighting(state),
                  .nothing_shines = !scene->environment.present && scene->emitter_count == 0,
-                 .compose = sl_compose_kernel_for(sl_isa_best()),
                  .workers = sl_thread_count(state->settings.threads)};
     const size_t strips = (size_t)((d.view.height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
     d.direct = sl_direct_light_of(&d.light);

@@ -1,5 +1,4 @@
 /* The passes that run. Only passes of the plan are drawn. */
-#include "base/math.h"
 #include "cache/direct_radiance/direct_radiance.h"
 #include "cache/direct_radiance/map.h"
 #include "cache/frame/budget.h"
@@ -25,12 +24,6 @@ static bool has_receivers(const sl_features *f) {
     return light && (f->diffuse_triangles || f->glossy_triangles);
 }
 
-bool sl_radiance_has_shadows(const sl_scene *scene, const sl_settings *settings) {
-    const sl_features f = sl_scene_features(scene);
-    return has_receivers(&f) && !settings->radiance_map.local_light_only &&
-           sl_scene_throws_shadows(scene);
-}
-
 sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings *settings) {
     const sl_radiance_map_settings *m = &settings->radiance_map;
     const sl_features f = sl_scene_features(scene);
@@ -38,7 +31,7 @@ sl_radiance_plan sl_radiance_plan_make(const sl_scene *scene, const sl_settings 
                indirect = receivers && !m->local_light_only && !m->direct_light_only;
     return (sl_radiance_plan){
         .receivers = receivers,
-        .shadows = sl_radiance_has_shadows(scene, settings),
+        .shadows = receivers && !m->local_light_only,
         .map = indirect,
         .glossy = f.glossy_triangles > 0,
         .normals = indirect &&
@@ -83,8 +76,7 @@ static const char *const filter_words[] = {"by default", "the texel at each samp
 static const char *why_cubes(const sl_radiance_plan *p, const sl_radiance_map_settings *m) {
     if (m->local_light_only) return "local light only";
     if (!p->receivers) return "nothing is lit";
-    return p->shadows ? "of every light: surfaces can stand before others"
-                      : "nothing can stand before a light: it is convex, with its lights inside";
+    return "of every light: surfaces can stand before others";
 }
 
 /* Tells what the paper leaves out, as far as the scene has it. */
@@ -125,69 +117,18 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
     write_limits(&p, m, writer);
 }
 
-/* ---- convex scenes, in which nothing throws a shadow ---- */
-
-/* Where the vertices of a scene, or its lights, lie relative to a triangle's plane. */
-enum { IN_FRONT = 1, BEHIND = 2, BOTH = IN_FRONT | BEHIND };
-
-typedef struct {
-    sl_vec3d point, normal;
-    double tolerance;
-} plane;
-
-static plane plane_of(const sl_scene *scene, size_t triangle) {
-    return (plane){.point = sl_to_double(sl_scene_position(scene, scene->vertex[0][triangle])),
-                   .normal = sl_to_double(sl_scene_geometric_normal(scene, (uint32_t)triangle)),
-                   .tolerance = 1e-6 * (double)scene->scale};
-}
-
-static unsigned side_of(double height, double tolerance) {
-    return height > tolerance ? IN_FRONT : height < -tolerance ? BEHIND : 0;
-}
-
-static unsigned sides_of_vertices(const sl_scene *scene, const plane *p) {
-    unsigned sides = 0;
-    for (uint32_t v = 0; v < scene->vertex_count && sides != BOTH; v++)
-        sides |= side_of(sl_dotd(p->normal, sl_subd(sl_to_double(sl_scene_position(scene, v)), p->point)),
-                         p->tolerance);
-    return sides;
-}
-
-/* Returns the side on which a light stands. A directional one is as far away as can be, on the side from
- * which it comes. */
-static unsigned side_of_light(const sl_light *light, const plane *p) {
-    if (light->type == SL_LIGHT_DIRECTIONAL)
-        return side_of(-sl_dotd(p->normal, sl_to_double(light->direction)), 1e-6);
-    return side_of(sl_dotd(p->normal, sl_subd(sl_to_double(light->position), p->point)), p->tolerance);
-}
-
-/* Every plane has all vertices and all lights on one side of it, so no straight line from a light, or from
- * one point of the surface to another, meets it in between. A single pair of lamp and wall fails the test,
- * and rightly so: a lamp has a back. Scenes so large that it would take long count as not convex. */
-bool sl_scene_throws_shadows(const sl_scene *scene) {
-    enum { TESTS_AT_MOST = 1 << 24 };
-    if (scene->triangle_count * (scene->vertex_count + scene->light_count) > TESTS_AT_MOST) return true;
-    for (size_t t = 0; t < scene->triangle_count; t++) {
-        const plane p = plane_of(scene, t);
-        unsigned sides = sides_of_vertices(scene, &p);
-        for (size_t i = 0; i < scene->light_count; i++) sides |= side_of_light(&scene->lights[i], &p);
-        if (sides == BOTH) return true;
-    }
-    return false;
-}
-
 /* ---- memory: pictures from the lights, for the most part ---- */
 
-/* A picture has the order of receivers 4 and 12 layers; mirrors tell of two ways a pixel. A texel of a map:
- * 22 planes and the rasterizer's 6. A photon: itself, its lobe, its polygon, and the weights of a reordering.
- * Texels of a depth cube are there twice while it is drawn. */
+/* A picture has the order of receivers 4 and 12 layers; mirrors tell of two ways a pixel. A texel of a map: 21
+ * planes and, while it is drawn, a G-buffer's 15. A photon: itself, its lobe and its polygon, four of them to
+ * a sample. Texels of a depth cube are there twice while it is drawn. */
 enum {
     FACES = 6,
     LAYERS = 12,
     A_PIXEL = 8,
     OF_MIRRORS = 60,
-    A_TEXEL = 28 * 4,
-    A_PHOTON = 512,
+    A_TEXEL = 36 * 4,
+    A_PHOTON = 1024,
     A_THREAD = 2000000
 };
 

@@ -1,7 +1,5 @@
-/* Loops over a tile's lanes: receivers fetched, photons summed by (10), lobes, light that leaves, and the
- * picture's rows. */
+/* Loops over a tile's lanes: receivers fetched, photons summed by (10), lobes, and light that leaves. */
 #include "cache/direct_radiance/receivers.h"
-#include "cache/frame/picture_value.h"
 
 void SL_KERNEL(sl_receivers_prepare)(sl_receiver_tile *t) {
     float *restrict gx = t->geometric_x, *restrict gy = t->geometric_y, *restrict gz = t->geometric_z;
@@ -212,32 +210,5 @@ void SL_KERNEL(sl_receiver_mirror_eye)(sl_receiver_tile *t) {
         mx[i] = mirrored.x;
         my[i] = mirrored.y;
         mz[i] = mirrored.z;
-    }
-}
-
-/* sl_picture_value(), without a branch. */
-static inline float value(float v) {
-    float large = v > 0.0f ? FLT_MAX : 0.0f;
-    return fabsf(v) <= FLT_MAX ? v : large;
-}
-
-void SL_KERNEL(sl_compose_row)(const sl_compose_row *row) {
-    const float *restrict emission = row->emission, *restrict direct = row->direct,
-                          *restrict indirect = row->indirect;
-    float *restrict picture = row->out[0];
-    const size_t width = row->width;
-    if (!row->out[1]) {
-#pragma omp simd
-        for (size_t x = 0; x < width; x++)
-            picture[x] = value(value(emission[x]) + value(direct[x]) + value(indirect[x]));
-        return;
-    }
-    float *restrict e = row->out[1], *restrict d = row->out[2], *restrict i = row->out[3];
-#pragma omp simd
-    for (size_t x = 0; x < width; x++) {
-        e[x] = value(emission[x]);
-        d[x] = value(direct[x]);
-        i[x] = value(indirect[x]);
-        picture[x] = value(e[x] + d[x] + i[x]);
     }
 }

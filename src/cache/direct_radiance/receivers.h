@@ -181,14 +181,6 @@ static inline float sl_cosine_weight(const sl_photon_registers *p, sl_vec3 x, sl
     return lit ? value : 0.0f;
 }
 
-/* A photon's footprint, as two triangles seen from its lit side. */
-typedef struct sl_photon_polygon {
-    sl_vec3 corner[4];
-    float over_area; /* 1 / A_q */
-    float depth;     /* by how much its plane may miss the surface */
-    sl_polygon_light triangle[2];
-} sl_photon_polygon;
-
 /* Pi / A_q, where the receiver is before the polygon and some of that above the receiver's plane. pi:
  * Lambert's formula, above the shading normal's horizon. A polygon is the tangent plane of what it stands
  * for: of a curved sheet it juts out over the sheet's other side. What faces it from as close as the plane is
@@ -237,7 +229,6 @@ sl_weight_form sl_photon_load(const sl_map_photons *photons, size_t photon, sl_p
  * lobe. */
 sl_map_photon sl_photon_with_lobe(const sl_map_photons *photons, size_t photon, sl_photon_weight weight,
                                   sl_lobe_registers *lobe);
-void sl_photon_polygon_of(const sl_map_photons *photons, size_t photon, sl_photon_polygon *polygon);
 
 /* The fragment programs of passes 6 and 7: loops over a tile's receivers that are compiled for every
  * instruction set. */
@@ -307,23 +298,6 @@ static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
         SL_KERNEL_OF(isa, sl_photon_weigh), SL_KERNEL_OF(isa, sl_photon_polygon),
         SL_KERNEL_OF(isa, sl_photon_lobe_power), SL_KERNEL_OF(isa, sl_receiver_lobe_power),
         SL_KERNEL_OF(isa, sl_receiver_mirror_eye), sl_light_kernels_for(isa)};
-}
-
-/* Pass 8's loop over a row of pixels, compiled for every instruction set. */
-
-/* A row of one channel. */
-typedef struct sl_compose_row {
-    size_t width;
-    const float *emission, *direct, *indirect;
-    /* the picture; emission, direct and indirect light, or NULL */
-    float *out[4];
-} sl_compose_row;
-
-typedef void sl_compose_kernel(const sl_compose_row *row);
-SL_KERNEL_VARIANTS(sl_compose_kernel, sl_compose_row);
-
-static inline sl_compose_kernel *sl_compose_kernel_for(sl_isa isa) {
-    return SL_KERNEL_OF(isa, sl_compose_row);
 }
 
 #endif

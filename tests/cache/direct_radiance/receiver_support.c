@@ -105,11 +105,10 @@ void light_indirectly(const sl_light_pass *pass, const sl_gbuffer *receivers, sl
 static float polygon_weight(const sl_map_photons *photons, size_t photon, const sl_photon_registers *p,
                             sl_vec3 x, sl_vec3 n, sl_vec3 shading) {
     sl_light_points at = {1, &x.x, &x.y, &x.z, &n.x, &n.y, &n.z, &shading.x, &shading.y, &shading.z};
-    sl_photon_polygon polygon;
+    const sl_photon_polygon *polygon = &photons->polygon[photon];
     float pi[2] = {0.0f, 0.0f};
-    sl_photon_polygon_of(photons, photon, &polygon);
-    for (int t = 0; t < 2; t++) sl_polygon_light_baseline(&at, &polygon.triangle[t], &pi[t]);
-    return sl_polygon_weight(p, &polygon, x, n, pi[0] + pi[1]);
+    for (int t = 0; t < 2; t++) sl_polygon_light_baseline(&at, &polygon->triangle[t], &pi[t]);
+    return sl_polygon_weight(p, polygon, x, n, pi[0] + pi[1]);
 }
 
 sl_rgb sl_photon_irradiance(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_vec3 x,
@@ -145,7 +144,7 @@ sl_map_photons *make_photons(size_t count, float diagonal) {
 void free_photons(sl_map_photons *photons) {
     free(photons->photon);
     free(photons->lobe);
-    free(photons->quad);
+    free(photons->polygon);
     free(photons);
 }
 
@@ -223,21 +222,20 @@ static bool sample(meet_surface *meet, const void *context, sl_vec3d light, bloc
 }
 
 /* The corner rays on y's tangent plane. */
-static sl_photon_quad quad_of(sl_vec3d light, block b, sl_vec3d y, sl_vec3d n) {
+static sl_photon_polygon polygon_of(sl_vec3d light, block b, sl_vec3d y, sl_vec3d n) {
     const double s[4] = {b.s0, b.s1, b.s1, b.s0}, t[4] = {b.t0, b.t0, b.t1, b.t1};
-    sl_photon_quad quad = {.count = 4};
     sl_vec3d corner[4];
+    sl_vec3 rounded[4];
     double above = -sl_dotd(n, sl_subd(y, light)), farthest = 4.0 * sl_lengthd(sl_subd(y, light));
     for (int c = 0; c < 4; c++) {
         sl_vec3d d = face_direction(b.face, s[c], t[c]);
         double down = -sl_dotd(n, d), way = down > 0.0 ? above / down : -1.0;
-        if (!(way > 0.0) || way * sl_lengthd(d) > farthest) return (sl_photon_quad){.count = 0};
+        if (!(way > 0.0) || way * sl_lengthd(d) > farthest) return (sl_photon_polygon){.over_area = 0};
         corner[c] = sl_addd(light, sl_scaled(d, way));
-        quad.corner[c] = sl_to_float(corner[c]);
+        rounded[c] = sl_to_float(corner[c]);
     }
     sl_vec3d cross = sl_crossd(sl_subd(corner[2], corner[0]), sl_subd(corner[3], corner[1]));
-    quad.area = (float)(0.5 * sl_lengthd(cross));
-    return quad;
+    return sl_photon_polygon_of(rounded, sl_to_float(n), (float)(0.5 * sl_lengthd(cross)), 0.0f);
 }
 
 static void set_photon(sl_map_photons *photons, sl_vec3d light, block b, int m, double reflectance,
@@ -247,7 +245,6 @@ static void set_photon(sl_map_photons *photons, sl_vec3d light, block b, int m, 
     double angle = solid_angle(b.s0, b.t0, b.s1, b.t1), flux = reflectance * angle / SL_PI;
     double radiance = reflectance / SL_PI * cosine / (distance * distance),
            side = 2.0 * distance * tan(SL_PI / (4.0 * m));
-    sl_photon_quad quad = quad_of(light, b, y, n);
     photons->photon[photons->count] = (sl_map_photon){.position = sl_to_float(y),
                                                       .footprint = (float)(distance * distance * angle),
                                                       .flux = sl_grey((float)flux),
@@ -255,15 +252,15 @@ static void set_photon(sl_map_photons *photons, sl_vec3d light, block b, int m, 
                                                       .normal = sl_to_float(n),
                                                       .printed_area = (float)(side * side / cosine),
                                                       .radiance = sl_grey((float)radiance)};
-    photons->quad[photons->count++] = quad;
+    photons->polygon[photons->count++] = polygon_of(light, b, y, n);
 }
 
 sl_map_photons *cube_photons(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m,
                              double reflectance, double diagonal) {
     int count = faces * m * m;
     sl_map_photons *photons = make_photons((size_t)count, (float)diagonal);
-    photons->quad = calloc((size_t)count, sizeof *photons->quad);
-    assert_non_null(photons->quad);
+    photons->polygon = calloc((size_t)count, sizeof *photons->polygon);
+    assert_non_null(photons->polygon);
     photons->count = 0;
     for (int i = 0; i < count; i++) {
         block b = block_at(i, m);

@@ -50,7 +50,7 @@ bool meet_floor(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3
                 sl_vec3d *normal);
 
 /* Photons of a point light of 1 W/sr: faces 0 (looking down -z) to faces - 1 of a cube, m x m samples each,
- * with (12) as printed for w = m, and with quads. */
+ * with (12) as printed for w = m, and with polygons. */
 sl_map_photons *cube_photons(meet_surface *meet, const void *context, sl_vec3d light, int faces, int m,
                              double reflectance, double diagonal);
 /* E by direct summation of the plain weight in double, with photons as fine as wanted: the exact one-bounce

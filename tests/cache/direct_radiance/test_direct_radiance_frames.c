@@ -218,94 +218,6 @@ static sl_counters cost_of(const char *json, const char *obj) {
     return counters;
 }
 
-static const char box_obj[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-                              "f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 4 3 7 8\nf 5 6 2 1\n";
-
-static void a_convex_room_needs_no_depth_cube(void **state) {
-    (void)state;
-    sl_counters c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": "
-                            "[{\"type\": \"point\", \"position\": "
-                            "[0.5, 0.5, 0.5], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0.5, 0.5, "
-                            "0.1], \"target\": [0.5, 0.5, 1], \"fov_deg\": 90}}",
-                            box_obj);
-    assert_int_equal(c.value[SL_COUNT_SHADOW_LOOKUPS], 0);
-    assert_true(c.value[SL_COUNT_MAP_PHOTONS] > 0);
-    c = cost_of("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", "
-                "\"position\": "
-                "[-1, 2, 1], \"intensity\": [1, 1, 1]}], \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, "
-                "0], \"fov_deg\": 60}}",
-                step_obj);
-    assert_true(c.value[SL_COUNT_SHADOW_LOOKUPS] > 0);
-}
-
-/* Three walls of a corner, seen from within; a light without extent stands in it, or outside of one wall. */
-static const char corner_obj[] =
-    "v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 0 2 2\nv 2 2 0\nf 4 3 2 1\nf 1 5 6 4\nf 1 2 7 5\n";
-static const char turned_corner_obj[] =
-    "v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 0 2 2\nv 2 2 0\nf 1 2 3 4\nf 4 6 5 1\nf 5 7 2 1\n";
-
-static sl_scene *corner_with(const char *light, const char *motion, const char *obj) {
-    char json[1024];
-    snprintf(json, sizeof json,
-             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"%s}], \"lights\": [%s], "
-             "\"camera\": {\"eye\": [1.2, 3, 1.1], \"target\": [1, 0, 0.9], \"fov_deg\": 60}}",
-             motion, light);
-    return scene_from_text(json, obj);
-}
-
-static double direct_light_in_corner(const char *light, const char *obj, uint64_t *looked_up) {
-    sl_scene *scene = corner_with(light, "", obj);
-    sl_settings settings = radiance_settings(24);
-    sl_counters counters;
-    settings.radiance_map.direct_light_only = true;
-    sl_image *image = render(scene, &settings, &counters);
-    double mean = mean_of(image, "");
-    *looked_up = counters.value[SL_COUNT_SHADOW_LOOKUPS];
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
-    return mean;
-}
-
-static void light_does_not_come_through_the_walls_of_a_convex_room(void **state) {
-    (void)state;
-    static const char *const outside[] = {
-        "{\"type\": \"point\", \"position\": [-2, 1, 1], \"intensity\": 10}",
-        "{\"type\": \"spot\", \"position\": [-2, 1, 1], \"direction\": [1, 0, 0], \"intensity\": 10, "
-        "\"outer_deg\": 60}",
-        "{\"type\": \"directional\", \"direction\": [0.7, -0.38, 0.9], \"irradiance\": 10}"};
-    static const char *const objs[] = {corner_obj, turned_corner_obj};
-    uint64_t looked_up;
-    for (int i = 0; i < 6; i++)
-        assert_true(direct_light_in_corner(outside[i % 3], objs[i / 3], &looked_up) < 1e-3);
-}
-
-/* From within to without, and back in. */
-static void assert_walls_get_in_the_way(sl_scene *scene) {
-    sl_settings settings = radiance_settings(24);
-    sl_method *method = open_method(scene, &settings);
-    sl_image_destroy(next_frame(method, 0));
-    for (int frame = 1; frame <= 2; frame++) {
-        unsigned changes;
-        assert_int_equal(sl_scene_set_time(scene, frame % 2, &changes, NULL), SL_OK);
-        sl_image *moved = next_frame(method, changes), *created = render(scene, &settings, NULL);
-        assert_true(same_picture(moved, created));
-        /* depth cubes have texels */
-        assert_true(frame == 1 ? mean_of(moved, "") < 0.02 : mean_of(moved, "direct.") > 0.1);
-        sl_image_destroy(moved);
-        sl_image_destroy(created);
-    }
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
-static void a_convex_room_that_leaves_its_light_puts_its_walls_in_the_way(void **state) {
-    (void)state;
-    assert_walls_get_in_the_way(corner_with(
-        "{\"type\": \"point\", \"position\": [0.5, 1, 1], \"intensity\": 10}",
-        ", \"keyframes\": [{\"time\": 0, \"translate\": [0, 0, 0]}, {\"time\": 1, \"translate\": [1, 0, 0]}]",
-        corner_obj));
-}
-
 static void without_light_there_is_one_pass(void **state) {
     (void)state;
     sl_counters c = cost_of(
@@ -417,9 +329,6 @@ int main(void) {
         cmocka_unit_test(the_light_of_two_lights_is_the_sum_of_each),
         cmocka_unit_test(frame_k_alone_is_frame_k_of_the_series),
         cmocka_unit_test(a_new_camera_keeps_what_the_lights_see),
-        cmocka_unit_test(a_convex_room_needs_no_depth_cube),
-        cmocka_unit_test(light_does_not_come_through_the_walls_of_a_convex_room),
-        cmocka_unit_test(a_convex_room_that_leaves_its_light_puts_its_walls_in_the_way),
         cmocka_unit_test(without_light_there_is_one_pass),
         cmocka_unit_test(frames_have_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(scenes_tiny_huge_and_far_away_give_the_same_picture),

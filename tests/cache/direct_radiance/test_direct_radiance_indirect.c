@@ -238,7 +238,7 @@ static void lobed_photons_have_the_bits_of_the_plain_double_loop(void **state) {
             sl_map_photons one = {.count = 1,
                                   .photon = &all->photon[j],
                                   .lobe = &all->lobe[j],
-                                  .quad = &all->quad[j],
+                                  .polygon = &all->polygon[j],
                                   .nearest = all->nearest,
                                   .box_diagonal = all->box_diagonal};
             sl_light_pass pass = {.scene = *state, .photons = &one, .weight = all_weights[w], .threads = 1};

@@ -70,20 +70,16 @@ static bool plan_says(const sl_scene *scene, const sl_settings *settings, const 
     return says;
 }
 
-static void a_plan_tells_of_light_through_walls_where_there_are_some(void **state) {
+static void a_plan_tells_of_light_through_walls(void **state) {
     (void)state;
     const char *line = "\nlimit indirect light goes through walls";
     sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
-    for (int box = 0; box < 2; box++) {
-        trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
-        if (box) trace_mesh_box(&mesh, sl_v3(1, 0, 1), sl_v3(2, 1, 2), false, 0);
-        sl_scene *scene = trace_mesh_build(&mesh);
-        assert_true(plan_says(scene, &s, line) == box);
-        s.radiance_map.visibility = SL_VISIBILITY_RAYS;
-        assert_false(plan_says(scene, &s, line));
-        s.radiance_map.visibility = SL_VISIBILITY_NONE;
-        sl_scene_destroy(scene);
-    }
+    trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
+    sl_scene *scene = trace_mesh_build(&mesh);
+    assert_true(plan_says(scene, &s, line));
+    s.radiance_map.visibility = SL_VISIBILITY_RAYS;
+    assert_false(plan_says(scene, &s, line));
+    sl_scene_destroy(scene);
 }
 
 /* ---- captured ---- */
@@ -191,7 +187,7 @@ static void weight_15_warns_where_the_scene_is_ten_times_the_lights_way(void **s
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plan_tells_of_light_through_walls_where_there_are_some),
+        cmocka_unit_test(a_plan_tells_of_light_through_walls),
         cmocka_unit_test(a_picture_tells_how_much_of_the_flux_its_map_holds),
         cmocka_unit_test(in_a_convex_room_all_reflected_flux_arrives_once),
         cmocka_unit_test(a_wall_across_the_room_makes_light_arrive_again),

@@ -183,11 +183,12 @@ static void flux_weight_is_a_coaxial_disc_and_printed_14_is_not(void **state) {
 static void polygon_weight_is_exact_for_a_uniform_square(void **state) {
     (void)state;
     sl_map_photons *p = one_photon(4.0);
-    p->quad = calloc(1, sizeof *p->quad);
-    assert_non_null(p->quad);
+    p->polygon = calloc(1, sizeof *p->polygon);
+    assert_non_null(p->polygon);
     for (int turn = 0; turn < 2; turn++) {
-        p->quad[0] = (sl_photon_quad){4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, 4.0f, 0.0f};
-        if (turn) p->quad[0].corner[1] = sl_v3(-1, 1, 0), p->quad[0].corner[3] = sl_v3(1, -1, 0);
+        sl_vec3 corner[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+        if (turn) corner[1] = sl_v3(-1, 1, 0), corner[3] = sl_v3(1, -1, 0);
+        p->polygon[0] = sl_photon_polygon_of(corner, p->photon[0].normal, 4.0f, 0.0f);
         for (double r = 1e-3; r < 1e3; r *= 1.9) {
             double q = 1.0 / sqrt(1.0 + r * r), exact = 4.0 * q * atan(q),
                    got = ahead(p, SL_WEIGHT_POLYGON, r);
@@ -230,7 +231,7 @@ static void polygons_of_a_curved_sheet_do_not_light_its_other_side(void **state)
 static void polygon_weight_falls_back_to_flux_without_a_polygon(void **state) {
     (void)state;
     sl_map_photons *p = cube_photons(meet_unit_cube, NULL, sl_v3d(0.5, 0.5, 0.9), 6, 3, 0.7, sqrt(3.0));
-    for (size_t j = 0; j < p->count; j++) p->quad[j].count = 0;
+    for (size_t j = 0; j < p->count; j++) p->polygon[j].over_area = 0.0f;
     for (int k = 0; k < 216; k += 5) {
         sl_vec3d x, n;
         wall_point(k, &x, &n);
