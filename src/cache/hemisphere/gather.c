@@ -39,14 +39,13 @@ static sl_status make_sources(sl_gather *gather, sl_error *error) {
     gather->extended = *scene;
     gather->every_light = scene->light_count <= EVERY_LIGHT_MAX;
     if (gather->every_light) gather->extended.light_count = 0;
-    size_t sources =
-        gather->extended.light_count + scene->emitter_count + (scene->environment.present ? 1 : 0);
-    if (sources == 0) return SL_OK;
-    if (!gather->every_light || sources > SL_LIGHT_SOURCES_MAX) {
-        sl_status status = sl_light_sampler_create(&gather->extended, &gather->sampler, error);
-        return status == SL_OK ? sl_light_sampler_plant_tree(gather->sampler, error) : status;
-    }
-    return sl_light_sources_create(&gather->extended, &gather->sources, error);
+    if (gather->extended.light_count + scene->emitter_count == 0 && !scene->environment.present) return SL_OK;
+    sl_status status = gather->every_light ? sl_hit_sources_make(gather, error) : SL_OK;
+    if (status != SL_OK || (gather->every_light && (gather->sides.count > 0 || scene->emitter_count == 0)))
+        return status;
+    gather->sources = 0;
+    status = sl_light_sampler_create(&gather->extended, &gather->sampler, error);
+    return status == SL_OK ? sl_light_sampler_plant_tree(gather->sampler, error) : status;
 }
 
 static sl_status make_maps(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
@@ -95,7 +94,7 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->offset = 1e-5f * scene->scale;
     gather->isa = sl_isa_best();
     gather->kernels = sl_gather_kernels_for(gather->isa);
-    gather->light_kernels = sl_hit_light_kernels_for(sl_isa_best());
+    gather->light = sl_light_kernels_for(sl_isa_best());
     gather->half_tangent = (float)sl_tan(0.5 * (double)settings->plane_fov);
     sl_status status = make_parts(gather, threads, counters, error);
     if (status != SL_OK) {
@@ -111,7 +110,8 @@ void sl_gather_destroy(sl_gather *gather) {
     sl_gather_tables_destroy(gather->tables);
     sl_projection_destroy(gather->projection);
     sl_shadow_maps_destroy(gather->own_maps);
-    sl_light_sources_destroy(gather->sources);
+    sl_light_sides_release(&gather->sides);
+    sl_free(gather->strength);
     sl_light_sampler_destroy(gather->sampler);
     sl_free(gather);
 }
@@ -122,7 +122,7 @@ size_t sl_gather_memory_bytes(const sl_gather *gather) {
     return sizeof *gather + sl_gather_tables_bytes(gather->tables) +
            (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
            (gather->projection ? sl_projection_bytes(gather->projection) : 0) +
-           (gather->sources ? sl_light_sources_bytes(gather->sources) : 0);
+           gather->sides.count * (sizeof *gather->sides.polygon + (SL_SIDE_VALUES + 3) * sizeof(float));
 }
 
 size_t sl_gather_coefficient_count(const sl_gather *gather) {

@@ -10,33 +10,26 @@
 
 #include "cache/hemisphere/gather_kernels.h"
 #include "cache/hemisphere/gather_tables.h"
-#include "cache/hemisphere/hit_light_kernels.h"
 #include "cache/hemisphere/projection.h"
 #include "cache/light/shadow_maps.h"
 
 /* One worker's buffers for light samples (hit_samples.c): what is expected of every hit, samples as drawn,
- * samples in order of their sources. */
-typedef struct sl_chosen_source {
+ * and in order of their sources: the sides of emitters, then the sky. */
+typedef struct sl_hit_sample {
     uint32_t slot, source;
     float share; /* 1 over the expected number of such samples */
-} sl_chosen_source;
+} sl_hit_sample;
 
 typedef struct sl_light_scratch {
-    size_t capacity;               /* of samples */
-    size_t lit;                    /* hits that sources may reach; by slot: */
-    float *reflects;               /* albedo times the cell's weight; 0 where nothing is seen */
-    /* [slot][SL_SOURCE_BLOCKS_MAX]: irradiance that a block of sources may bring */
-    float *of_block;
+    size_t slots, capacity;        /* of hits, and of samples */
+    float *reflects;               /* by slot: albedo; 0 where nothing is seen */
+    float *from;                   /* [source][slot]: irradiance that it may bring, in the gather's units */
     float *expected;               /* that of all */
     float *samples_at;             /* expected number of samples */
-
-    size_t samples, of_emitters;
-    sl_chosen_source *chosen;
+    size_t samples;
+    sl_hit_sample *drawn, *sorted;
     uint32_t *of_source;
-    uint32_t *sample_slot, *sample_source; /* by source: */
-    float *share, *u1, *u2;
-    float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *arriving, *near;
-    void *slot_block, *sample_block;
+    void *block;                   /* of the planes of floats */
 } sl_light_scratch;
 
 struct sl_gather {
@@ -56,10 +49,14 @@ struct sl_gather {
     sl_shadow_maps *own_maps;    /* the same, where nobody gave them; or NULL */
     /* the scene without its lights without extent: what samples are drawn from */
     sl_scene extended;
-    sl_light_sources *sources;   /* emitters and environment, if these and the other lights are few */
+    sl_light_sides sides;        /* emitters, where they are few: hits are weighed by what each gives */
+    size_t sources;              /* these, and the environment behind them; 0: none, or the sampler's */
+    float *strength;             /* by source: of emitters luminance in units, of the environment 1 */
+    float unit;
+    float sky_irradiance[6];     /* in units, on planes that face +x, -x, +y, -y, +z, -z */
     sl_light_sampler *sampler;   /* all that samples are drawn from, where they are many */
     bool every_light;            /* lights without extent are few: each lights every hit */
-    sl_hit_light_kernels light_kernels;
+    sl_light_kernels light;
 };
 
 /* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be

@@ -2,7 +2,7 @@
  * there are more than eight, they are drawn from as the others are), emitters and environment are sampled
  * (hit_samples.c).
  *
- * Of more than SL_LIGHT_SOURCES_MAX sources, and where lights without extent are many, the light sampler
+ * Of more than SL_HIT_SIDES_MAX sides of emitters, or of masked ones,, and where lights without extent are many, the light sampler
  * chooses one for each sample (emitters by place: trace/light_tree.h); the numbers that do so are one
  * three-dimensional Kronecker sequence over the hits of the gather (Roberts' R3), rotated by the point's key,
  * so that all hits together are spread evenly over the lights. */
@@ -27,26 +27,19 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
     q->count = 0;
 }
 
-void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away,
-                       sl_rgb irradiance) {
+void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, bool far_away, sl_rgb irradiance) {
+    const sl_gather_hits *h = &q->view->scratch->hits;
+    float offset = sl_scene_offset_at(q->view->gather->scene, q->view->gather->offset, sl_hit_position(h, k));
+    sl_vec3 shift = sl_v3(offset * h->geometric_x[k], offset * h->geometric_y[k], offset * h->geometric_z[k]);
+    /* From the shifted origin to the same point of the light, and short of it: beside it, the ray could end
+     * behind the light. */
+    sl_vec3 direction = far_away ? to_light : sl_sub(to_light, shift);
     unsigned i = q->count++;
-    /* short of the light itself */
-    sl_ray16_set(&q->rays, i, origin, direction, 0.0f, far_away ? INFINITY : 1.0f - 1e-4f,
-                 q->view->scratch->hits.triangle[k]);
+    sl_ray16_set(&q->rays, i, sl_add(sl_hit_position(h, k), shift), direction, 0.0f,
+                 far_away ? INFINITY : 1.0f - 1e-4f, h->triangle[k]);
     q->slot[i] = (uint32_t)k;
     q->light[i] = irradiance;
     if (q->count == SL_PACKET) sl_flush_shadow_rays(q);
-}
-
-void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance) {
-    const sl_gather_hits *h = &q->view->scratch->hits;
-    bool far_away = isinf(distance);
-    float offset = sl_scene_offset_at(q->view->gather->scene, q->view->gather->offset, sl_hit_position(h, k));
-    sl_vec3 shift = sl_v3(offset * h->geometric_x[k], offset * h->geometric_y[k], offset * h->geometric_z[k]);
-    /* From the shifted origin to the same point of the light: beside it, the ray could end behind the light.
-     */
-    sl_vec3 direction = far_away ? to_light : sl_sub(sl_scale(to_light, distance), shift);
-    sl_push_ready_ray(q, k, sl_add(sl_hit_position(h, k), shift), direction, far_away, irradiance);
 }
 
 /* ---- lights without extent ---- */
@@ -63,7 +56,10 @@ static void light_by_each(const sl_gather_view *view, size_t first, size_t count
             if (!sl_light_illuminate(&scene->lights[i], sl_hit_position(h, k), &to_light, &distance, &facing))
                 continue;
             float cosine = sl_hit_cosine(h, k, to_light);
-            if (cosine > 0.0f) sl_push_shadow_ray(q, k, to_light, distance, sl_rgb_scale(facing, cosine));
+            if (!(cosine > 0.0f)) continue;
+            bool far_away = isinf(distance);
+            sl_push_shadow_ray(q, k, far_away ? to_light : sl_scale(to_light, distance), far_away,
+                               sl_rgb_scale(facing, cosine));
         }
         sl_flush_shadow_rays(q); /* packets hold rays to one light */
     }
@@ -91,7 +87,8 @@ static void light_by_one_of_many(const sl_gather_view *view, sl_shadow_queue *q,
         return;
     float cosine = sl_hit_cosine(h, k, sample.to_light);
     if (!(cosine > 0.0f)) return;
-    sl_push_shadow_ray(q, k, sample.to_light, sample.distance,
+    bool far_away = isinf(sample.distance);
+    sl_push_shadow_ray(q, k, far_away ? sample.to_light : sl_scale(sample.to_light, sample.distance), far_away,
                        sl_rgb_scale(sample.radiance, share * cosine * bounded(&sample)));
 }
 

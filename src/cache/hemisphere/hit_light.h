@@ -15,11 +15,9 @@ typedef struct sl_shadow_queue {
     sl_rgb light[SL_PACKET];
 } sl_shadow_queue;
 
-/* Irradiance arrives at slot k from a unit direction, unless something is in the way. */
-void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, float distance, sl_rgb irradiance);
-/* The same by a ray made ready: short of the light by a little if it is not far away. */
-void sl_push_ready_ray(sl_shadow_queue *q, size_t k, sl_vec3 origin, sl_vec3 direction, bool far_away,
-                       sl_rgb irradiance);
+/* Irradiance arrives at slot k from a light `to_light` away, or from far away in that direction, unless
+ * something is in the way. */
+void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, bool far_away, sl_rgb irradiance);
 void sl_flush_shadow_rays(sl_shadow_queue *q);
 
 /* Returns the sum of kd over the channels; 0 where nothing is seen. */
@@ -54,6 +52,8 @@ static inline float sl_hit_cosine(const sl_gather_hits *h, size_t k, sl_vec3 d) 
 void sl_gather_light_first(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters);
 void sl_gather_light_sampled(const sl_gather_view *view, sl_counters *counters);
 /* The samples' part of it, where the sources are few enough to be weighed at every hit (hit_samples.c). */
+enum { SL_HIT_SIDES_MAX = 64 };
+sl_status sl_hit_sources_make(sl_gather *gather, sl_error *error);
 void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t count);
 void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q);
 

@@ -1,16 +1,19 @@
 /* Emitters and environment light the hits of a gather by samples: all hits together share a budget, as many
- * samples as there are hits that can be lit (times hit_samples). Where they go is decided in steps, each of
- * which keeps the estimate unbiased:
+ * samples as there are hits that can be lit (times hit_samples). Where they go is decided in steps:
  *
  *     which hits     in proportion to the light that each is expected to send back, E albedo W, where E is
- *                    the sum over the sources of what they would give unhindered, mixed with an even share;
- *                    by systematic sampling, so a hit gets the number expected, rounded up or down
+ *                    the sum over the sources of what they would give unhindered (of emitters in closed form,
+ *                    as for pixels), mixed with an even share; by systematic sampling, so a hit gets the
+ *                    number expected, rounded up or down
  *     which source   in proportion to the terms of that sum
- *     which point    uniform in area; within twice an emitter's size uniform in solid angle (Arvo 1995),
- *                    where 1 / distance^2 would make single hits outshine the gather
+ *     which point    uniform in area, or, of what is near, by solid angle (near_light.h)
+ *
+ * A sample of an emitter brings its closed form or nothing, so what is seen whole has no noise; that is off
+ * where a part of it is hidden and gives much more than the rest, and nowhere else.
  *
  * Samples are sorted by source before their points are chosen and their shadow rays traced: points of one
  * source are then well spread over all hits that chose it. */
+#include <float.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -18,39 +21,73 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/hemisphere/hit_light.h"
-#include "cache/light/spherical_triangle.h"
+#include "cache/light/near_light.h"
 
 /* How much of the budget is spread evenly over the hits. */
 #define EVEN_SHARE 0.2
 
 static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
-/* ---- a worker's buffers ---- */
+/* ---- sources ---- */
 
-static bool allocate(sl_light_scratch *s, size_t slots, size_t sources) {
-    size_t padded = s->capacity + SL_SOURCE_LANES;
-    float **const by_slot[] = {&s->reflects, &s->expected, &s->samples_at};
-    float **const by_sample[] = {&s->share,       &s->u1,          &s->u2,       &s->origin_x,
-                                 &s->origin_y,    &s->origin_z,    &s->direction_x, &s->direction_y,
-                                 &s->direction_z, &s->arriving,    &s->near};
-    s->slot_block = sl_allocate_planes(slots, sizeof by_slot / sizeof *by_slot, by_slot);
-    s->sample_block = sl_allocate_planes(padded, sizeof by_sample / sizeof *by_sample, by_sample);
-    s->of_block = sl_allocate(slots, SL_SOURCE_BLOCKS_MAX * sizeof *s->of_block);
-    s->chosen = sl_allocate(s->capacity, sizeof *s->chosen);
-    s->of_source = sl_allocate(sources + 1, sizeof *s->of_source);
-    s->sample_slot = sl_allocate(padded, sizeof *s->sample_slot);
-    s->sample_source = sl_allocate(padded, sizeof *s->sample_source);
-    return s->slot_block && s->sample_block && s->of_block && s->chosen && s->of_source && s->sample_slot &&
-           s->sample_source;
+/* Irradiance on the six planes, each texel by its middle. */
+static void find_sky(const sl_environment *e, double irradiance[6]) {
+    for (int d = 0; d < 6; d++) irradiance[d] = e->width > 0 ? 0.0 : SL_PI * (double)sl_luminance(e->constant);
+    for (int row = 0; row < e->height; row++) {
+        for (int column = 0; column < e->width; column++) {
+            sl_rgb radiance;
+            float solid_angle;
+            sl_vec3 d = sl_environment_texel(e, row, column, &radiance, &solid_angle);
+            const double light = (double)sl_luminance(radiance) * (double)solid_angle;
+            const float axes[3] = {d.x, d.y, d.z};
+            for (int axis = 0; axis < 3; axis++)
+                irradiance[2 * axis + (axes[axis] < 0.0f ? 1 : 0)] += light * fabs((double)axes[axis]);
+        }
+    }
 }
+
+/* Returns a power of two near the strongest source; squares of what is counted in it stay within floats. */
+static float choose_unit(const sl_gather *gather, const double sky[6]) {
+    int exponent = 0;
+    double most = gather->sides.count ? 0.5 * (double)gather->sides.unit : 0.0;
+    for (int d = 0; d < 6; d++) most = fmax(most, sky[d]);
+    if (most > 0.0 && isfinite(most)) (void)frexp(most, &exponent);
+    return ldexpf(1.0f, exponent > FLT_MAX_EXP - 1 ? FLT_MAX_EXP - 1 : exponent);
+}
+
+sl_status sl_hit_sources_make(sl_gather *gather, sl_error *error) {
+    const sl_environment *environment = &gather->extended.environment;
+    double sky[6] = {0.0};
+    sl_status status = sl_light_sides_make(&gather->extended, SL_HIT_SIDES_MAX, &gather->sides, error);
+    if (status != SL_OK) return status;
+    gather->sources = gather->sides.count + (environment->present ? 1 : 0);
+    gather->strength = sl_allocate(gather->sources, sizeof *gather->strength);
+    if (!gather->strength) return sl_fail_memory(error, "the light sources");
+    if (environment->present) find_sky(environment, sky);
+    gather->unit = choose_unit(gather, sky);
+    for (size_t i = 0; i < gather->sides.count; i++)
+        gather->strength[i] = gather->sides.luminance[i] * (gather->sides.unit / gather->unit);
+    if (environment->present) gather->strength[gather->sides.count] = 1.0f;
+    for (int d = 0; d < 6; d++) gather->sky_irradiance[d] = (float)(sky[d] / (double)gather->unit);
+    return SL_OK;
+}
+
+/* ---- a worker's buffers ---- */
 
 sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, sl_light_scratch **out,
                                   sl_error *error) {
     *out = NULL;
     sl_light_scratch *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "a gather's light samples");
+    float **const planes[] = {&s->reflects, &s->expected, &s->samples_at};
+    s->slots = slots;
     s->capacity = slots * gather->settings.hit_samples + 2;
-    if (!allocate(s, slots, gather->sources->count)) {
+    s->block = sl_allocate_planes(slots, sizeof planes / sizeof *planes, planes);
+    s->from = sl_allocate(slots * gather->sources, sizeof *s->from);
+    s->drawn = sl_allocate(s->capacity, sizeof *s->drawn);
+    s->sorted = sl_allocate(s->capacity, sizeof *s->sorted);
+    s->of_source = sl_allocate(gather->sources + 1, sizeof *s->of_source);
+    if (!s->block || !s->from || !s->drawn || !s->sorted || !s->of_source) {
         sl_light_scratch_destroy(s);
         return sl_fail_memory(error, "a gather's light samples");
     }
@@ -60,25 +97,44 @@ sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, sl_ligh
 
 void sl_light_scratch_destroy(sl_light_scratch *s) {
     if (!s) return;
-    void *blocks[] = {s->slot_block, s->sample_block, s->of_block,     s->chosen,
-                      s->of_source,  s->sample_slot,  s->sample_source};
+    void *blocks[] = {s->block, s->from, s->drawn, s->sorted, s->of_source};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
     sl_free(s);
 }
 
 /* ---- what may come ---- */
 
-static sl_expected_light expected_light(const sl_gather_view *view, size_t first, size_t count) {
+/* The squares of a unit normal's components sum to 1, they weigh the six irradiances. */
+static void weigh_sky(const float sky[6], const sl_light_points *at, float *from) {
+    for (size_t i = 0; i < at->count; i++) {
+        float x = at->normal_x[i], y = at->normal_y[i], z = at->normal_z[i];
+        from[i] = x * x * sky[x < 0.0f] + y * y * sky[2 + (y < 0.0f)] + z * z * sky[4 + (z < 0.0f)];
+    }
+}
+
+static void expect_block(const sl_gather_view *view, size_t first, size_t count) {
+    const sl_gather *g = view->gather;
     const sl_light_scratch *s = view->scratch->light;
-    return (sl_expected_light){sl_hit_points(&view->scratch->hits, first, count), s->reflects + first,
-                               s->of_block + first * SL_SOURCE_BLOCKS_MAX, s->expected + first};
+    const sl_light_points at = sl_hit_points(&view->scratch->hits, first, count);
+    float *expected = s->expected + first;
+    for (size_t i = 0; i < count; i++) expected[i] = 0.0f;
+    for (size_t source = 0; source < g->sources; source++) {
+        float *from = s->from + source * s->slots + first, strength = g->strength[source];
+        if (source < g->sides.count) g->light.polygon(&at, &g->sides.polygon[source], from);
+        else weigh_sky(g->sky_irradiance, &at, from);
+        for (size_t i = 0; i < count; i++) expected[i] += from[i] *= strength;
+    }
+    for (size_t i = 0; i < count; i++) {
+        float reflects = s->reflects[first + i] = sl_hit_reflectance(view, first + i);
+        expected[i] = reflects > 0.0f && expected[i] < 1e30f ? expected[i] : 0.0f;
+    }
 }
 
 void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t count) {
-    sl_light_scratch *s = view->scratch->light;
-    for (size_t k = first; k < first + count; k++) s->reflects[k] = sl_hit_reflectance(view, k);
-    sl_expected_light light = expected_light(view, first, count);
-    view->gather->light_kernels.expect(view->gather->sources, &light);
+    for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK) {
+        size_t left = first + count - k;
+        expect_block(view, k, left < SL_LIGHT_BLOCK ? left : SL_LIGHT_BLOCK);
+    }
 }
 
 /* ---- which hits get how many ---- */
@@ -86,185 +142,127 @@ void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t cou
 /* s->samples_at becomes the expected number of samples of every hit. */
 static void share_budget(const sl_gather_view *view) {
     sl_light_scratch *s = view->scratch->light;
-    size_t slots = view->scratch->slots;
+    size_t slots = view->scratch->slots, lit = 0;
     const float *weight = view->gather->tables->weight, *share = view->scratch->slot_share;
     double sum = 0.0;
-    s->lit = 0;
     for (size_t k = 0; k < slots; k++) {
         s->samples_at[k] = s->expected[k] * s->reflects[k] * (weight[view->scratch->slot_cell[k]] * share[k]);
         sum += (double)s->samples_at[k];
-        s->lit += s->expected[k] > 0.0f;
+        lit += s->expected[k] > 0.0f;
     }
     double budget = (double)view->gather->settings.hit_samples;
     bool uneven = sum > 0.0 && isfinite(sum);
     float even = (float)(uneven ? EVEN_SHARE * budget : budget),
-          by_light = (float)(uneven ? (1.0 - EVEN_SHARE) * budget * (double)s->lit / sum : 0.0);
+          by_light = (float)(uneven ? (1.0 - EVEN_SHARE) * budget * (double)lit / sum : 0.0);
     for (size_t k = 0; k < slots; k++)
         s->samples_at[k] = s->expected[k] > 0.0f ? even + by_light * s->samples_at[k] : 0.0f;
 }
 
 /* ---- which source ---- */
 
-/* Returns the first of n weights before which and with which u of their sum is used up, the last that has any
- * where rounding leaves some; n: none has. *target: what is left of it. */
-static size_t pick(const float *weight, size_t n, float *target) {
-    size_t chosen = n;
-    for (size_t i = 0; i < n; i++) {
-        if (!(weight[i] > 0.0f)) continue;
-        chosen = i;
-        if (*target < weight[i]) break;
-        *target -= weight[i];
+/* Finds the first source before which and with which u of all that is expected at slot k is used up, the last
+ * that gives any where rounding leaves some; returns its chance. */
+static float choose_source(const sl_gather *gather, const sl_light_scratch *s, size_t k, float u,
+                           uint32_t *source) {
+    float target = u * s->expected[k], chosen = 0.0f;
+    for (uint32_t i = 0; i < gather->sources; i++) {
+        const float from = s->from[i * s->slots + k];
+        if (!(from > 0.0f)) continue;
+        *source = i;
+        chosen = from;
+        if (target < from) break;
+        target -= from;
     }
-    return chosen;
-}
-
-/* The block first, then its source, in proportion to their weights. */
-static bool choose_source(const sl_gather_view *view, const sl_expected_light *light, size_t k, float u,
-                          uint32_t *source, float *chance) {
-    const sl_light_sources *sources = view->gather->sources;
-    float target = u * light->sum[k];
-    size_t block = pick(light->of_block + k * SL_SOURCE_BLOCKS_MAX, sources->blocks, &target);
-    if (block == sources->blocks) return false;
-    sl_block_weights w;
-    view->gather->light_kernels.block(sources, light, k, block, &w);
-    size_t lane = pick(w.of, SL_SOURCE_LANES, &target);
-    if (lane == SL_SOURCE_LANES) return false;
-    *source = (uint32_t)(block * SL_SOURCE_LANES + lane);
-    *chance = w.of[lane] / light->sum[k];
-    return *chance > 0.0f;
+    return chosen / s->expected[k];
 }
 
 /* Systematic sampling: hit after hit, one sample whenever the sum of the expected numbers passes the next
  * whole one. */
 static void draw_samples(const sl_gather_view *view, uint64_t key) {
     sl_light_scratch *s = view->scratch->light;
-    sl_expected_light light = expected_light(view, 0, view->scratch->slots);
     double sum = (double)sl_random_unit(key, 0);
     uint32_t before = 0, select = sl_random_bits(key, 1);
     s->samples = 0;
-    for (size_t k = 0; k < light.at.count; k++) {
+    for (size_t k = 0; k < view->scratch->slots; k++) {
         sum += (double)s->samples_at[k];
         for (uint32_t now = (uint32_t)sum; before < now; before++) {
-            uint32_t source;
-            float chance;
+            sl_hit_sample sample = {.slot = (uint32_t)k};
             select += 2654435769u; /* golden ratio */
-            if (s->samples == s->capacity ||
-                !choose_source(view, &light, k, unit(select), &source, &chance))
-                continue;
-            s->chosen[s->samples++] =
-                (sl_chosen_source){(uint32_t)k, source, 1.0f / (chance * s->samples_at[k])};
+            if (s->samples == s->capacity) continue;
+            float chance = choose_source(view->gather, s, k, unit(select), &sample.source);
+            if (!(chance > 0.0f)) continue;
+            sample.share = 1.0f / (chance * s->samples_at[k]);
+            s->drawn[s->samples++] = sample;
         }
     }
 }
 
-/* ---- in order of the sources ---- */
-
-static void sort_by_source(const sl_gather_view *view) {
-    sl_light_scratch *s = view->scratch->light;
-    size_t sources = view->gather->sources->count;
-    memset(s->of_source, 0, (sources + 1) * sizeof *s->of_source);
-    for (size_t m = 0; m < s->samples; m++) s->of_source[s->chosen[m].source + 1]++;
-    for (size_t i = 0; i < sources; i++) s->of_source[i + 1] += s->of_source[i];
-    s->of_emitters = s->of_source[view->gather->sources->sky];
-    for (size_t m = 0; m < s->samples; m++) {
-        uint32_t to = s->of_source[s->chosen[m].source]++;
-        s->sample_slot[to] = s->chosen[m].slot;
-        s->sample_source[to] = s->chosen[m].source;
-        s->share[to] = s->chosen[m].share;
-    }
+static void sort_by_source(const sl_gather *gather, sl_light_scratch *s) {
+    memset(s->of_source, 0, (gather->sources + 1) * sizeof *s->of_source);
+    for (size_t m = 0; m < s->samples; m++) s->of_source[s->drawn[m].source + 1]++;
+    for (size_t i = 0; i < gather->sources; i++) s->of_source[i + 1] += s->of_source[i];
+    for (size_t m = 0; m < s->samples; m++) s->sorted[s->of_source[s->drawn[m].source]++] = s->drawn[m];
 }
 
-/* Steps of the R2 sequence: 1/g and 1/g^2, g^3 = g + 1, as fractions of 2^32. */
-static void spread_points(sl_light_scratch *s, uint64_t key) {
-    uint32_t u1 = sl_random_bits(key, 3), u2 = sl_random_bits(key, 4);
-    for (size_t m = 0; m < s->samples; m++, u1 += 3242174889u, u2 += 2447445414u) {
-        s->u1[m] = unit(u1);
-        s->u2[m] = unit(u2);
-    }
+/* ---- which point ---- */
+
+static sl_vec3 hit_normal(const sl_gather_hits *h, size_t k) {
+    return sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
 }
 
-/* ---- near emitters: points uniform in solid angle ---- */
+/* By solid angle; false: nothing arrives from there. */
+static bool aim_by_angle(const sl_gather_hits *h, const sl_near_light *near, size_t k, float u1, float u2,
+                         sl_vec3 *to_light) {
+    double density, distance;
+    sl_vec3d direction = sl_near_light_draw(near, (double)u1, (double)u2, &density, &distance);
+    *to_light = sl_to_float(sl_scaled(direction, distance));
+    return distance > 0.0 && isfinite(distance) && sl_hit_cosine(h, k, sl_to_float(direction)) > 0.0f;
+}
 
-/* A near emitter that spans less than a millionth of a steradian is seen edge-on or is very small: it is left
- * out. */
-static void light_by_near_emitter(const sl_gather_view *view, sl_shadow_queue *q, size_t m) {
-    const sl_scene *scene = view->gather->scene;
+/* Uniform on the triangle. */
+static sl_vec3 aim_by_area(const sl_polygon_light *light, sl_vec3 p, float u1, float u2) {
+    float root = sqrtf(u1), w1 = root * (1.0f - u2), w2 = root * u2;
+    sl_vec3 d = sl_mad(sl_sub(light->corner[0], p), w1, sl_sub(light->corner[1], light->corner[0]));
+    return sl_mad(d, w2, sl_sub(light->corner[2], light->corner[0]));
+}
+
+/* Returns area cos cos' / d^2 (both cosines times d) of a point of a light that is partly below a horizon. */
+static float form_of(const sl_gather_hits *h, const sl_polygon_light *light, size_t k, sl_vec3 d) {
+    float squared = sl_dot(d, d), over = 1.0f / (squared > 0.0f ? squared : 1.0f),
+          emitted = -sl_dot(light->normal, d), cosine = sl_hit_cosine(h, k, d);
+    return squared > 0.0f && emitted > 0.0f ? (light->area * over) * (cosine * over) * emitted : 0.0f;
+}
+
+static bool is_above(const sl_gather_hits *h, const sl_polygon_light *light, size_t k, sl_vec3 p) {
+    for (int c = 0; c < 3; c++) {
+        if (!(sl_hit_cosine(h, k, sl_sub(light->corner[c], p)) > 0.0f)) return false;
+    }
+    return true;
+}
+
+/* What the side gives unhindered is known: the point tells whether it is seen. */
+static void light_by_side(const sl_gather_view *view, sl_shadow_queue *q, const sl_hit_sample *sample,
+                          float u1, float u2) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_light_scratch *s = view->scratch->light;
-    const sl_emitter *e = &scene->emitters[view->gather->sources->index[s->sample_source[m]]];
-    size_t k = s->sample_slot[m];
-    sl_vec3 p = sl_hit_position(h, k), corner[3];
-    sl_spherical_triangle seen;
-    if (e->triangle == h->triangle[k]) return;
-    for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
-    if (!sl_spherical_triangle_make(corner, p, &seen)) return;
-    sl_vec3d direction = sl_spherical_triangle_point(&seen, (double)s->u1[m], (double)s->u2[m]);
-    sl_vec3d normal = sl_to_double(sl_scene_geometric_normal(scene, e->triangle));
-    sl_vec3d first = sl_to_double(sl_scene_position(scene, scene->vertex[0][e->triangle]));
-    double facing = -sl_dotd(normal, direction);
-    if (!(facing > 0.0) && !e->two_sided) return;
-    double distance = sl_dotd(normal, sl_subd(sl_to_double(p), first)) / facing;
-    sl_vec3 to_light = sl_to_float(direction);
-    float cosine = sl_hit_cosine(h, k, to_light);
-    if (!(cosine > 0.0f) || !(distance > 0.0) || !isfinite(distance)) return;
-    sl_push_shadow_ray(q, k, to_light, (float)distance,
-                       sl_rgb_scale(e->radiance, (float)seen.solid_angle * cosine * s->share[m]));
-}
-
-/* ---- emitters ---- */
-
-static void choose_points(const sl_gather_view *view) {
-    sl_light_scratch *s = view->scratch->light;
-    sl_point_samples samples = {.count = s->of_emitters,
-                                .slot = s->sample_slot,
-                                .source = s->sample_source,
-                                .share = s->share,
-                                .u1 = s->u1,
-                                .u2 = s->u2,
-                                .at = sl_hit_points(&view->scratch->hits, 0, view->scratch->slots),
-                                .offset = view->gather->offset,
-                                .rounding = sl_scene_rounding(view->gather->scene),
-                                .origin_x = s->origin_x,
-                                .origin_y = s->origin_y,
-                                .origin_z = s->origin_z,
-                                .direction_x = s->direction_x,
-                                .direction_y = s->direction_y,
-                                .direction_z = s->direction_z,
-                                .arriving = s->arriving,
-                                .near = s->near};
-    view->gather->light_kernels.points(view->gather->sources, &samples);
-}
-
-/* Alpha masks have holes. */
-static bool is_opaque_there(const sl_gather_view *view, uint32_t triangle, float u1, float u2) {
-    if (!sl_scene_has_alpha(view->gather->scene, triangle)) return true;
-    float root = sqrtf(u1);
-    return sl_scene_is_opaque(view->gather->scene, triangle, root * (1.0f - u2), root * u2);
-}
-
-static void light_by_emitters(const sl_gather_view *view, sl_shadow_queue *q) {
-    const sl_light_scratch *s = view->scratch->light;
-    const sl_light_sources *sources = view->gather->sources;
-    if (s->of_emitters == 0) return;
-    choose_points(view);
-    for (size_t m = 0; m < s->of_emitters; m++) {
-        uint32_t i = s->sample_source[m];
-        if (s->near[m] > 0.0f) {
-            light_by_near_emitter(view, q, m);
-            continue;
-        }
-        if (!(s->arriving[m] > 0.0f) ||
-            !is_opaque_there(view, view->gather->scene->emitters[sources->index[i]].triangle, s->u1[m],
-                             s->u2[m]))
-            continue;
-        sl_rgb light = {sources->red[i] * s->arriving[m], sources->green[i] * s->arriving[m],
-                        sources->blue[i] * s->arriving[m]};
-        sl_push_ready_ray(q, s->sample_slot[m], sl_v3(s->origin_x[m], s->origin_y[m], s->origin_z[m]),
-                          sl_v3(s->direction_x[m], s->direction_y[m], s->direction_z[m]), false, light);
+    const sl_light_sides *sides = &view->gather->sides;
+    const sl_polygon_light *light = &sides->polygon[sample->source];
+    const size_t k = sample->slot, source = sample->source;
+    const sl_vec3 p = sl_hit_position(h, k);
+    float form = s->from[source * s->slots + k] / view->gather->strength[source];
+    sl_near_light near = {.seen = {.parts = 0}};
+    sl_vec3 to_light;
+    if (sl_light_is_near(light, p, p)) sl_near_light_make(light, p, hit_normal(h, k), &near);
+    if (near.seen.parts) {
+        if (!aim_by_angle(h, &near, k, u1, u2, &to_light)) return;
+    } else {
+        to_light = aim_by_area(light, p, u1, u2);
+        if (!is_above(h, light, k, p)) form = form_of(h, light, k, to_light);
     }
+    sl_rgb radiance = view->gather->scene->emitters[sides->emitter[source]].radiance,
+           irradiance = sl_rgb_scale(radiance, form * sample->share);
+    if (form > 0.0f && sl_rgb_is_finite(irradiance)) sl_push_shadow_ray(q, k, to_light, false, irradiance);
 }
-
-/* ---- the sky ---- */
 
 /* Of a constant sky in proportion to the cosine, or by its own distribution. */
 static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2, sl_vec3 *direction,
@@ -278,7 +276,7 @@ static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2,
         *irradiance = sl_rgb_scale(*irradiance, pdf > 0.0f ? cosine / pdf : 0.0f);
         return pdf > 0.0f && cosine > 0.0f;
     }
-    sl_frame frame = sl_frame_from_normal(sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]));
+    sl_frame frame = sl_frame_from_normal(hit_normal(h, k));
     float sine, cosine, radius = sqrtf(u1), height = sqrtf(1.0f - u1);
     sl_sincos_turnf(u2, &sine, &cosine);
     *direction = sl_frame_to_world(&frame, sl_v3(radius * cosine, radius * sine, height));
@@ -286,16 +284,14 @@ static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2,
     return sl_hit_cosine(h, k, *direction) > 0.0f;
 }
 
-static void light_by_sky(const sl_gather_view *view, sl_shadow_queue *q) {
-    const sl_light_scratch *s = view->scratch->light;
-    for (size_t m = s->of_emitters; m < s->samples; m++) {
-        sl_vec3 direction;
-        sl_rgb irradiance;
-        bool lit = sample_sky(view, s->sample_slot[m], s->u1[m], s->u2[m], &direction, &irradiance);
-        irradiance = sl_rgb_scale(irradiance, lit ? s->share[m] : 0.0f);
-        if (lit && sl_rgb_is_finite(irradiance))
-            sl_push_shadow_ray(q, s->sample_slot[m], direction, INFINITY, irradiance);
-    }
+static void light_by_sky(const sl_gather_view *view, sl_shadow_queue *q, const sl_hit_sample *sample,
+                         float u1, float u2) {
+    sl_vec3 direction;
+    sl_rgb irradiance;
+    bool lit = sample_sky(view, sample->slot, u1, u2, &direction, &irradiance);
+    irradiance = sl_rgb_scale(irradiance, lit ? sample->share : 0.0f);
+    if (lit && sl_rgb_is_finite(irradiance))
+        sl_push_shadow_ray(q, sample->slot, direction, true, irradiance);
 }
 
 /* ---- all of it ---- */
@@ -303,13 +299,16 @@ static void light_by_sky(const sl_gather_view *view, sl_shadow_queue *q) {
 void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q) {
     sl_light_scratch *s = view->scratch->light;
     uint64_t key = sl_random_key(view->point->key, 1);
-    s->samples = 0;
     share_budget(view);
     draw_samples(view, key);
-    sort_by_source(view);
-    spread_points(s, key);
-    light_by_emitters(view, q);
-    sl_flush_shadow_rays(q);
-    light_by_sky(view, q);
+    sort_by_source(view->gather, s);
+    /* Steps of the R2 sequence: 1/g and 1/g^2, g^3 = g + 1, as fractions of 2^32. */
+    uint32_t u1 = sl_random_bits(key, 3), u2 = sl_random_bits(key, 4);
+    for (size_t m = 0; m < s->samples; m++, u1 += 3242174889u, u2 += 2447445414u) {
+        const sl_hit_sample *sample = &s->sorted[m];
+        if (sample->source < view->gather->sides.count)
+            light_by_side(view, q, sample, unit(u1), unit(u2));
+        else light_by_sky(view, q, sample, unit(u1), unit(u2));
+    }
     sl_flush_shadow_rays(q);
 }

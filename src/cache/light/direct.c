@@ -4,65 +4,7 @@
 #include "base/memory.h"
 #include "cache/light/direct_internal.h"
 
-#include <float.h>
-
 /* ---- creation ---- */
-
-/* The closed form knows no masks. */
-static bool any_masked(const sl_scene *scene) {
-    for (size_t i = 0; i < scene->emitter_count; i++) {
-        if (sl_scene_has_alpha(scene, scene->emitters[i].triangle)) return true;
-    }
-    return false;
-}
-
-static void add_side(sl_direct *d, const sl_emitter *e, bool back) {
-    size_t k = d->exact_count++;
-    sl_polygon_light *p = &d->polygons[k];
-    *p = sl_polygon_light_of(d->scene, e, back);
-    d->emitter[k] = (uint32_t)(e - d->scene->emitters);
-    float luminance = sl_luminance(e->radiance), *t = d->triangles + k * SL_SIDE_VALUES;
-    sl_vec3 parts[4] = {p->corner[0], sl_sub(p->corner[1], p->corner[0]), sl_sub(p->corner[2], p->corner[0]),
-                        p->normal};
-    for (int i = 0; i < 4; i++) {
-        t[3 * i] = parts[i].x;
-        t[3 * i + 1] = parts[i].y;
-        t[3 * i + 2] = parts[i].z;
-    }
-    t[12] = p->area;
-    t[13] = luminance > 0.0f ? e->radiance.r / luminance : 0.0f; /* 1 / luminance may be infinite */
-    t[14] = luminance > 0.0f ? e->radiance.g / luminance : 0.0f;
-    t[15] = luminance > 0.0f ? e->radiance.b / luminance : 0.0f;
-    d->luminances[k] = luminance;
-}
-
-static sl_status make_sides(sl_direct *d, sl_error *error) {
-    const sl_scene *scene = d->scene;
-    size_t sides = sl_emitter_sides(scene);
-    if (sides == 0 || sides > SL_EXACT_EMITTERS_MAX || any_masked(scene)) return SL_OK;
-    d->polygons = sl_allocate(sides, sizeof *d->polygons);
-    d->triangles = sl_allocate(sides * SL_SIDE_VALUES, sizeof *d->triangles);
-    d->luminances = sl_allocate(sides, sizeof *d->luminances);
-    d->emitter = sl_allocate(sides, sizeof *d->emitter);
-    if (!d->polygons || !d->triangles || !d->luminances || !d->emitter)
-        return sl_fail_memory(error, "direct light");
-    for (size_t i = 0; i < scene->emitter_count; i++) {
-        add_side(d, &scene->emitters[i], false);
-        if (scene->emitters[i].two_sided) add_side(d, &scene->emitters[i], true);
-    }
-    return SL_OK;
-}
-
-/* Powers of two change no bit of a share. */
-static void choose_unit(sl_direct *d) {
-    float strongest = 0.0f;
-    int exponent = 0;
-    for (size_t k = 0; k < d->exact_count; k++) strongest = fmaxf(strongest, d->luminances[k]);
-    if (strongest > 0.0f && isfinite(strongest)) (void)frexpf(strongest, &exponent);
-    exponent = exponent > FLT_MAX_EXP - 1 ? FLT_MAX_EXP - 1 : exponent;
-    d->unit = ldexpf(1.0f, exponent);
-    for (size_t k = 0; k < d->exact_count; k++) d->luminances[k] = ldexpf(d->luminances[k], -exponent);
-}
 
 static sl_status make_sampler(sl_direct *d, sl_error *error) {
     d->extended = *d->scene;
@@ -70,7 +12,7 @@ static sl_status make_sampler(sl_direct *d, sl_error *error) {
     d->extended.environment = d->settings.sun ? *d->settings.sun : (sl_environment){0};
     if (d->scene->emitter_count == 0 && !d->settings.sun) return SL_OK;
     sl_status status = sl_light_sampler_create(&d->extended, &d->sampler, error);
-    if (status != SL_OK || d->exact_count) return status;
+    if (status != SL_OK || d->sides.count) return status;
     return sl_light_sampler_plant_tree(d->sampler, error);
 }
 
@@ -86,8 +28,8 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->offset = 1e-5f * scene->scale;
     for (size_t i = 0; i < scene->material_count; i++)
         d->glossy |= sl_material_is_glossy(&scene->materials[i]);
-    sl_status status = settings->maps ? SL_OK : make_sides(d, error);
-    choose_unit(d);
+    sl_status status =
+        settings->maps ? SL_OK : sl_light_sides_make(scene, SL_EXACT_EMITTERS_MAX, &d->sides, error);
     if (status == SL_OK && !settings->maps) status = make_sampler(d, error);
     if (status != SL_OK) {
         sl_direct_destroy(d);
@@ -100,10 +42,7 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
 void sl_direct_destroy(sl_direct *direct) {
     if (!direct) return;
     sl_light_sampler_destroy(direct->sampler);
-    sl_free(direct->polygons);
-    sl_free(direct->triangles);
-    sl_free(direct->luminances);
-    sl_free(direct->emitter);
+    sl_light_sides_release(&direct->sides);
     sl_free(direct);
 }
 

@@ -23,13 +23,13 @@ static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w
     sl_block_box box = sl_lit_block_box(block);
     w->sides = 0;
     w->any_near = false;
-    for (size_t s = 0; s < direct->exact_count; s++) {
+    for (size_t s = 0; s < direct->sides.count; s++) {
         float *share = w->share + w->sides * SL_LIGHT_BLOCK, *sum = w->sums + w->sides * SL_LIGHT_BLOCK;
-        direct->light.polygon(&points, &direct->polygons[s], share);
-        float largest = 0.0f, luminance = direct->luminances[s];
+        direct->light.polygon(&points, &direct->sides.polygon[s], share);
+        float largest = 0.0f, luminance = direct->sides.luminance[s];
         for (size_t i = 0; i < block->count; i++) largest = share[i] > largest ? share[i] : largest;
         if (!(largest > 0.0f)) continue;
-        const float *colour = direct->triangles + s * SL_SIDE_VALUES + 13;
+        const float *colour = direct->sides.values + s * SL_SIDE_VALUES + 13;
         for (size_t i = 0; i < block->count; i++) {
             float e = share[i] * luminance;
             sum[i] = (w->sides ? sum[(ptrdiff_t)i - SL_LIGHT_BLOCK] : 0.0f) + e;
@@ -37,7 +37,7 @@ static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w
             exact[1][i] += colour[1] * e;
             exact[2][i] += colour[2] * e;
         }
-        w->near[w->sides] = sl_emitter_is_near(&direct->polygons[s], &box);
+        w->near[w->sides] = sl_emitter_is_near(&direct->sides.polygon[s], &box);
         w->any_near |= w->near[w->sides];
         w->side[w->sides++] = (uint32_t)s;
     }
@@ -64,7 +64,7 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
         aims[k] = (sl_aim_block){
-            &points,      w->sides,         w->side,      direct->triangles, w->share,    w->sums,
+            &points,      w->sides,         w->side,      direct->sides.values, w->share,    w->sums,
             s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
             s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
         direct->light.aim(&aims[k]);

@@ -129,7 +129,7 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
     q.lobe = sl_bsdf_make(&surface, q.at.to_viewer, SL_LOBE_GLOSSY);
     sl_lamps *lamps = sl_direct_scratch_lamps(scratch);
     bool by_angle =
-        direct->exact_count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.at.position, lamps);
+        direct->sides.count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.at.position, lamps);
     q.lamps = by_angle ? lamps : NULL;
     uint32_t lobes = lobe_samples(&q, samples), lights = 2 * samples - lobes;
     q.light_count = (float)lights;

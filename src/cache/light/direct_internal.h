@@ -29,15 +29,8 @@ struct sl_direct {
     /* the scene without its lights without extent, its environment the sun alone */
     sl_scene extended;
     sl_light_sampler *sampler;      /* of that; NULL where there is nothing to sample */
-    /* sides of emitters that are lit by the closed form; 0: emitters are sampled */
-    size_t exact_count;
-    sl_polygon_light *polygons;     /* exact_count */
-    uint32_t *emitter;              /* of each side */
-    float *triangles;               /* the same for the kernels: SL_SIDE_VALUES each */
-    /* a power of two: what the strongest of emitters is counted in, so that sums of samples stay
-     * within floats */
-    float unit;
-    float *luminances;              /* of their radiances, in units */
+    /* of emitters that are lit by the closed form; none: emitters are sampled */
+    sl_light_sides sides;
     bool glossy;                    /* the scene has glossy materials */
 };
 

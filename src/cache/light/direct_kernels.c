@@ -28,7 +28,7 @@ void SL_KERNEL(sl_direct_aim)(const sl_aim_block *block) {
                           *restrict gz = block->points->geometric_z;
     const float *restrict u1 = block->u1, *restrict u2 = block->u2, *restrict share = block->share;
     const float *restrict total = block->sums + (block->sides - 1) * SL_LIGHT_BLOCK;
-    const float *t0 = block->triangles, *t1 = t0 + 1, *t2 = t0 + 2, *t3 = t0 + 3, *t4 = t0 + 4, *t5 = t0 + 5,
+    const float *t0 = block->values, *t1 = t0 + 1, *t2 = t0 + 2, *t3 = t0 + 3, *t4 = t0 + 4, *t5 = t0 + 5,
                 *t6 = t0 + 6, *t7 = t0 + 7;
     const float *t8 = t0 + 8, *t9 = t0 + 9, *t10 = t0 + 10, *t11 = t0 + 11, *t12 = t0 + 12, *t13 = t0 + 13,
                 *t14 = t0 + 14, *t15 = t0 + 15;

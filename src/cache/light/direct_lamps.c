@@ -79,7 +79,7 @@ static float look_by_angle(const sl_bsdf *lobe, const sl_polygon_light *light, s
 
 /* Fills in all but the sums; the lobe's largest value on the lamp. */
 static float look_at(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 p, uint32_t side, sl_lamp *lamp) {
-    const sl_polygon_light *light = &direct->polygons[side];
+    const sl_polygon_light *light = &direct->sides.polygon[side];
     sl_vec3d corner[3];
     double highest = 0.0, nearest = INFINITY;
     lamp->side = side;
@@ -93,7 +93,7 @@ static float look_at(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 p, ui
     }
     if (!(highest > 0.0)) return 0.0f;
     bool by_angle =
-        direct->exact_count <= FEW_LAMPS || nearest < DISTANT * DISTANT * (double)light->extent_squared;
+        direct->sides.count <= FEW_LAMPS || nearest < DISTANT * DISTANT * (double)light->extent_squared;
     float value = by_angle ? look_by_angle(lobe, light, p, lamp) : 0.0f;
     return lamp->seen.parts ? value : look_from_afar(lobe, light, corner, lamp);
 }
@@ -105,11 +105,11 @@ bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 positio
     lamps->count = 0;
     lamps->solid_angle = 0.0;
     lamps->closest = 0.0f;
-    for (uint32_t side = 0; side < direct->exact_count; side++) {
+    for (uint32_t side = 0; side < direct->sides.count; side++) {
         sl_lamp *lamp = &lamps->lamp[lamps->count];
         float value = look_at(direct, lobe, position, side, lamp), importance;
-        if (!(lamp->seen.solid_angle > 0.0) || !(direct->luminances[side] > 0.0f)) continue;
-        importance = direct->luminances[side] * fminf((float)lamp->seen.solid_angle, lobe_angle) *
+        if (!(lamp->seen.solid_angle > 0.0) || !(direct->sides.luminance[side] > 0.0f)) continue;
+        importance = direct->sides.luminance[side] * fminf((float)lamp->seen.solid_angle, lobe_angle) *
                      (value + LEAST_IMPORTANCE);
         sum += importance;
         lamp->chance = importance;
@@ -168,13 +168,13 @@ static const sl_lamp *choose(const sl_lamps *lamps, float *u) {
 bool sl_lamps_draw(const sl_lamps *lamps, const float u[2], sl_light_sample *sample) {
     float u1 = u[0];
     const sl_lamp *lamp = choose(lamps, &u1);
-    const sl_polygon_light *light = &lamps->direct->polygons[lamp->side];
+    const sl_polygon_light *light = &lamps->direct->sides.polygon[lamp->side];
     sl_vec3d d = lamp->seen.parts ? draw_by_angle(lamp, (double)u1, (double)u[1])
                              : draw_by_area(light, lamps->position, (double)u1, (double)u[1]);
     double distance = distance_to(light, lamps->position, d);
     if (!(distance > 0.0)) return false;
     double density = lamp->seen.parts ? 1.0 / lamp->seen.solid_angle : area_density(light, d, distance);
-    const sl_emitter *e = &lamps->direct->scene->emitters[lamps->direct->emitter[lamp->side]];
+    const sl_emitter *e = &lamps->direct->scene->emitters[lamps->direct->sides.emitter[lamp->side]];
     float pdf = lamp->chance * (float)density;
     if (!(pdf > 0.0f) || !isfinite(pdf)) return false;
     *sample = (sl_light_sample){.to_light = sl_to_float(d),
@@ -189,8 +189,8 @@ float sl_lamps_pdf(const sl_lamps *lamps, sl_vec3 direction, uint32_t triangle, 
     const sl_direct *direct = lamps->direct;
     for (size_t k = 0; k < lamps->count; k++) {
         const sl_lamp *lamp = &lamps->lamp[k];
-        const sl_polygon_light *light = &direct->polygons[lamp->side];
-        if (direct->scene->emitters[direct->emitter[lamp->side]].triangle != triangle ||
+        const sl_polygon_light *light = &direct->sides.polygon[lamp->side];
+        if (direct->scene->emitters[direct->sides.emitter[lamp->side]].triangle != triangle ||
             !(sl_dot(light->normal, direction) < 0.0f))
             continue;
         return lamp->chance * (float)(lamp->seen.parts

@@ -32,14 +32,14 @@ static uint32_t smaller_count(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
 static uint32_t samples_with_refinement(const sl_direct *direct) {
     uint32_t samples = sl_direct_samples(direct);
-    return direct->exact_count > PENUMBRA_EMITTERS_MAX ? samples : (1 + PENUMBRA_FACTOR) * samples;
+    return direct->sides.count > PENUMBRA_EMITTERS_MAX ? samples : (1 + PENUMBRA_FACTOR) * samples;
 }
 
 /* Of the first pass: what all agree on needs few, the others get more anyway. */
 static uint32_t pilot_samples(const sl_direct *direct) {
     const uint32_t samples = sl_direct_samples(direct), quarter = (samples + 3) / 4,
                    least = direct->scene->sub_frame.share > 1 ? PILOT_MIN_SHARED : PILOT_MIN;
-    if (direct->exact_count > PENUMBRA_EMITTERS_MAX) return samples;
+    if (direct->sides.count > PENUMBRA_EMITTERS_MAX) return samples;
     return quarter < least ? smaller_count(samples, least) : quarter;
 }
 
@@ -174,10 +174,10 @@ static void light_block(const pass *p, const sl_lit_block *block, unsigned worke
     uint32_t pilot = pilot_samples(direct);
     sl_sample_range range = {p->refine ? pilot : 0, p->refine ? samples_with_refinement(direct) : pilot};
     if (block->count == 0) return;
-    if (direct->exact_count) sl_direct_exact(direct, block, range, scratch, p->sums, counters);
+    if (direct->sides.count) sl_direct_exact(direct, block, range, scratch, p->sums, counters);
     if (p->refine) return;
     sl_direct_delta(direct, p->gbuffer, block, p->sums, counters);
-    if (!direct->exact_count && direct->scene->emitter_count)
+    if (!direct->sides.count && direct->scene->emitter_count)
         sl_direct_sampled(direct, block, false, p->sums, counters);
     if (direct->settings.sun) sl_direct_sampled(direct, block, true, p->sums, counters);
 }
@@ -240,12 +240,12 @@ static void finish_row(void *context, size_t index, unsigned worker) {
         sl_rgb exact = {p->sums->exact[0][k], p->sums->exact[1][k], p->sums->exact[2][k]},
                glossy = {0.0f, 0.0f, 0.0f};
         if (lobe)
-            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->unit,
+            glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->sides.unit,
                                     sl_direct_samples(direct), sl_direct_scratch_of(p->scratch, worker),
                                     counters_of(p, y));
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
-            float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i] * direct->unit;
+            float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i] * direct->sides.unit;
             /* black times infinite is black */
             float reflected = sl_picture_value(diffuse[c][i] * (float)(1.0 / SL_PI) * e);
             p->out[c][i] = sl_picture_value(reflected + p->sums->glossy[c][k] + lobes[c]);

@@ -55,6 +55,26 @@ sl_light_source sl_light_source_of(const sl_light *light);
 /* The front of an emitter, or its back. */
 sl_polygon_light sl_polygon_light_of(const sl_scene *scene, const sl_emitter *emitter, bool back);
 
+/* A side of an emitter for sl_aim_kernel: corner, two edges, normal (unit), area, chromaticity (radiance over
+ * its luminance). */
+enum { SL_SIDE_VALUES = 16 };
+
+/* All sides that shine: what each gives where nothing hides it is known in closed form. */
+typedef struct sl_light_sides {
+    size_t count;
+    sl_polygon_light *polygon;
+    uint32_t *emitter;              /* of each side */
+    float *values;                  /* the same for the kernels: SL_SIDE_VALUES each */
+    /* a power of two: what the strongest of emitters is counted in, so that sums of samples stay
+     * within floats */
+    float unit;
+    float *luminance;               /* of their radiances, in units */
+} sl_light_sides;
+/* Makes none where there are more than `most`, or where one has an alpha mask, which closed forms know
+ * nothing of. What was made has to be released in case of failure too. */
+sl_status sl_light_sides_make(const sl_scene *scene, size_t most, sl_light_sides *sides, sl_error *error);
+void sl_light_sides_release(sl_light_sides *sides);
+
 typedef void sl_arrive_kernel(const sl_light_points *points, const sl_light_source *source,
                               sl_arrivals *arrivals);
 /* Multiplies lit by 1 where the light is seen, 0 where it is not, in between at a shadow's edge. */
@@ -66,15 +86,11 @@ typedef void sl_polygon_kernel(const sl_light_points *points, const sl_polygon_l
 typedef void sl_accumulate_kernel(size_t count, sl_rgb colour, const float *a, const float *b, float *r,
                                   float *g, float *bl);
 
-/* A side of an emitter for sl_aim_kernel: corner, two edges, normal (unit), area, chromaticity (radiance over
- * its luminance). */
-enum { SL_SIDE_VALUES = 16 };
-
 typedef struct sl_aim_block {
     const sl_light_points *points;
     size_t sides;               /* that can light some point of the block */
-    const uint32_t *side;       /* which, into triangles */
-    const float *triangles;
+    const uint32_t *side;       /* which of them */
+    const float *values;        /* sl_light_sides */
     /* irradiance from each of them over its luminance, SL_LIGHT_BLOCK values a side */
     const float *share;
     const float *sums;          /* cumulative irradiances (luminance), SL_LIGHT_BLOCK values a side */

@@ -92,7 +92,7 @@ static sl_gather_settings rays_of(int size) {
 static void samples_mean_what_the_closed_form_says(void **state) {
     (void)state;
     enum { KEYS = 60 };
-    /* 40 emitters; 10 visible and 50 covered ones; more than are weighed one by one. */
+    /* 40 emitters; 10 visible and 50 covered ones; more than are weighed at every hit. */
     const struct { int lamps, covered; float size, pitch; double allowed; } cases[3] = {
         {20, 0, 0.5f, 0.8f, 0.004}, {5, 25, 0.5f, 0.8f, 0.006}, {140, 0, 0.09f, 0.13f, 0.01}};
     for (int i = 0; i < 3; i++) {
