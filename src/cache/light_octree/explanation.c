@@ -7,20 +7,21 @@
 #include "base/math.h"
 #include "base/memory.h"
 
-/* ---- telling ---- */
+/* ---- a pixel ---- */
 
-typedef struct telling {
-    const sl_octree_told *told;
+typedef struct explaining {
     sl_explanation_writer *writer;
+    const sl_voxel_texture *texture;
     sl_shade_kernel *kernel;
-    sl_octree_pixel *pixel;
+    sl_octree_point point;
+    sl_octree_seen seen;
     float throughput[3];   /* of the mirrors before it */
-} telling;
+} explaining;
 
 /* The voxel's weight after all are normalized: with facing and void ones as the kernel treats them. */
-static double weight_of(const telling *t, int corner) {
+static double weight_of(explaining *e, int corner) {
     static const sl_unpacked_light one = {{0.0f, 0.0f, 1.0f}, {1.0f, 1.0f, 1.0f}};
-    sl_shade_cells cells = t->pixel->cells;
+    sl_shade_cells cells = e->seen.cells;
     cells.lobes = SL_LOBES_NONE;
     for (int k = 0; k < cells.corners; k++) {
         for (int s = 0; s < cells.corner[k].sets; s++) {
@@ -28,87 +29,90 @@ static double weight_of(const telling *t, int corner) {
             cells.corner[k].set[s].lights = k == corner;
         }
     }
-    t->kernel(&cells, SL_SHADE_LANES, false, &t->pixel->block);
-    return (double)t->pixel->block.irradiance[0][0];
+    e->kernel(&cells, SL_SHADE_LANES, false, &e->seen.block);
+    return (double)e->seen.block.irradiance[0][0];
 }
 
-static sl_vec3 middle_of(const telling *t, int corner) {
-    const sl_voxel_texture *texture = t->told->shading.texture;
-    double edge = texture->edge / (double)(1u << texture->depth);
-    const int32_t *cell = t->pixel->cell;
+static sl_vec3 middle_of(const explaining *e, int corner) {
+    const int32_t *cell = e->seen.cell;
     sl_vec3d at = sl_v3d(cell[0] + (corner & 1) + 0.5, cell[1] + (corner >> 1 & 1) + 0.5,
                          cell[2] + (corner >> 2) + 0.5);
-    return sl_to_float(sl_addd(texture->origin, sl_scaled(at, edge)));
+    double edge = e->texture->edge / (double)(1u << e->texture->depth);
+    return sl_to_float(sl_addd(e->texture->origin, sl_scaled(at, edge)));
 }
 
 /* Asks the kernel for the pixel's light as if all voxels together held but one light. */
-static void tell_light(const telling *t, int corner, int set, int number, double weight) {
-    sl_shade_cells cells = t->pixel->cells;
-    sl_shade_block *b = &t->pixel->block;
+static void explain_light(explaining *e, int corner, int set, int number, double weight) {
+    sl_shade_cells cells = e->seen.cells;
+    sl_shade_block *b = &e->seen.block;
     for (int k = 0; k < cells.corners; k++) {
         for (int s = 0; s < cells.corner[k].sets; s++) cells.corner[k].set[s].lights = 0;
     }
     sl_shade_set *one = &cells.corner[corner].set[set];
     one->light += number;
     one->lights = 1;
-    t->kernel(&cells, SL_SHADE_LANES, t->pixel->glossy, b);
-    sl_vec3 at = middle_of(t, corner);
+    e->kernel(&cells, SL_SHADE_LANES, e->seen.glossy, b);
+    sl_vec3 at = middle_of(e, corner);
     sl_explanation_term term = {.layer = "indirect",
                                 .kind = cells.lobes == SL_LOBES_NONE
                                             ? "voxel: irradiance"
                                             : "directional light of a voxel: irradiance perpendicular to it",
+                                .index = (uint64_t)(one->light - e->texture->unpacked),
                                 .placed = true,
                                 .position = {at.x, at.y, at.z},
                                 .weight = weight};
-    term.index = (uint64_t)(one->light - t->told->shading.texture->unpacked);
     bool any = false;
-    const sl_octree_point *p = &t->pixel->point;
-    const float diffuse[3] = {p->diffuse.r, p->diffuse.g, p->diffuse.b},
-                specular[3] = {p->specular.r, p->specular.g, p->specular.b};
+    const float diffuse[3] = {e->point.diffuse.r, e->point.diffuse.g, e->point.diffuse.b},
+                specular[3] = {e->point.specular.r, e->point.specular.g, e->point.specular.b};
     for (int c = 0; c < 3; c++) {
         double reflected = (double)(diffuse[c] * (float)(1.0 / SL_PI)) * (double)b->irradiance[c][0];
-        if (t->pixel->glossy) reflected += (double)specular[c] * (double)b->lobe[c][0];
+        if (e->seen.glossy) reflected += (double)specular[c] * (double)b->lobe[c][0];
         term.value[c] = one->light->color[c];
-        term.contribution[c] = reflected * (double)t->throughput[c];
+        term.contribution[c] = reflected * (double)e->throughput[c];
         any |= term.contribution[c] != 0.0;
     }
-    if (any) sl_explanation_add(t->writer, &term);
+    if (any) sl_explanation_add(e->writer, &term);
 }
 
-static void tell_voxels(const telling *t) {
-    const sl_shade_cells *cells = &t->pixel->cells;
+static void explain_voxels(explaining *e) {
+    const sl_shade_cells *cells = &e->seen.cells;
     for (int k = 0; k < cells->corners; k++) {
-        double weight = cells->corner[k].sets > 0 ? weight_of(t, k) : 0.0;
+        double weight = cells->corner[k].sets > 0 ? weight_of(e, k) : 0.0;
         for (int s = 0; weight != 0.0 && s < cells->corner[k].sets; s++) {
-            for (int j = 0; j < cells->corner[k].set[s].lights; j++) tell_light(t, k, s, j, weight);
+            for (int j = 0; j < cells->corner[k].set[s].lights; j++) explain_light(e, k, s, j, weight);
         }
     }
 }
 
-static bool is_lit(const sl_octree_told *told, size_t pixel) {
-    uint32_t material = told->gbuffer->material[pixel];
-    return material != SL_NO_INDEX && !sl_material_is_mirror(&told->scene->materials[material]);
+/* Returns what the indirect light of a pixel is where it is not that of the shown octree's lights; else NULL.
+ */
+static const char *other_light(const sl_octree_state *s, const sl_material *material) {
+    if (s->canvas && !sl_material_is_glossy(material)) return "texel of the atlas";
+    if (s->settings.light_octree.photons_at_pixels) return "the photons nearest to the pixel";
+    return s->lit ? NULL : "lights of voxels that made way for smaller ones";
 }
 
-void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_explanation_writer *writer) {
-    sl_octree_pixel seen;
-    telling t = {
-        .told = told, .writer = writer, .kernel = sl_shade_kernel_for(sl_isa_best()), .pixel = &seen};
-    if (!told->drawn) return;
+void sl_octree_explain(const sl_octree_state *s, size_t pixel, sl_explanation_writer *writer) {
+    if (s->phase == SL_OCTREE_PHASE_GBUFFER) return; /* nothing is drawn yet */
     sl_explanation_add_layer(writer, "emission", "emitted light");
     sl_explanation_add_layer(writer, "direct", "direct light");
-    if (!is_lit(told, pixel)) return;
-    bool looked_up =
-        told->atlas && !sl_material_is_glossy(&told->scene->materials[told->gbuffer->material[pixel]]);
-    if (!told->shading.texture || looked_up) {
-        sl_explanation_add_layer(writer, "indirect", looked_up ? "texel of the atlas" : told->otherwise);
+    const uint32_t number = s->gbuffer->material[pixel];
+    const sl_material *material = number != SL_NO_INDEX ? &s->scene->materials[number] : NULL;
+    if (!material || sl_material_is_mirror(material)) return;
+    const char *other = other_light(s, material);
+    if (other) {
+        sl_explanation_add_layer(writer, "indirect", other);
         return;
     }
-    const sl_rgb left = sl_reflections_throughput(told->reflections, pixel);
-    t.throughput[0] = left.r, t.throughput[1] = left.g, t.throughput[2] = left.b;
-    if (sl_octree_pixel_cells(&told->shading, told->scene, told->gbuffer, told->scene->camera.eye, pixel,
-                              &seen))
-        tell_voxels(&t);
+    const sl_octree_shading shading = sl_octree_state_shading(s);
+    const sl_rgb left = sl_reflections_throughput(s->reflections, pixel);
+    explaining e = {
+        .writer = writer,
+        .texture = shading.texture,
+        .kernel = sl_shade_kernel_for(sl_isa_best()),
+        .point = sl_octree_point_of_pixel(s->scene, s->gbuffer, s->scene->camera.eye, pixel),
+        .throughput = {left.r, left.g, left.b}};
+    if (sl_octree_see(&shading, &e.point, &e.seen)) explain_voxels(&e);
 }
 
 /* ---- marks ---- */

@@ -8,11 +8,13 @@
  *
  * Each depth of the octree from 4 on is shown as soon as it is done. The paper numbers no equations. */
 #include "base/error.h"
+#include "base/math.h"
 #include "cache/light_octree/light_octree.h"
 
 #include <stdio.h>
 
-enum { LEAVES = 4096 /* an update's */ };
+enum { LEAVES = 4096 /* an update's */, GUTTER = 2 /* texels between charts */ };
+static const double BEND = 60.0 / 180.0 * SL_PI; /* of charts */
 
 /* ---- Photon map ---- */
 
@@ -105,7 +107,7 @@ static sl_status finish_level(sl_octree_state *s, sl_error *error) {
     show_level(s);
     sl_octree_announce_lights(&s->announcer, s->shown.octree, s->shown.lights);
     s->lit = false;
-    if (s->atlas) s->atlas->filled[SL_ATLAS_FRONT] = s->atlas->filled[SL_ATLAS_BACK] = false;
+    if (s->canvas) s->canvas->filled[SL_ATLAS_FRONT] = s->canvas->filled[SL_ATLAS_BACK] = false;
     return status;
 }
 
@@ -120,9 +122,13 @@ static sl_status light_leaves(sl_octree_state *s, sl_error *error) {
 
 /* Makes the atlas once; its light is that of the octree that is shown. */
 static sl_status ready_atlas(sl_octree_state *s, sl_error *error) {
-    if (!s->settings.light_octree.atlas || s->atlas) return SL_OK;
-    sl_status status = sl_lit_atlas_create(s->scene, s->settings.light_octree.atlas_size, s->settings.threads,
-                                           &s->atlas, error);
+    if (!s->settings.light_octree.atlas || s->canvas) return SL_OK;
+    const sl_atlas_settings settings = {s->settings.light_octree.atlas_size, GUTTER, BEND,
+                                        s->settings.threads};
+    sl_atlas *atlas = NULL;
+    sl_status status = sl_atlas_create(s->scene, &settings, &atlas, error);
+    if (status == SL_OK)
+        status = sl_atlas_canvas_create(atlas, s->scene, s->settings.threads, &s->canvas, error);
     sl_announce_pass(&s->announcer, "atlas", "render to texture atlas");
     return status;
 }
@@ -133,7 +139,7 @@ static sl_status light_pixels(sl_octree_state *s, sl_error *error) {
                                .gbuffer = s->gbuffer,
                                .reflections = s->reflections,
                                .shading = &shading,
-                               .atlas = s->atlas,
+                               .canvas = s->canvas,
                                .eye = s->scene->camera.eye,
                                .threads = s->settings.threads};
     return sl_octree_light_pixels(&pixels, s->indirect_light, &s->counters, error);

@@ -100,7 +100,8 @@ typedef struct sl_octree_state {
     sl_photon_list *photons;    /* until the tree takes them */
     sl_photon_tree *tree;
     sl_octree_level shown, next;
-    sl_lit_atlas *atlas;        /* as long as the geometry stays; NULL where it is not asked for */
+    /* of the atlas, as long as the geometry stays; NULL where it is not asked for */
+    sl_atlas_canvas *canvas;
 
     sl_gbuffer *gbuffer;
     sl_reflections *reflections;
@@ -143,17 +144,8 @@ size_t sl_octree_state_bytes(const sl_octree_state *s);
 
 /* ---- what made a pixel, and what can be seen of photons and voxels (explanation.c) ---- */
 
-typedef struct sl_octree_told {
-    const sl_scene *scene;
-    const sl_gbuffer *gbuffer;
-    const sl_reflections *reflections; /* or NULL */
-    sl_octree_shading shading;         /* texture NULL: indirect light is another's, as below */
-    const char *otherwise;             /* what it is then */
-    bool drawn, atlas;                 /* atlas: surfaces that are not glossy are lit from there */
-} sl_octree_told;
-
 /* Adds the terms of a pixel, row 0 at the bottom. */
-void sl_octree_tell(const sl_octree_told *told, size_t pixel, sl_explanation_writer *writer);
+void sl_octree_explain(const sl_octree_state *state, size_t pixel, sl_explanation_writer *writer);
 
 /* These do nothing without an observer. */
 

@@ -31,8 +31,8 @@ static void forget_light(sl_octree_state *s) {
 }
 
 static void forget_geometry(sl_octree_state *s) {
-    sl_lit_atlas_destroy(s->atlas);
-    s->atlas = NULL;
+    sl_atlas_canvas_destroy(s->canvas);
+    s->canvas = NULL;
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     s->tracer = NULL;
@@ -231,19 +231,7 @@ static sl_status octree_explanation(void *state, int x, int y, sl_explanation_wr
                                     sl_error *error) {
     (void)error;
     const sl_octree_state *s = state;
-    const sl_light_octree_settings *o = &s->settings.light_octree;
-    bool voxels = s->lit && !o->photons_at_pixels;
-    sl_octree_told told = {.scene = s->scene,
-                           .gbuffer = s->gbuffer,
-                           .reflections = s->reflections,
-                           .drawn = s->phase != SL_OCTREE_PHASE_GBUFFER,
-                           .shading = sl_octree_state_shading(s),
-                           .atlas = s->atlas != NULL,
-                           .otherwise = o->photons_at_pixels
-                                            ? "the photons nearest to the pixel"
-                                            : "lights of voxels that made way for smaller ones"};
-    if (!voxels) told.shading.texture = NULL;
-    sl_octree_tell(&told, (size_t)y * (size_t)s->settings.width + (size_t)x, writer);
+    sl_octree_explain(s, (size_t)y * (size_t)s->settings.width + (size_t)x, writer);
     return SL_OK;
 }
 

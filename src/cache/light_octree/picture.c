@@ -174,7 +174,7 @@ size_t sl_octree_state_bytes(const sl_octree_state *s) {
     bytes += level_bytes(&s->shown) + level_bytes(&s->next);
     if (s->photons) bytes += s->photons->count * sizeof(sl_photon);
     if (s->tree) bytes += sl_photon_tree_bytes(s->tree);
-    if (s->atlas) bytes += sl_lit_atlas_bytes(s->atlas);
+    if (s->canvas) bytes += sl_atlas_canvas_bytes(s->canvas);
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     return bytes;

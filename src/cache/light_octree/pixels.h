@@ -6,33 +6,24 @@
 
 #include "cache/light_octree/atlas/atlas.h"
 #include "cache/reflect/reflect.h"
-#include "cache/light_octree/shade.h"
-
-/* The atlas with the light of one octree in it; sides are filled when a pixel first sees one. */
-typedef struct sl_lit_atlas {
-    sl_atlas *atlas;
-    sl_atlas_canvas *canvas;
-    bool filled[2]; /* by side */
-} sl_lit_atlas;
-
-sl_status sl_lit_atlas_create(const sl_scene *scene, int size, unsigned threads, sl_lit_atlas **atlas,
-                              sl_error *error);
-void sl_lit_atlas_destroy(sl_lit_atlas *atlas);
-size_t sl_lit_atlas_bytes(const sl_lit_atlas *atlas);
 
 typedef struct sl_octree_pixels {
     const sl_scene *scene;
     const sl_gbuffer *gbuffer;
     const sl_reflections *reflections; /* or NULL */
     const sl_octree_shading *shading;
-    sl_lit_atlas *atlas;               /* or NULL */
+    sl_atlas_canvas *canvas;           /* or NULL; its sides are filled when a pixel first sees them */
     sl_vec3 eye;
     unsigned threads;
 } sl_octree_pixels;
 
-/* Three planes of the G-buffer's size, all of them written. */
+/* Three planes of the G-buffer's size, all of them written; background and mirrors 0. Fails for want of
+ * memory alone. */
 sl_status sl_octree_light_pixels(const sl_octree_pixels *pixels, float *const indirect[3],
                                  sl_counters *counters, sl_error *error);
+/* Of a pixel that shows a surface. */
+sl_octree_point sl_octree_point_of_pixel(const sl_scene *scene, const sl_gbuffer *gbuffer, sl_vec3 eye,
+                                         size_t pixel);
 
 /* ---- the photon map itself: every pixel gathers its nearest photons (Jensen 1996, direct visualization), as
  * a voxel does, and there are no lights in between. What the octree saves, and what it blurs, is the

@@ -7,7 +7,6 @@
 
 #include "cache/light_octree/shade_kernels.h"
 #include "cache/light_octree/voxel_texture.h"
-#include "raster/raster.h"
 
 typedef struct sl_octree_shading {
     const sl_voxel_texture *texture;
@@ -25,34 +24,31 @@ typedef struct sl_octree_point {
     float exponent;              /* modified Phong */
 } sl_octree_point;
 
-enum { SL_OCTREE_BATCH = 4096 };
-typedef struct sl_octree_scratch sl_octree_scratch; /* one for each worker */
-sl_status sl_octree_scratch_create(sl_octree_scratch **scratch, sl_error *error);
-void sl_octree_scratch_destroy(sl_octree_scratch *scratch);
+/* Points by number, and where their light goes; both are called by any worker, `put` once for each point. */
+typedef struct sl_octree_points {
+    size_t count;
+    bool (*find)(const void *context, size_t index, sl_octree_point *point); /* false: none is there */
+    void (*put)(void *context, size_t index, const float rgb[3]);
+    void *context;
+} sl_octree_points;
 
-/* Radiance (or irradiance) of any number of points, written to r, g, b. Each point's is a function of that
- * point alone. */
-void sl_octree_shade(const sl_octree_shading *shading, const sl_octree_point *point, size_t count,
-                     sl_octree_scratch *scratch, float *r, float *g, float *b, sl_counters *counters);
+enum { SL_OCTREE_BLOCK = 4096 }; /* points that are put in order of their voxels at a time */
 
-/* A whole G-buffer seen from an eye (but for pixels that mirrors show), in tiles; planes as the G-buffer's,
- * background and mirrors 0. Fails for want of memory alone. */
-sl_status sl_octree_shade_gbuffer(const sl_octree_shading *shading, const sl_scene *scene,
-                                  const sl_gbuffer *gbuffer, sl_vec3 eye, unsigned threads, float *r,
-                                  float *g, float *b, sl_counters *counters, sl_error *error);
+/* Radiance (or irradiance) of points. Each point's is a function of that point alone. Fails for want of
+ * memory alone. */
+sl_status sl_octree_shade(const sl_octree_shading *shading, const sl_octree_points *points, unsigned threads,
+                          sl_counters *counters, sl_error *error);
 
-/* ---- one pixel as the shader has it, before the loop over lights: for those who tell what made it ---- */
+/* ---- one point as the shader has it, before the loop over lights: for those who tell what made it ---- */
 
-typedef struct sl_octree_pixel {
-    sl_shade_block block;      /* the pixel, SL_SHADE_LANES times */
+typedef struct sl_octree_seen {
+    sl_shade_block block;      /* the point, SL_SHADE_LANES times */
     sl_shade_cells cells;      /* its eight voxels, or the nearest alone */
     int32_t cell[3];           /* the first of them */
     bool glossy;
-    sl_octree_point point;
-} sl_octree_pixel;
+} sl_octree_seen;
 
-/* Of a pixel that shows a surface which is no mirror. False where that gets no light. */
-bool sl_octree_pixel_cells(const sl_octree_shading *shading, const sl_scene *scene, const sl_gbuffer *gbuffer,
-                           sl_vec3 eye, size_t pixel, sl_octree_pixel *out);
+/* False where the point gets no light. */
+bool sl_octree_see(const sl_octree_shading *shading, const sl_octree_point *point, sl_octree_seen *seen);
 
 #endif

@@ -93,20 +93,34 @@ static inline lanes suits(const point_lanes *p, const sl_shade_corner *corner, c
     return cosine - (lanes)((masks)above & 0x7fffffff);
 }
 
+static inline lanes facing_cosine(const point_lanes *p, const sl_shade_set *set) {
+    return set->one_sided ? signed_cosine(p, set) : cosine_to(p, set);
+}
+
+/* What a voxel gives the points: light, and how far it faces them, (n . n_v)+, 1 where there is no normal. */
+typedef struct voxel_share {
+    light_sum light;
+    lanes facing;
+} voxel_share;
+
 /* A split voxel: each point takes the group that suits it best; ties go to the first. */
-static inline light_sum of_corner(const point_lanes *p, const sl_shade_corner *corner) {
-    light_sum best = of_set(p, &corner->set[0]);
+static inline voxel_share of_corner(const point_lanes *p, const sl_shade_corner *corner) {
+    const sl_vec3 n = corner->set[0].normal;
+    voxel_share best = {of_set(p, &corner->set[0]), facing_cosine(p, &corner->set[0])};
     lanes nearest = suits(p, corner, &corner->set[0]);
     for (int k = 1; k < corner->sets; k++) {
         lanes here = suits(p, corner, &corner->set[k]);
         masks closer = here > nearest;
         light_sum s = of_set(p, &corner->set[k]);
         nearest = choose(closer, here, nearest);
+        best.facing = choose(closer, facing_cosine(p, &corner->set[k]), best.facing);
         for (int c = 0; c < 3; c++) {
-            best.irradiance[c] = choose(closer, s.irradiance[c], best.irradiance[c]);
-            best.lobe[c] = choose(closer, s.lobe[c], best.lobe[c]);
+            best.light.irradiance[c] = choose(closer, s.irradiance[c], best.light.irradiance[c]);
+            best.light.lobe[c] = choose(closer, s.lobe[c], best.light.lobe[c]);
         }
     }
+    bool no_normal = n.x == 0.0f && n.y == 0.0f && n.z == 0.0f;
+    best.facing = no_normal ? p->tx * 0.0f + 1.0f : positive(best.facing);
     return best;
 }
 
@@ -120,69 +134,40 @@ static inline lanes trilinear(const point_lanes *p, int corner) {
     return x * y * z;
 }
 
-static inline lanes facing_cosine(const point_lanes *p, const sl_shade_set *set) {
-    return set->one_sided ? signed_cosine(p, set) : cosine_to(p, set);
-}
-
-/* (n . n_v)+, of a split voxel that of the group that the point takes; 1 where there is no normal. */
-static inline lanes facing_factor(const point_lanes *p, const sl_shade_corner *corner) {
-    const sl_vec3 n = corner->set[0].normal;
-    if (n.x == 0.0f && n.y == 0.0f && n.z == 0.0f) return p->tx * 0.0f + 1.0f;
-    lanes nearest = suits(p, corner, &corner->set[0]), factor = facing_cosine(p, &corner->set[0]);
-    for (int k = 1; k < corner->sets; k++) {
-        lanes here = suits(p, corner, &corner->set[k]);
-        masks closer = here > nearest;
-        nearest = choose(closer, here, nearest);
-        factor = choose(closer, facing_cosine(p, &corner->set[k]), factor);
-    }
-    return positive(factor);
-}
-
 /* The voxel that the point itself lies in. */
 static inline masks own_voxel(const point_lanes *p, int corner) {
     masks x = p->tx >= 0.5f, y = p->ty >= 0.5f, z = p->tz >= 0.5f;
     return (corner & 1 ? x : ~x) & (corner & 2 ? y : ~y) & (corner & 4 ? z : ~z);
 }
 
-/* Weights of the eight voxels; facing ones fall back on the point's own voxel, and on plain ones where that
- * is void. */
-static inline void weigh(const point_lanes *p, lanes weight[8]) {
+static inline void shade_lanes(const point_lanes *p, sl_shade_block *block, size_t first) {
     const sl_shade_cells *cells = p->cells;
-    lanes zero = p->tx * 0.0f, faced = zero;
+    lanes zero = p->tx * 0.0f, one = zero + 1.0f, sum = zero, faced = zero;
     masks own_there = {0};
+    voxel_share share[8];
+    light_sum total = {{{0}}, {{0}}};
     for (int k = 0; k < cells->corners; k++) {
-        weight[k] = cells->corner[k].sets > 0 ? trilinear(p, k) : zero;
-        if (!cells->facing || cells->corner[k].sets == 0) continue;
-        faced += weight[k] * facing_factor(p, &cells->corner[k]);
+        if (cells->corner[k].sets == 0) continue;
+        share[k] = of_corner(p, &cells->corner[k]);
+        faced += trilinear(p, k) * share[k].facing;
         own_there |= own_voxel(p, k);
     }
-    if (!cells->facing || cells->corners == 1) return;
     masks enough = faced >= 1e-3f;
     for (int k = 0; k < cells->corners; k++) {
         if (cells->corner[k].sets == 0) continue;
-        lanes own = choose(own_voxel(p, k), zero + 1.0f, zero);
-        weight[k] = choose(enough, weight[k] * facing_factor(p, &cells->corner[k]),
-                           choose(own_there, own, weight[k]));
-    }
-}
-
-static inline void shade_lanes(const point_lanes *p, sl_shade_block *block, size_t first) {
-    const sl_shade_cells *cells = p->cells;
-    lanes weight[8], sum = p->tx * 0.0f;
-    light_sum total = {{{0}}, {{0}}};
-    weigh(p, weight);
-    for (int k = 0; k < cells->corners; k++) {
-        if (cells->corner[k].sets == 0) continue;
-        light_sum s = of_corner(p, &cells->corner[k]);
-        sum += weight[k];
+        lanes weight = trilinear(p, k);
+        if (cells->facing && cells->corners > 1) /* else the point's own voxel, or plain where that is void */
+            weight = choose(enough, weight * share[k].facing,
+                            choose(own_there, choose(own_voxel(p, k), one, zero), weight));
+        sum += weight;
         for (int c = 0; c < 3; c++) {
-            total.irradiance[c] += weight[k] * s.irradiance[c];
-            total.lobe[c] += weight[k] * s.lobe[c];
+            total.irradiance[c] += weight * share[k].light.irradiance[c];
+            total.lobe[c] += weight * share[k].light.lobe[c];
         }
     }
     masks some = sum > 0.0f;
-    lanes one = p->tx * 0.0f + 1.0f,
-          scale = cells->keep_void_dark && !cells->facing ? one : positive(one / choose(some, sum, one));
+    lanes scale =
+        cells->keep_void_dark && !cells->facing ? one : positive(one / choose(some, sum, one));
     for (int c = 0; c < 3; c++) {
         *(lanes *)&block->irradiance[c][first] = total.irradiance[c] * scale;
         *(lanes *)&block->lobe[c][first] = total.lobe[c] * scale;

@@ -59,16 +59,35 @@ static inline void set_light(sl_voxel_lights *lights, size_t set, int which, sl_
     lights->set[set].done = true;
 }
 
+/* Points in a list, and what they send to the eye, three floats each. */
+typedef struct listed_points {
+    const sl_octree_point *point;
+    float *rgb;
+} listed_points;
+
+static inline bool find_listed(const void *context, size_t i, sl_octree_point *point) {
+    *point = ((const listed_points *)context)->point[i];
+    return true;
+}
+
+static inline void put_listed(void *context, size_t i, const float rgb[3]) {
+    memcpy(((listed_points *)context)->rgb + 3 * i, rgb, 3 * sizeof *rgb);
+}
+
+static inline sl_counters shade_listed(const sl_octree_shading *shading, const sl_octree_point *point,
+                                       size_t count, unsigned threads, float *rgb) {
+    listed_points list = {point, rgb};
+    const sl_octree_points points = {count, find_listed, put_listed, &list};
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_octree_shade(shading, &points, threads, &counters, NULL), SL_OK);
+    return counters;
+}
+
 /* Irradiance of a surface point, and what it counts. */
 static inline sl_counters shade_point(const sl_octree_shading *shading, sl_vec3 at, sl_vec3 normal,
-                                      float out[3]) {
+                                      float rgb[3]) {
     sl_octree_point p = {.position = at, .normal = normal, .view = normal, .diffuse = sl_grey((float)SL_PI)};
-    sl_octree_scratch *scratch = NULL;
-    sl_counters counters = {{0}};
-    assert_int_equal(sl_octree_scratch_create(&scratch, NULL), SL_OK);
-    sl_octree_shade(shading, &p, 1, scratch, &out[0], &out[1], &out[2], &counters);
-    sl_octree_scratch_destroy(scratch);
-    return counters;
+    return shade_listed(shading, &p, 1, 1, rgb);
 }
 
 /* A point of a triangle. */

@@ -8,7 +8,7 @@
 
 typedef struct stage {
     sl_scene *scene;
-    sl_atlas *atlas;
+    const sl_atlas *atlas;
     sl_atlas_canvas *canvas;
     sl_raster *raster;
     sl_view view;
@@ -22,8 +22,10 @@ enum { WIDTH = 160, HEIGHT = 120 };
 static stage stage_of(sl_scene *scene, int size) {
     stage s = {.scene = scene, .raster = raster_of(scene), .view = sl_view_scene(scene, WIDTH, HEIGHT)};
     sl_atlas_settings settings = {.size = size, .gutter = 2, .bend = 60.0 * SL_PI / 180.0, .threads = 2};
-    assert_int_equal(sl_atlas_create(scene, &settings, &s.atlas, NULL), SL_OK);
-    assert_int_equal(sl_atlas_canvas_create(s.atlas, scene, 2, &s.canvas, NULL), SL_OK);
+    sl_atlas *atlas;
+    assert_int_equal(sl_atlas_create(scene, &settings, &atlas, NULL), SL_OK);
+    s.atlas = atlas;
+    assert_int_equal(sl_atlas_canvas_create(atlas, scene, 2, &s.canvas, NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(WIDTH, HEIGHT, &s.gbuffer, NULL), SL_OK);
     assert_int_equal(sl_raster_gbuffer(s.raster, &s.view, 2, s.gbuffer, &s.counters, NULL), SL_OK);
     for (int k = 0; k < 3; k++) s.out[k] = sl_allocate(WIDTH * HEIGHT, sizeof(float));
@@ -35,14 +37,16 @@ static void end_stage(stage *s) {
     sl_gbuffer_destroy(s->gbuffer);
     sl_raster_destroy(s->raster);
     sl_atlas_canvas_destroy(s->canvas);
-    sl_atlas_destroy(s->atlas);
     sl_scene_destroy(s->scene);
 }
 
 static void apply(stage *s) {
-    assert_int_equal(sl_atlas_apply(s->canvas, s->gbuffer, s->scene, 2, s->out[0], s->out[1], s->out[2],
-                                    &s->counters, NULL),
-                     SL_OK);
+    uint8_t side[WIDTH * HEIGHT];
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++)
+        side[i] = s->gbuffer->material[i] == SL_NO_INDEX
+                      ? SL_ATLAS_NEITHER
+                      : (uint8_t)sl_atlas_side_seen(s->scene, s->gbuffer, i);
+    sl_atlas_apply(s->canvas, s->gbuffer, side, 2, s->out, &s->counters);
 }
 
 static sl_scene *scene_from(void fill(trace_mesh *)) {
@@ -171,8 +175,8 @@ static void pixels_show_their_own_chart_alone(void **state) {
     sl_scene *scenes[] = {scene_from(ball_and_box), scene_from(confetti)};
     for (int n = 0; n < 2; n++) {
         stage s = stage_of(scenes[n], n ? 150 : 64);
-        fill(&s, SL_ATLAS_FRONT, chart_number, s.atlas);
-        fill(&s, SL_ATLAS_BACK, chart_number, s.atlas);
+        fill(&s, SL_ATLAS_FRONT, chart_number, s.canvas->atlas);
+        fill(&s, SL_ATLAS_BACK, chart_number, s.canvas->atlas);
         apply(&s);
         for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
             if (s.gbuffer->material[i] == SL_NO_INDEX) continue;

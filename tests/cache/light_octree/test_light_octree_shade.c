@@ -1,14 +1,13 @@
 /* Shading from the octree's lights, against sums written as the formulas stand. */
 #include "light_octree_support.h"
 
-#include "base/memory.h"
+#include "cache/light_octree/pixels.h"
 
 typedef struct world {
     sl_scene *scene;
     sl_octree *octree;
     sl_voxel_lights *lights;
     sl_voxel_texture *texture;
-    sl_octree_scratch *scratch;
 } world;
 
 /* Random lights in every leaf, or the same in all. */
@@ -30,12 +29,10 @@ static world new_world(int depth, sl_voxel_lobes lobes, light_kind kind) {
         }
     }
     w.texture = texture_of(w.octree, w.lights);
-    assert_int_equal(sl_octree_scratch_create(&w.scratch, NULL), SL_OK);
     return w;
 }
 
 static void end_world(world *w) {
-    sl_octree_scratch_destroy(w->scratch);
     sl_voxel_texture_destroy(w->texture);
     sl_voxel_lights_destroy(w->lights);
     sl_octree_destroy(w->octree);
@@ -46,7 +43,7 @@ enum { POINTS = 10000 };
 
 typedef struct points {
     sl_octree_point at[POINTS];
-    float out[3][POINTS];
+    float out[POINTS][3];
 } points;
 
 /* On surfaces, with any normal and view; every third is glossy. */
@@ -70,10 +67,8 @@ static points *surface_points(const sl_scene *scene, uint64_t seed) {
     return p;
 }
 
-static sl_counters shade(const world *w, const sl_octree_shading *shading, points *p) {
-    sl_counters counters = {{0}};
-    sl_octree_shade(shading, p->at, POINTS, w->scratch, p->out[0], p->out[1], p->out[2], &counters);
-    return counters;
+static sl_counters shade(const sl_octree_shading *shading, points *p) {
+    return shade_listed(shading, p->at, POINTS, 1, p->out[0]);
 }
 
 /* ---- the formulas as they stand, in double ---- */
@@ -138,13 +133,13 @@ static void pixels_are_the_sums_of_the_formulas(void **state) {
         sl_octree_shading shading = {.texture = w.texture,
                                      .filter = k == 3 || k == 4 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR,
                                      .keep_void_dark = k == 5};
-        shade(&w, &shading, p);
+        shade(&shading, p);
         for (size_t i = 0; i < POINTS; i++) {
             double truth[3];
             expected(&w, &shading, p, i, truth);
             for (int c = 0; c < 3; c++) {
-                if (!(fabs((double)p->out[c][i] - truth[c]) <= 2e-5 * truth[c] + 1e-5)) {
-                    fail_msg("case %d, point %zu: %.9g, not %.9g", k, i, (double)p->out[c][i], truth[c]);
+                if (!(fabs((double)p->out[i][c] - truth[c]) <= 2e-5 * truth[c] + 1e-5)) {
+                    fail_msg("case %d, point %zu: %.9g, not %.9g", k, i, (double)p->out[i][c], truth[c]);
                 }
             }
         }
@@ -167,15 +162,15 @@ static void a_constant_field_stays_constant(void **state) {
             p->at[i].specular = sl_grey(0.0f);
         }
         sl_octree_shading shading = {.texture = w.texture};
-        shade(&w, &shading, p);
+        shade(&shading, p);
         for (size_t i = 0; i < POINTS; i++) {
-            assert_true(fabsf(p->out[0][i] - 2.0f) < 2e-6f && fabsf(p->out[1][i] - 3.0f) < 3e-6f &&
-                        fabsf(p->out[2][i] - 0.7f) < 1e-6f);
+            assert_true(fabsf(p->out[i][0] - 2.0f) < 2e-6f && fabsf(p->out[i][1] - 3.0f) < 3e-6f &&
+                        fabsf(p->out[i][2] - 0.7f) < 1e-6f);
         }
         shading.keep_void_dark = true; /* the paper's holes */
-        shade(&w, &shading, p);
+        shade(&shading, p);
         float least = 2.0f;
-        for (size_t i = 0; i < POINTS; i++) least = p->out[0][i] < least ? p->out[0][i] : least;
+        for (size_t i = 0; i < POINTS; i++) least = p->out[i][0] < least ? p->out[i][0] : least;
         assert_true(least < 1.2f && least >= 0.25f - 1e-6f);
         free(p);
         end_world(&w);
@@ -194,19 +189,19 @@ static void light_is_continuous_along_a_surface(void **state) {
         p->at[i].specular = sl_grey(0.0f);
     }
     sl_octree_shading shading = {.texture = w.texture};
-    shade(&w, &shading, p);
+    shade(&shading, p);
     for (size_t i = 0; i < POINTS; i++) {
-        most = p->out[0][i] > most ? p->out[0][i] : most;
-        if (i > 0 && fabsf(p->out[0][i] - p->out[0][i - 1]) > jump)
-            jump = fabsf(p->out[0][i] - p->out[0][i - 1]);
+        most = p->out[i][0] > most ? p->out[i][0] : most;
+        if (i > 0 && fabsf(p->out[i][0] - p->out[i - 1][0]) > jump)
+            jump = fabsf(p->out[i][0] - p->out[i - 1][0]);
     }
     assert_true(most > 0.1f);
     if (jump > 0.02f * most) fail_msg("a jump of %g, where %g is the most", (double)jump, (double)most);
     shading.filter = SL_VOXEL_NEAREST; /* which is not */
-    shade(&w, &shading, p);
+    shade(&shading, p);
     jump = 0.0f;
     for (size_t i = 1; i < POINTS; i++) {
-        if (fabsf(p->out[0][i] - p->out[0][i - 1]) > jump) jump = fabsf(p->out[0][i] - p->out[0][i - 1]);
+        if (fabsf(p->out[i][0] - p->out[i - 1][0]) > jump) jump = fabsf(p->out[i][0] - p->out[i - 1][0]);
     }
     assert_true(jump > 0.2f * most);
     free(p);
@@ -220,9 +215,9 @@ static void fetches_are_those_of_the_hardware(void **state) {
     world w = new_world(5, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS);
     points *p = surface_points(w.scene, 4);
     sl_octree_shading shading = {.texture = w.texture, .filter = SL_VOXEL_NEAREST};
-    assert_true(shade(&w, &shading, p).value[SL_COUNT_TEXTURE_FETCHES] == POINTS * (5 + 1 + 3));
+    assert_true(shade(&shading, p).value[SL_COUNT_TEXTURE_FETCHES] == POINTS * (5 + 1 + 3));
     shading.filter = SL_VOXEL_TRILINEAR;
-    uint64_t fetches = shade(&w, &shading, p).value[SL_COUNT_TEXTURE_FETCHES];
+    uint64_t fetches = shade(&shading, p).value[SL_COUNT_TEXTURE_FETCHES];
     assert_true(fetches < POINTS * 8 * (5 + 1 + 3) && fetches > POINTS * 3 * (5 + 1 + 3));
     free(p);
     end_world(&w);
@@ -242,10 +237,10 @@ static void what_is_no_surface_point_is_black(void **state) {
     for (int k = 0; k < 4; k++) {
         shading.facing = k & 1;
         shading.filter = k & 2 ? SL_VOXEL_NEAREST : SL_VOXEL_TRILINEAR;
-        shade(&w, &shading, p);
+        shade(&shading, p);
         for (size_t i = 0; i < POINTS; i++) {
-            for (int c = 0; c < 3; c++) assert_true(isfinite(p->out[c][i]) && p->out[c][i] >= 0.0f);
-            if (i < 6000 && i % 6 < 3 && i / 6 % 6 != 4) assert_true(p->out[0][i] == 0.0f);
+            for (int c = 0; c < 3; c++) assert_true(isfinite(p->out[i][c]) && p->out[i][c] >= 0.0f);
+            if (i < 6000 && i % 6 < 3 && i / 6 % 6 != 4) assert_true(p->out[i][0] == 0.0f);
         }
     }
     free(p);
@@ -359,23 +354,20 @@ static void batches_and_instruction_sets_give_the_same_bits(void **state) {
         world w = new_world(4, lobes[k], RANDOM_LIGHTS);
         points *p = surface_points(w.scene, 4);
         sl_octree_shading shading = {.texture = w.texture, .facing = k == 1};
-        shade(&w, &shading, p);
-        float(*before)[POINTS] = malloc(sizeof p->out);
+        shade(&shading, p);
+        float(*before)[3] = malloc(sizeof p->out);
         assert_non_null(before);
         memcpy(before, p->out, sizeof p->out);
         for (int isa = 0; isa < 3; isa++) {
             assert_int_equal(setenv("SOFTLUX_ISA", isas[isa], 1), 0);
-            sl_octree_scratch_destroy(w.scratch);
-            assert_int_equal(sl_octree_scratch_create(&w.scratch, NULL), SL_OK);
-            shade(&w, &shading, p);
+            shade_listed(&shading, p->at, POINTS, 1 + (unsigned)isa, p->out[0]);
             assert_memory_equal(before, p->out, sizeof p->out);
         }
         unsetenv("SOFTLUX_ISA");
         for (size_t i = 0; i < 300; i++) { /* alone */
             float out[3];
-            sl_counters counters = {{0}};
-            sl_octree_shade(&shading, &p->at[i], 1, w.scratch, &out[0], &out[1], &out[2], &counters);
-            for (int c = 0; c < 3; c++) assert_memory_equal(&out[c], &before[c][i], sizeof(float));
+            shade_listed(&shading, &p->at[i], 1, 1, out);
+            assert_memory_equal(out, before[i], sizeof out);
         }
         free(before);
         free(p);
@@ -400,11 +392,11 @@ static void a_gbuffer_is_shaded_the_same_by_any_number_of_threads(void **state) 
     sl_octree_shading shading = {.texture = w.texture};
     sl_counters first = {{0}};
     for (unsigned threads = 1; threads <= 3; threads++) {
-        float *r = out + (threads > 1 ? 3 * W * H : 0);
+        float *r = out + (threads > 1 ? 3 * W * H : 0), *const planes[3] = {r, r + W * H, r + 2 * W * H};
+        const sl_octree_pixels pixels = {.scene = w.scene, .gbuffer = g, .shading = &shading,
+                                         .eye = camera.eye, .threads = threads};
         counters = (sl_counters){{0}};
-        assert_int_equal(sl_octree_shade_gbuffer(&shading, w.scene, g, camera.eye, threads, r, r + W * H,
-                                                 r + 2 * W * H, &counters, NULL),
-                         SL_OK);
+        assert_int_equal(sl_octree_light_pixels(&pixels, planes, &counters, NULL), SL_OK);
         if (threads == 1) first = counters;
         assert_memory_equal(out, r, 3 * W * H * sizeof *out);
         assert_memory_equal(&first, &counters, sizeof counters);

@@ -12,6 +12,7 @@
 #define SL_CACHE_LIGHT_OCTREE_ATLAS_H
 
 #include "cache/light_octree/shade.h"
+#include "raster/raster.h"
 #include "raster/textures/textures.h"
 
 typedef struct sl_atlas_settings {
@@ -72,23 +73,25 @@ sl_status sl_atlas_texels(const sl_atlas *atlas, const sl_scene *scene, unsigned
  * Surfaces have two sides, and different light on each: a side is a picture of its own, and only those that
  * are seen need be filled. */
 
-typedef enum sl_atlas_side { SL_ATLAS_FRONT, SL_ATLAS_BACK } sl_atlas_side; /* front: counter-clockwise */
+/* Front: counter-clockwise. Neither: of pixels that are not looked up. */
+typedef enum sl_atlas_side { SL_ATLAS_FRONT, SL_ATLAS_BACK, SL_ATLAS_NEITHER } sl_atlas_side;
 
 /* The side that a pixel of a G-buffer shows. */
 sl_atlas_side sl_atlas_side_seen(const sl_scene *scene, const sl_gbuffer *gbuffer, size_t pixel);
 
 typedef struct sl_atlas_canvas {
-    const sl_atlas *atlas;
+    sl_atlas *atlas;
     /* of texels that hold a surface point: those in a chart, and those around it that filtering reads */
     size_t count;
     size_t covered;             /* of them, those whose centres lie in a chart */
     uint32_t *texel, *triangle; /* ascending; row * size + column */
     float *w1, *w2;
     sl_texture_image *side[2];  /* RGBA, alpha 1 where there is something; NULL: never filled */
+    bool filled[2];             /* with the light of the octree that is shown */
 } sl_atlas_canvas;
 
-/* The atlas must outlive it. */
-sl_status sl_atlas_canvas_create(const sl_atlas *atlas, const sl_scene *scene, unsigned threads,
+/* Takes the atlas over, and destroys it with the canvas, or at once where that fails. */
+sl_status sl_atlas_canvas_create(sl_atlas *atlas, const sl_scene *scene, unsigned threads,
                                  sl_atlas_canvas **canvas, sl_error *error);
 void sl_atlas_canvas_destroy(sl_atlas_canvas *canvas);
 size_t sl_atlas_canvas_bytes(const sl_atlas_canvas *canvas);
@@ -99,10 +102,9 @@ sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_sc
                         const sl_octree_shading *shading, unsigned threads, sl_counters *counters,
                         sl_error *error);
 
-/* Irradiance times kd / pi at the pixels of a G-buffer, bilinear, one look-up each; background, mirrors and
- * sides that were never filled are 0. */
-sl_status sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_gbuffer *gbuffer, const sl_scene *scene,
-                         unsigned threads, float *r, float *g, float *b, sl_counters *counters,
-                         sl_error *error);
+/* Irradiance times kd / pi at the pixels of a G-buffer, bilinear, one look-up each; side: of each pixel.
+ * Pixels of neither side, or of one that was never filled, stay as they are. */
+void sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_gbuffer *gbuffer, const uint8_t *side,
+                    unsigned threads, float *const out[3], sl_counters *counters);
 
 #endif
