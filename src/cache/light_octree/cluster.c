@@ -63,36 +63,6 @@ void sl_cluster_start(const sl_directions *d, int wanted, double *nearest, sl_cl
 
 /* ---- one iteration ---- */
 
-/* sums are updated; false: all points lie in the middle of their clusters. */
-static bool refill(const sl_directions *d, int empty, uint8_t *of, const sl_clusters *clusters,
-                   sl_cluster_sums *sums) {
-    size_t chosen = d->count;
-    double best = 0.0;
-    for (size_t i = 0; i < d->count; i++) {
-        sl_vec3d apart = sl_subd(direction_of(d, i), clusters->centre[of[i]]);
-        double chord = sl_dotd(apart, apart), value = d->weight[i] * chord;
-        if (chord > SAME && value > best && sums->members[of[i]] > 1) {
-            best = value;
-            chosen = i;
-        }
-    }
-    if (chosen == d->count) return false;
-    int from = of[chosen];
-    sl_vec3d v = sl_scaled(direction_of(d, chosen), d->weight[chosen]);
-    sums->x[from] -= v.x;
-    sums->y[from] -= v.y;
-    sums->z[from] -= v.z;
-    sums->weight[from] -= d->weight[chosen];
-    sums->members[from]--;
-    sums->x[empty] = v.x;
-    sums->y[empty] = v.y;
-    sums->z[empty] = v.z;
-    sums->weight[empty] = d->weight[chosen];
-    sums->members[empty] = 1;
-    of[chosen] = (uint8_t)empty;
-    return true;
-}
-
 /* The last cluster takes an empty one's number. */
 static void drop(int empty, size_t count, uint8_t *of, sl_clusters *clusters, sl_cluster_sums *sums) {
     int last = --clusters->count;
@@ -136,9 +106,7 @@ static size_t step(const sl_cluster_kernels *kernel, const sl_directions *d, uin
     sl_cluster_sums sums;
     size_t changed = kernel->assign(d, clusters->count, clusters->centre, of, &sums);
     for (int c = 0; c < clusters->count; c++) {
-        if (sums.members[c] > 0) continue;
-        if (refill(d, c, of, clusters, &sums)) changed++;
-        else drop(c--, d->count, of, clusters, &sums);
+        if (sums.members[c] == 0) drop(c--, d->count, of, clusters, &sums);
     }
     place_centres(d, of, &sums, clusters);
     clusters->iterations++;

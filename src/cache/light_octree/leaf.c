@@ -21,16 +21,8 @@ sl_photon_query sl_voxel_query(const sl_voxel_lights *lights, sl_vec3 centre, sl
                              .neighbours = o->neighbours};
 }
 
-/* Where another of the voxel's sets faces the other way, light of that side is that one's. */
-static sl_photon_query query_of_set(const sl_voxel_lights *lights, const sl_voxel_set *set, sl_vec3 centre,
-                                    double radius) {
-    sl_photon_query query = sl_voxel_query(lights, centre, set->normal, radius);
-    query.both_sides = query.both_sides && !set->opposed;
-    return query;
-}
-
-/* Takes the photons of one side, in order of their ids, and those places on the ellipsoid's disc whose hull
- * tells of surface; a caustic's tells of light. */
+/* Takes the photons of one side, in order of their ids, and their places on the ellipsoid's disc; a caustic's
+ * tell of light, not of surface. */
 static void take_side(const sl_voxel_lights *lights, const sl_photon_query *query, bool back,
                       sl_voxel_worker *w, sl_voxel_gather *gather) {
     const sl_photon_list *list = sl_photon_tree_list(lights->tree);
@@ -45,18 +37,17 @@ static void take_side(const sl_voxel_lights *lights, const sl_photon_query *quer
         gather->mean_place = sl_addd(gather->mean_place, sl_to_double(place));
         gather->mean_normal = sl_addd(gather->mean_normal, sl_scaled(sl_to_double(n), behind ? -1.0 : 1.0));
         gather->taken++;
-        if (!w->places.x || (p->flags & SL_PHOTON_CAUSTIC)) continue;
-        w->places.x[w->places.count] = sl_dot(place, frame.x);
-        w->places.y[w->places.count++] = sl_dot(place, frame.y);
+        if (!(p->flags & SL_PHOTON_CAUSTIC))
+            sl_place_sums_add(&gather->places[back], (double)sl_dot(place, frame.x),
+                              (double)sl_dot(place, frame.y));
     }
 }
 
 static void take_photons(const sl_voxel_lights *lights, const sl_photon_query *query, sl_voxel_worker *w,
                          sl_voxel_gather *gather) {
-    w->photons.count = w->places.count = 0;
+    w->photons.count = 0;
     take_side(lights, query, false, w, gather);
     size_t front = w->photons.count;
-    gather->front_places = w->places.count;
     if (gather->taken < w->gathered.count) take_side(lights, query, true, w, gather);
     gather->side[0] = sl_lobe_photons_from(&w->photons, 0, front);
     gather->side[1] = sl_lobe_photons_from(&w->photons, front, w->photons.count - front);
@@ -105,12 +96,8 @@ static sl_voxel_area clipped_area(const sl_voxel_lights *lights, const sl_voxel_
     const sl_ellipsoid *e = &gather->ellipsoid;
     double least_cosine = lights->by_side ? lights->cos_acceptance : -1.0;
     sl_strewn_area a = sl_surface_in_ellipsoid(lights->scene, lights->octree, e, least_cosine, &w->marks);
-    const size_t first[3] = {0, gather->front_places, w->places.count};
-    for (int side = 0; side < 2 && lights->by_side && sl_dotd(e->normal, e->normal) > 0.0; side++) {
-        sl_hull_points places = sl_hull_points_from(&w->places, first[side], first[side + 1] - first[side]);
-        sl_photon_hull hull = sl_photon_hull_of(&places);
-        a.side[side] *= sl_photon_hull_share(&hull, places.count, a.flat[side]);
-    }
+    for (int side = 0; side < 2 && lights->by_side && sl_dotd(e->normal, e->normal) > 0.0; side++)
+        a.side[side] *= sl_strewn_share(&gather->places[side], a.flat[side]);
     return (sl_voxel_area){{a.side[0], a.side[1]},
                            a.together ? fmax(a.side[0], a.side[1]) : a.side[0] + a.side[1]};
 }
@@ -187,41 +174,7 @@ static set_result make_lights(const sl_voxel_lights *lights, const sl_voxel_gath
     return result;
 }
 
-/* Too few photons tell no directions: those of the cell above, twice as large, are scaled to the voxel's own
- * irradiance. */
-static void take_directions_of_parent(const sl_voxel_lights *lights, sl_voxel_set *set, sl_voxel_worker *w,
-                                      set_result *own, sl_directional_light *light) {
-    if (lights->octree->depth < 2) return;
-    sl_vec3 centre = sl_octree_parent_centroid(lights->octree, set->leaf);
-    sl_photon_query query = query_of_set(lights, set, centre, 2.0 * lights->options.radius);
-    sl_voxel_gather gather = sl_voxel_gather_photons(lights, &query, w);
-    if (gather.found <= set->photons) return;
-    sl_directional_light wider[SL_VOXEL_LIGHTS_MAX] = {{{0}, 0}};
-    set_result result = make_lights(lights, &gather, w, set, wider);
-    double from = result.irradiance[0] + result.irradiance[1], to = own->irradiance[0] + own->irradiance[1];
-    if (!(from > 0.0 && to > 0.0)) return;
-    for (int i = 0; i < result.lights; i++) {
-        for (int c = 0; c < 3; c++) wider[i].color[c] = (float)((double)wider[i].color[c] * (to / from));
-    }
-    memcpy(light, wider, (size_t)lights->texels * sizeof *light);
-    own->lights = result.lights;
-    own->spread = result.spread;
-    for (int side = 0; side < 2; side++) own->irradiance[side] = result.irradiance[side] * (to / from);
-    set->from_parent = true;
-}
-
 /* ---- A set ---- */
-
-/* Returns the largest over the mean power of a photon: fireflies. */
-static float power_ratio(const sl_voxel_gather *gather) {
-    double most = 0.0, sum = luminance_of(&gather->side[0]) + luminance_of(&gather->side[1]);
-    for (int side = 0; side < 2; side++) {
-        for (size_t i = 0; i < gather->side[side].count; i++)
-            most = fmax(most, gather->side[side].luminance[i]);
-    }
-    double count = (double)(gather->side[0].count + gather->side[1].count);
-    return sum > 0.0 ? (float)(most * count / sum) : 0.0f;
-}
 
 static void report_lights(sl_voxel_set *set, const set_result *result) {
     const sl_lobe_spread *s = &result->spread;
@@ -244,17 +197,16 @@ void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     memset(light, 0, (size_t)lights->texels * sizeof *light);
     set->done = true;
     if (!lights->tree) return;
-    sl_photon_query query = query_of_set(lights, set, set->centroid, o->radius);
+    sl_photon_query query = sl_voxel_query(lights, set->centroid, set->normal, o->radius);
+    /* where another set faces it, that side is its own */
+    query.both_sides = query.both_sides && !set->opposed;
     sl_voxel_gather gather = o->own_photons ? own_photons(lights, set, &query, w)
                                             : sl_voxel_gather_photons(lights, &query, w);
     set->photons = (uint32_t)gather.found;
     set->radius = (float)gather.ellipsoid.radius;
-    set->power_ratio = power_ratio(&gather);
     sl_count(&w->counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
     if (gather.side[0].count + gather.side[1].count == 0) return; /* dark: nothing to cluster */
-    bool few = gather.found < SL_VOXEL_FEW && !o->own_photons && o->lobes != SL_LOBES_NONE;
-    set_result result = make_lights(lights, &gather, w, set, light);
-    if (few) take_directions_of_parent(lights, set, w, &result, light);
+    const set_result result = make_lights(lights, &gather, w, set, light);
     report_lights(set, &result);
     if (o->lobes != SL_LOBES_NONE)
         sl_count(&w->counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result.lights);

@@ -7,7 +7,7 @@
  *   ../photons/       photon tracing, the kd-tree, and the k nearest photons
  *   octree.c          the voxels, on geometry; triangle_cells.c
  *   leaf.c            a set of lights, step by step: photons, area, clusters, lights
- *   photon_area.c     the area of all triangles around; photon_hull.c: of what photons met alone
+ *   photon_area.c     the area of the triangles around, less what no photon met
  *   cluster.c         K-means on photons' directions; voxel_lobes.c: from clusters to lights
  *   voxel_lights.c    the lights of every voxel; voxel_sets.c: several sets in a voxel
  *   voxel_texture.c   all of it in textures, as the hardware holds it
@@ -54,9 +54,7 @@ static const double SL_OCTREE_FEW_PHOTONS = 0.1, SL_OCTREE_WIDE_GATHERS = 4.0;
  * + |n_y|
  * + |n_z| of them in each h^2. */
 double sl_octree_voxels_expected(const sl_scene *scene, double voxel);
-/* Objects that are smaller than two voxels: one set of lights is all that there is of them. */
-size_t sl_octree_small_objects(const sl_scene *scene, double voxel);
-/* Do directional lights show some of the scene's gloss blurred? */
+/* Tells whether directional lights show some of the scene's gloss blurred. */
 bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_settings *settings);
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 

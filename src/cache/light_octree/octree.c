@@ -94,7 +94,7 @@ static void emit(pair_list *list, uint32_t x, uint32_t y, uint32_t z, uint32_t t
         list->pair = grown;
         list->capacity = capacity;
     }
-    list->pair[list->count++] = sl_morton_encode(x, y, z) << 32 | triangle;
+    list->pair[list->count++] = sl_morton_code(x, y, z) << 32 | triangle;
 }
 
 typedef struct cell_range {
@@ -384,24 +384,8 @@ static uint32_t cell_at(double x, double cells) {
     return (uint32_t)(x > 0.0 ? (x < cells - 1.0 ? floor(x) : cells - 1.0) : 0.0); /* NaN: 0 */
 }
 
-sl_vec3 sl_octree_parent_centroid(const sl_octree *octree, uint32_t leaf) {
-    uint64_t parent = octree->leaf[leaf].morton >> 3;
-    size_t leaves = octree->leaf_count, first = sl_octree_lower_bound(octree, 0, leaves, parent << 3),
-           end = sl_octree_lower_bound(octree, first, leaves, (parent + 1) << 3);
-    sl_vec3d base = sl_to_double(octree->leaf[first].centroid), centre = {0}, plain = {0};
-    double area = 0.0;
-    for (size_t i = first; i < end; i++) {
-        sl_vec3d offset = sl_subd(sl_to_double(octree->leaf[i].centroid), base);
-        area += (double)octree->leaf[i].area;
-        centre = sl_addd(centre, sl_scaled(offset, (double)octree->leaf[i].area));
-        plain = sl_addd(plain, offset);
-    }
-    return sl_to_float(sl_addd(base, area > 0.0 ? sl_scaled(centre, 1.0 / area)
-                                                : sl_scaled(plain, 1.0 / (double)(end - first))));
-}
-
 uint64_t sl_octree_morton_at(const sl_octree *octree, sl_vec3 p) {
     double cells = (double)(1u << octree->depth);
     sl_vec3d u = sl_scaled(sl_subd(sl_to_double(p), octree->origin), cells / octree->edge);
-    return sl_morton_encode(cell_at(u.x, cells), cell_at(u.y, cells), cell_at(u.z, cells));
+    return sl_morton_code(cell_at(u.x, cells), cell_at(u.y, cells), cell_at(u.z, cells));
 }

@@ -8,6 +8,7 @@
 #ifndef SL_CACHE_LIGHT_OCTREE_OCTREE_H
 #define SL_CACHE_LIGHT_OCTREE_OCTREE_H
 
+#include "base/morton.h"
 #include "cache/light_octree/triangle_cells.h"
 #include "cache/photons/photons.h"
 
@@ -59,8 +60,6 @@ size_t sl_octree_bytes(const sl_octree *octree);
 uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton);
 /* The first leaf of [first, end) whose code is not below that one; else end. */
 size_t sl_octree_lower_bound(const sl_octree *octree, size_t first, size_t end, uint64_t morton);
-/* The centroid of what lies in the cell above a leaf, by area. */
-sl_vec3 sl_octree_parent_centroid(const sl_octree *octree, uint32_t leaf);
 /* The code of the cell (clamped to the root) that holds a point. */
 uint64_t sl_octree_morton_at(const sl_octree *octree, sl_vec3 p);
 static inline double sl_octree_voxel(const sl_octree *octree) {

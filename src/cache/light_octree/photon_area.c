@@ -92,9 +92,8 @@ typedef struct search {
     double low[3], high[3];       /* that box in units of the root cube */
     double least_cosine;
     bool has_normal;
-    /* in front and behind: area, projected along the normal, times the height of its plane above the centre,
-     * and of the disc what is hidden by surfaces on which no photon is stored */
-    double area[2], flat[2], height[2], hidden[2];
+    /* in front and behind: area, projected along the normal, and times its plane's height above the centre */
+    double area[2], flat[2], height[2];
     sl_triangle_marks *marks;
 } search;
 
@@ -121,8 +120,8 @@ static void visit_triangle(search *q, uint32_t t) {
     const sl_scene *scene = q->scene;
     sl_vec3d n = sl_to_double(sl_scene_geometric_normal(scene, t)), corner[3];
     double cosine = sl_dotd(n, q->e->normal);
-    bool takes = sl_takes_photons(&scene->materials[scene->material_index[t]]);
-    if ((q->has_normal && fabs(cosine) < q->least_cosine) || (!takes && !q->has_normal)) return;
+    if (!sl_takes_photons(&scene->materials[scene->material_index[t]])) return;
+    if (q->has_normal && fabs(cosine) < q->least_cosine) return;
     for (int k = 0; k < 3; k++)
         corner[k] = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[k][t])), q->e->centre);
     double height = sl_dotd(n, corner[0]);
@@ -130,8 +129,6 @@ static void visit_triangle(search *q, uint32_t t) {
     double area = sl_triangle_in_ellipsoid(&q->at_origin, corner[0], corner[1], corner[2]);
     if (!(area > 0.0)) return;
     int side = q->has_normal && cosine < 0.0;
-    if (!takes) q->hidden[side] += fabs(cosine) * area;
-    if (!takes) return;
     q->area[side] += area;
     q->flat[side] += area * fabs(cosine);
     q->height[side] += q->has_normal ? area * (height / cosine) : 0.0;
@@ -181,16 +178,6 @@ static void find_box(search *q) {
     q->half = sl_scaled(sl_v3d(half[0], half[1], half[2]), 1.0 + 1e-6);
 }
 
-/* Seen along its normal the ellipsoid is a disc: what projects onto more than that lies in layers, a floor
- * below its boards or a face modelled twice, and photons met but one of them; of a ceiling with a black lamp
- * on it, what the lamp leaves free. */
-static void leave_one_layer(const search *q, int side, sl_strewn_area *a) {
-    double disc = sl_disc_area(q->e), free = fmax(disc - q->hidden[side], 0.01 * disc);
-    if (!(a->flat[side] > free)) return;
-    a->side[side] *= free / a->flat[side];
-    a->flat[side] = free;
-}
-
 /* Tells whether the triangles turned either way are one sheet, at one height, to be seen from both sides. */
 static bool is_sheet(const search *q) {
     const double front = q->area[0], back = q->area[1];
@@ -198,6 +185,8 @@ static bool is_sheet(const search *q) {
     return !both || fabs(q->height[0] / front - q->height[1] / back) < 1e-3 * q->e->radius;
 }
 
+/* Seen along its normal the ellipsoid is a disc: what projects onto more than that lies in layers, a floor
+ * below its boards or a face modelled twice, and photons met but one of them. */
 static sl_strewn_area strewn_over(const search *q, bool by_side) {
     sl_strewn_area a = {.side = {q->area[0], q->area[1]}, .flat = {q->flat[0], q->flat[1]}};
     a.together = !by_side || is_sheet(q);
@@ -205,7 +194,11 @@ static sl_strewn_area strewn_over(const search *q, bool by_side) {
         a.side[0] = a.side[1] = q->area[0] + q->area[1];
         a.flat[0] = a.flat[1] = q->flat[0] + q->flat[1];
     }
-    for (int side = 0; q->has_normal && side < 2; side++) leave_one_layer(q, side, &a);
+    for (int side = 0; q->has_normal && side < 2; side++) {
+        if (!(a.flat[side] > sl_disc_area(q->e))) continue;
+        a.side[side] *= sl_disc_area(q->e) / a.flat[side];
+        a.flat[side] = sl_disc_area(q->e);
+    }
     return a;
 }
 
@@ -226,4 +219,21 @@ sl_strewn_area sl_surface_in_ellipsoid(const sl_scene *scene, const sl_octree *o
     }
     if (octree->leaf_count > 0) visit_cell(&q, 0, 0, 0, octree->leaf_count);
     return strewn_over(&q, least_cosine > -1.0);
+}
+
+/* ---- what photons tell of it by themselves ---- */
+
+/* The square root of a determinant scatters by about 0.7 / sqrt(N) of itself. */
+static const double clearly_less = 0.95, scatter = 1.5;
+/* A few photons close together must not outshine all else. */
+static const double share_least = 0.1;
+
+double sl_strewn_share(const sl_place_sums *p, double area) {
+    enum { PHOTONS_LEAST = 8 };
+    if (p->count < PHOTONS_LEAST || !(area > 0.0)) return 1.0;
+    double n = p->count, xx = p->xx - p->x * p->x / n, yy = p->yy - p->y * p->y / n,
+           xy = p->xy - p->x * p->y / n, determinant = xx * yy - xy * xy;
+    double share = 4.0 * SL_PI * sqrt(determinant > 0.0 ? determinant : 0.0) / ((n - 1.0) * area);
+    if (!(share * (1.0 + scatter / sqrt(n)) < clearly_less)) return 1.0;
+    return share > share_least ? share : share_least;
 }

@@ -26,8 +26,8 @@ typedef struct sl_triangle_marks {
     uint32_t query;
 } sl_triangle_marks;
 
-/* Areas within the ellipsoid of triangles with n_t . n >= least_cosine, and with -n_t . n >= it; of layers
- * that hide each other, one. together: they are one sheet, to be seen from both sides, and not the two faces
+/* Areas within the ellipsoid of triangles with n_t . n >= least_cosine, and with -n_t . n >= it.
+ * together: they are one sheet, to be seen from both sides, and not the two faces
  * of a wall: each side's area is that of both. flat: the same projected along the ellipsoid's normal, on its
  * disc; 0 without a normal. least_cosine -1: all triangles, together. */
 typedef struct sl_strewn_area {
@@ -40,39 +40,29 @@ sl_strewn_area sl_surface_in_ellipsoid(const sl_scene *scene, const sl_octree *o
                                        const sl_ellipsoid *ellipsoid, double least_cosine,
                                        sl_triangle_marks *marks);
 
-/* ---- what photons tell of it by themselves (photon_hull.c) ----
+/* ---- what photons tell of it by themselves ----
  *
  * An ellipsoid may hold surface that no light reaches: walls inside walls, what stands behind mouldings and
- * under books. Photons divided by all of it are too few a square metre. Where they are strewn evenly over a
- * convex piece of area A, their hull, of N - N_b photons and N_b corners, tells A without bias (Baldin and
- * Reiss 2016, "Unbiased estimation of the volume of a convex body"):
- *
- *     A = |hull| (N + 1) / (N - N_b + 1),   with a standard deviation of about A sqrt(N_b) / N */
+ * under books. Photons divided by all of it are too few a square metre. Points strewn evenly over an ellipse
+ * of area A have a covariance C with A = 4 pi sqrt(det C); of a rectangle that says 1.05 times its area, of
+ * half a disc 1.06. */
 
-/* Places in a plane, and room to work in; a worker's own. */
-typedef struct sl_hull_points {
-    size_t count;
-    float *x, *y;          /* room for `capacity` */
-    uint32_t *outer;       /* likewise */
-    uint32_t *chain;       /* room for twice as many */
-} sl_hull_points;
+/* Sums over photons' places on the ellipsoid's disc. */
+typedef struct sl_place_sums {
+    double count, x, y, xx, xy, yy;
+} sl_place_sums;
 
-sl_status sl_hull_points_create(size_t capacity, sl_hull_points *points, sl_error *error);
-void sl_hull_points_release(sl_hull_points *points);
-/* Some of the points, with the same room to work in. */
-static inline sl_hull_points sl_hull_points_from(const sl_hull_points *p, size_t first, size_t count) {
-    return (sl_hull_points){count, p->x + first, p->y + first, p->outer, p->chain};
+static inline void sl_place_sums_add(sl_place_sums *s, double x, double y) {
+    s->count += 1.0;
+    s->x += x;
+    s->y += y;
+    s->xx += x * x;
+    s->xy += x * y;
+    s->yy += y * y;
 }
 
-typedef struct sl_photon_hull {
-    double area;           /* 0: all in one line */
-    size_t corners;
-} sl_photon_hull;
-
-/* Does not depend on the points' order. */
-sl_photon_hull sl_photon_hull_of(sl_hull_points *points);
-/* Of an area of surface, the share that those photons say they were strewn over: 1 unless they are sure that
- * it is less. */
-double sl_photon_hull_share(const sl_photon_hull *hull, size_t photons, double area);
+/* Of an area of surface, the share that those photons say they were strewn over: 1 unless it is clearly less.
+ */
+double sl_strewn_share(const sl_place_sums *places, double area);
 
 #endif

@@ -109,11 +109,7 @@ static sl_status write_statistics(const sl_octree_state *s, const sl_voxel_stati
                    {"radius_in_voxels", v->mean_radius / sl_octree_voxel(octree)},
                    {"spread_deg", v->rms_angle * 57.29577951308232},
                    {"flux", v->flux},
-                   {"power_ratio", v->max_power_ratio},
                    {"sets", (double)v->sets},
-                   {"borrowed_directions", (double)v->from_parent},
-                   {"coincident", (double)v->coincident},
-                   {"small_objects", (double)sl_octree_small_objects(s->scene, sl_octree_voxel(octree))},
                    {"texture_bytes", (double)sl_voxel_texture_bytes(s->shown.texture)},
                    {"resident_bytes", (double)sl_voxel_texture_resident_bytes(s->shown.texture)}};
     sl_status status = SL_OK;

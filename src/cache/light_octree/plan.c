@@ -4,7 +4,6 @@
 #include <stdio.h>
 
 #include "base/math.h"
-#include "base/memory.h"
 #include "cache/frame/budget.h"
 #include "scene/features.h"
 
@@ -62,34 +61,6 @@ double sl_octree_voxels_expected(const sl_scene *scene, double voxel) {
     return fmin(1.5 * area / (voxel * voxel), cells * cells * cells);
 }
 
-size_t sl_octree_small_objects(const sl_scene *scene, double voxel) {
-    sl_vec3 *low = sl_allocate(2 * scene->object_count, sizeof *low),
-            *high = low ? low + scene->object_count : NULL;
-    size_t small = 0;
-    if (!low) return 0;
-    for (size_t i = 0; i < scene->object_count; i++) {
-        low[i] = sl_v3(INFINITY, INFINITY, INFINITY);
-        high[i] = sl_neg(low[i]);
-    }
-    for (uint32_t t = 0; t < scene->triangle_count; t++) {
-        uint32_t object = scene->object_index[t];
-        for (int k = 0; k < 3; k++) {
-            sl_vec3 p = sl_scene_position(scene, scene->vertex[k][t]);
-            low[object] =
-                sl_v3(fminf(low[object].x, p.x), fminf(low[object].y, p.y), fminf(low[object].z, p.z));
-            high[object] =
-                sl_v3(fmaxf(high[object].x, p.x), fmaxf(high[object].y, p.y), fmaxf(high[object].z, p.z));
-        }
-    }
-    for (size_t i = 0; i < scene->object_count; i++) {
-        sl_vec3 size = sl_sub(high[i], low[i]);
-        float longest = fmaxf(size.x, fmaxf(size.y, size.z));
-        small += longest >= 0.0f && (double)longest < 2.0 * voxel; /* below 0: it has no triangle */
-    }
-    sl_free(low);
-    return small;
-}
-
 /* Lobes narrower than what one of n lights stands for are widened (shade.c). */
 bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_settings *o) {
     bool widens = false;
@@ -106,17 +77,13 @@ static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o
     double voxel = sl_octree_root_of_central_region(scene).edge / (1.0 + 1e-4) / (double)(1u << o->depth),
            voxels = voxel > 0.0 ? sl_octree_voxels_expected(scene, voxel) : 0.0;
     double a_voxel = voxels > 1.0 ? (double)o->photons / voxels : (double)o->photons;
-    size_t small = voxel > 0.0 ? sl_octree_small_objects(scene, voxel) : 0;
-    char few[160] = "", tiny[96] = "";
+    char few[160] = "";
     if (a_voxel < SL_OCTREE_FEW_PHOTONS * o->neighbours)
         snprintf(few, sizeof few, ", less than a tenth of %d: %s", o->neighbours,
                  o->own_photons ? "too few to count by voxels" : "they come from far beyond the voxel");
-    if (small > 0)
-        snprintf(tiny, sizeof tiny, "; %zu object%s smaller than two voxels", small,
-                 small > 1 ? "s are" : " is");
     sl_plan_pass(writer, p->photons, "octree",
-                 "depth %d, shown from depth %d on; about %.2g voxels, %.2g photons each%s%s%s", o->depth,
-                 p->first_depth, voxels, a_voxel, few, tiny,
+                 "depth %d, shown from depth %d on; about %.2g voxels, %.2g photons each%s%s", o->depth,
+                 p->first_depth, voxels, a_voxel, few,
                  sl_scene_is_scattered(scene) ? "; around the scene's central region alone if most photons "
                                                 "lie there, since parts of it are far apart"
                                               : "");

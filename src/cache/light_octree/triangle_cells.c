@@ -1,7 +1,5 @@
 #include "cache/light_octree/triangle_cells.h"
 
-#include "base/morton.h"
-
 sl_cell_triangle sl_cell_triangle_of(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
     sl_vec3d ab = sl_subd(b, a), bc = sl_subd(c, b), ca = sl_subd(a, c);
     return (sl_cell_triangle){{a, b, c}, {ab, bc, ca}, sl_crossd(ab, bc)};
@@ -100,23 +98,4 @@ void sl_triangle_in_box(const sl_cell_triangle *triangle, sl_vec3d low, sl_vec3d
         clipped->count = clip_to_plane(other, count, axis, h, 1.0, clipped->corner);
     }
     measure(clipped);
-}
-
-/* ---- Morton codes ---- */
-
-static uint32_t gather(uint64_t v) {
-    v &= 0x1249249249249249u;
-    v = (v | v >> 2) & 0x10c30c30c30c30c3u;
-    v = (v | v >> 4) & 0x100f00f00f00f00fu;
-    v = (v | v >> 8) & 0x1f0000ff0000ffu;
-    v = (v | v >> 16) & 0x1f00000000ffffu;
-    return (uint32_t)((v | v >> 32) & 0x1fffffu);
-}
-
-uint64_t sl_morton_encode(uint32_t x, uint32_t y, uint32_t z) {
-    return sl_morton_code(x, y, z);
-}
-
-void sl_morton_decode(uint64_t morton, uint32_t cell[3]) {
-    for (int axis = 0; axis < 3; axis++) cell[axis] = gather(morton >> axis);
 }

@@ -5,7 +5,7 @@
 
 #include "base/vec.h"
 
-#include <stdint.h>
+#include <stdbool.h>
 
 /* Three axes are the box's, nine are cross products of its edges with the triangle's, one is the normal. */
 typedef struct sl_cell_triangle {
@@ -26,9 +26,5 @@ typedef struct sl_triangle_part {
 } sl_triangle_part;
 void sl_triangle_in_box(const sl_cell_triangle *triangle, sl_vec3d low, sl_vec3d high,
                         sl_triangle_part *clipped);
-
-/* Bits of x, y, z interleaved, x lowest: 21 bits each. */
-uint64_t sl_morton_encode(uint32_t x, uint32_t y, uint32_t z);
-void sl_morton_decode(uint64_t morton, uint32_t cell[3]);
 
 #endif

@@ -76,9 +76,7 @@ static sl_status create_worker(const sl_voxel_lights *lights, size_t pieces, sl_
     w->marks.mark = sl_allocate(clip ? lights->scene->triangle_count : 0, sizeof *w->marks.mark);
     w->pieces = sl_allocate(pieces, sizeof *w->pieces);
     bool good = w->gathered.place && w->gathered.distance && w->gathered.keys && w->marks.mark && w->pieces;
-    sl_status status =
-        good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
-    return status == SL_OK && clip ? sl_hull_points_create(k, &w->places, error) : status;
+    return good ? sl_lobe_photons_create(k, &w->photons, error) : sl_fail_memory(error, "gathered photons");
 }
 
 static sl_status create_workers(sl_voxel_lights *lights, sl_error *error) {
@@ -130,7 +128,6 @@ void sl_voxel_lights_destroy(sl_voxel_lights *lights) {
         sl_free(w->marks.mark);
         sl_free(w->pieces);
         sl_lobe_photons_release(&w->photons);
-        sl_hull_points_release(&w->places);
     }
     sl_free(lights->worker);
     sl_free(lights->own.first);
@@ -143,8 +140,7 @@ void sl_voxel_lights_destroy(sl_voxel_lights *lights) {
 
 size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
     bool clip = sl_voxel_lights_clip(&lights->options);
-    size_t bytes = sizeof *lights + (lights->leaf_count + 1) * sizeof *lights->first_set,
-           a_photon = clip ? 81 : 53; /* with its place for the hull, or without */
+    size_t bytes = sizeof *lights + (lights->leaf_count + 1) * sizeof *lights->first_set, a_photon = 53;
     bytes += lights->set_count * (sizeof *lights->set + (size_t)lights->texels * sizeof *lights->light);
     size_t marks = clip ? lights->scene->triangle_count * sizeof(uint32_t) : 0;
     return bytes + lights->workers * (sizeof *lights->worker + marks + most_photons(lights) * a_photon);
@@ -203,16 +199,12 @@ void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *
         if (!set->done) continue;
         s->sets++;
         s->photons += set->photons;
-        s->from_parent += set->from_parent;
-        s->coincident += set->photons > 0 && (double)set->radius <= 1e-3 * lights->options.radius;
         if (set->lights == 0) continue;
         double e = (double)set->irradiance, rms = (double)set->rms_angle;
         uint32_t in_leaf = lights->first_set[set->leaf + 1] - lights->first_set[set->leaf];
         s->lit++;
         s->lights += set->lights;
         s->mean_radius += (double)set->radius;
-        s->max_power_ratio =
-            (double)set->power_ratio > s->max_power_ratio ? (double)set->power_ratio : s->max_power_ratio;
         s->rms_angle += e * rms * rms;
         s->flux += (double)set->density * (double)octree->leaf[set->leaf].area / (double)in_leaf;
         weight += e;

@@ -28,7 +28,7 @@ typedef struct sl_voxel_light_options {
  * scene's area A. At least one voxel. */
 double sl_voxel_radius(const sl_octree *octree, size_t neighbours, uint64_t photons);
 
-enum { SL_VOXEL_FEW = 8, SL_VOXEL_SETS_MAX = 6 };
+enum { SL_VOXEL_SETS_MAX = 6 };
 
 /* A voxel's lights, or those of one of its groups of normals. */
 typedef struct sl_voxel_set {
@@ -42,15 +42,12 @@ typedef struct sl_voxel_set {
     float irradiance;      /* E, luminance; the sum of both sides */
     float density;         /* flux over that area */
     float rms_angle;       /* the spread of the clusters: radians, by weight */
-    float power_ratio;     /* largest over mean power of a photon: fireflies */
     uint8_t lights;        /* used */
     /* another of the voxel's sets faces the other way: light of that side is that one's */
     bool opposed;
     bool layered;          /* another has about the same normal, but lies higher or lower */
     bool both_sides;       /* photons on both sides */
     bool flat;             /* light is seen by that normal alone: a light along it says all */
-    /* fewer than SL_VOXEL_FEW photons: directions are those of the parent cell's photons */
-    bool from_parent;
     bool done;
 } sl_voxel_set;
 
@@ -94,12 +91,11 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights);
 
 /* Over the sets that are done. Means are over the lit ones. */
 typedef struct sl_voxel_statistics {
-    uint64_t sets, lit, from_parent, coincident; /* coincident: R at its least */
+    uint64_t sets, lit;
     uint64_t lights, photons;
     double mean_photons, mean_radius;
     double rms_angle;        /* sqrt of the mean square, by irradiance: radians */
     double flux;             /* sum of flux density times the voxel's own area: luminance, W */
-    double max_power_ratio;
 } sl_voxel_statistics;
 void sl_voxel_lights_statistics(const sl_voxel_lights *lights, const sl_octree *octree,
                                 sl_voxel_statistics *statistics);
@@ -159,8 +155,6 @@ int sl_lobe_texels(const sl_voxel_light_options *options);
 typedef struct sl_voxel_worker {
     sl_gathered_photons gathered;
     sl_lobe_photons photons;      /* of both sides */
-    /* on the ellipsoid's disc, those of the front first; x NULL: not asked for */
-    sl_hull_points places;
     sl_triangle_marks marks;
     sl_voxel_piece *pieces;
     sl_counters counters;
@@ -169,8 +163,9 @@ typedef struct sl_voxel_worker {
 typedef struct sl_voxel_gather {
     sl_ellipsoid ellipsoid;       /* R; f = 1 without a normal */
     double kappa;
-    size_t found, taken, front_places;
+    size_t found, taken;
     sl_lobe_photons side[2];      /* by the side of n_v; all in front where sides are not told apart */
+    sl_place_sums places[2];      /* likewise, but for caustics */
     sl_vec3d mean_normal, mean_place; /* of the photons, turned to n_v's side; about the centre */
 } sl_voxel_gather;
 

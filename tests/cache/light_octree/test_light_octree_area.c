@@ -1,8 +1,7 @@
 /* How much surface an ellipsoid holds, in closed form, by counting points, and where photons tell: at edges
  * and in corners. */
-#include "light_octree_support.h"
+#include "light_octree_photons.h"
 
-#include "base/memory.h"
 #include "cache/light_octree/photon_area.h"
 #include "cache/light_octree/pixels.h"
 #include "trace_scenes.h"
@@ -269,6 +268,104 @@ static void mirrors_and_surfaces_without_photons_are_dark(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* ---- what photons tell by themselves ---- */
+
+/* Points of a disc or a square, of area 1: all of it, or one half. */
+static double share_of(size_t count, bool disc, bool half, uint64_t seed) {
+    sl_place_sums sums = {0};
+    for (uint64_t i = 0; i < count; i++) {
+        double u = number(2 * seed, i), v = number(2 * seed + 1, i),
+               r = sqrt(u / SL_PI), angle = SL_PI * v * (half ? 1.0 : 2.0);
+        sl_place_sums_add(&sums, disc ? r * sl_cos(angle) : u * (half ? 0.5 : 1.0),
+                          disc ? r * sl_sin(angle) : v);
+    }
+    return sl_strewn_share(&sums, 1.0);
+}
+
+static void photons_tell_what_share_of_a_surface_they_met(void **state) {
+    (void)state;
+    enum { RUNS = 500 };
+    for (int disc = 0; disc < 2; disc++) {
+        size_t less = 0;
+        double half = 0.0;
+        for (uint64_t run = 0; run < RUNS; run++) {
+            less += share_of(50, disc, false, 2 * run) < 1.0;
+            half += share_of(300, disc, true, 2 * run + 1) / RUNS;
+        }
+        if (less > RUNS / 100 || fabs(half - 0.5) > 0.05)
+            fail_msg("%zu of %d are less, half is %g", less, RUNS, half);
+    }
+}
+
+static void what_spans_no_area_says_little(void **state) {
+    (void)state;
+    sl_place_sums line = {0}, few = {0};
+    for (int i = 0; i < 100; i++) sl_place_sums_add(&line, i, 2.0 * i);
+    for (int i = 0; i < 7; i++) sl_place_sums_add(&few, 1e-3 * i, 1e-3 * i * i);
+    assert_true(sl_strewn_share(&line, 1.0) == 0.1); /* no more than tenfold */
+    assert_true(sl_strewn_share(&few, 1.0) == 1.0 && sl_strewn_share(&line, 0.0) == 1.0);
+    assert_true(sl_strewn_share(&line, (double)NAN) == 1.0);
+}
+
+/* A floor of which a box covers half: what is under the box no photon meets. Beside the box the floor is as
+ * bright as elsewhere. */
+static void floors_are_not_dark_beside_what_stands_on_them(void **state) {
+    (void)state;
+    float xyz[9 * 8];
+    add_quad(xyz, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
+    add_quad(xyz, 2, sl_v3(2, 0, 0), sl_v3(0, 0, 4), sl_v3(0, 2, 0));
+    add_quad(xyz, 4, sl_v3(2, 2, 0), sl_v3(0, 0, 4), sl_v3(2, 0, 0));
+    add_quad(xyz, 6, sl_v3(4, 0, 0), sl_v3(0, 2, 0), sl_v3(0, 0, 4));
+    sl_scene *scene = scene_of_triangles(xyz, 8);
+    sl_photon_list *list = new_list(40000);
+    strew_evenly(list, 40000, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(2, 0, 0), sl_v3(0, 1, 0), 3.0f, 7);
+    sl_voxel_light_options o = plain_options(4);
+    o.neighbours = 300;
+    o.acceptance = 35.0 / 180.0 * SL_PI;
+    o.split_by_normal = true;
+    lit l = light_up(scene, 5, list, &o, 1);
+    double count[2] = {0.0, 0.0}, sum[2] = {0.0, 0.0};
+    for (size_t s = 0; s < l.lights->set_count; s++) {
+        sl_vec3 c = l.lights->set[s].centroid;
+        bool floor_set =
+                 fabsf(l.lights->set[s].normal.y) > 0.9f && c.y < 0.01f && c.x<2.0f, near = c.x> 1.85f,
+             middle = c.x > 0.5f && c.x < 1.5f;
+        if (!floor_set || !(near || middle)) continue;
+        sum[middle] += irradiance_on(l.lights, s, sl_v3(0, 1, 0));
+        count[middle] += 1.0;
+    }
+    assert_true(count[0] > 20.0 && count[1] > 100.0);
+    double beside = sum[0] / count[0] / 3.0, far = sum[1] / count[1] / 3.0;
+    end_lit(&l);
+    assert_true(fabs(far - 1.0) < 0.02 && fabs(beside - 1.0) < 0.05);
+    sl_scene_destroy(scene);
+}
+
+/* A floor modelled twice, and once more the other way up, is no larger. */
+static void a_floor_modelled_thrice_is_as_bright_as_one(void **state) {
+    (void)state;
+    float xyz[9 * 6];
+    for (size_t k = 0; k < 2; k++) add_quad(xyz, 2 * k, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
+    add_quad(xyz, 4, sl_v3(0, 0, 0), sl_v3(4, 0, 0), sl_v3(0, 0, 4));
+    sl_scene *scene = scene_of_triangles(xyz, 6);
+    sl_voxel_light_options o = plain_options(4);
+    o.neighbours = 300;
+    o.split_by_normal = true;
+    lit l = light_up(scene, 4, even_floor(40000, 3.0f, 9), &o, 1);
+    double count[2] = {0.0, 0.0}, sum[2] = {0.0, 0.0};
+    for (size_t s = 0; s < l.lights->set_count; s++) {
+        sl_vec3 c = l.lights->set[s].centroid;
+        bool edge = c.x < 0.2f || c.z < 0.2f || c.x > 3.8f || c.z > 3.8f;
+        if (l.lights->set[s].lights == 0) continue;
+        sum[edge] += irradiance_on(l.lights, s, sl_v3(0, 1, 0)) / 3.0;
+        count[edge] += 1.0;
+    }
+    end_lit(&l);
+    assert_true(count[0] > 100.0 && count[1] > 40.0);
+    assert_true(fabs(sum[0] / count[0] - 1.0) < 0.02 && fabs(sum[1] / count[1] - 1.0) < 0.1);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(triangle_area_is_that_of_counted_points),
@@ -278,6 +375,10 @@ int main(void) {
         cmocka_unit_test(the_surface_in_an_ellipsoid_is_the_sum_of_its_triangles),
         cmocka_unit_test(clipped_area_is_right_at_edges_and_corners_where_the_disc_is_not),
         cmocka_unit_test(mirrors_and_surfaces_without_photons_are_dark),
+        cmocka_unit_test(photons_tell_what_share_of_a_surface_they_met),
+        cmocka_unit_test(what_spans_no_area_says_little),
+        cmocka_unit_test(floors_are_not_dark_beside_what_stands_on_them),
+        cmocka_unit_test(a_floor_modelled_thrice_is_as_bright_as_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

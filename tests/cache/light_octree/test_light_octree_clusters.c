@@ -180,8 +180,7 @@ static void opposed_directions_split_or_fall_back_on_the_heaviest(void **state) 
     free(c);
 }
 
-/* Every point's cluster lies nearest; a centre that loses its points gets the worst placed one. */
-static void an_empty_cluster_is_filled_again(void **state) {
+static void a_centre_that_loses_its_points_goes(void **state) {
     (void)state;
     cloud *c = random_cloud(100, 0, 8);
     sl_clusters clusters = {.count = 3};
@@ -189,15 +188,8 @@ static void an_empty_cluster_is_filled_again(void **state) {
     for (int k = 0; k < 3; k++) clusters.centre[k] = sl_v3d(0, 0, 1);
     memset(c->of, 0xff, sizeof c->of);
     sl_cluster_step(&c->directions, c->of, &clusters);
-    size_t members[3] = {0};
-    for (int i = 0; i < 100; i++) members[c->of[i]]++;
-    assert_true(clusters.count == 3 && members[0] == 98 && members[1] == 1 && members[2] == 1);
+    assert_int_equal(clusters.count, 1);
     assert_true(fabs(clusters.cost - cost_of(c, &clusters)) < 1e-5);
-    c->directions.count = 0;
-    for (int i = 0; i < 20; i++) add(c, sl_v3d(0, 1, 0), 1.0);
-    for (int k = 0; k < 3; k++) clusters.centre[k] = sl_v3d(0, 1, 0);
-    sl_cluster_step(&c->directions, c->of, &clusters);
-    assert_int_equal(clusters.count, 1); /* nothing to fill with */
     free(c);
 }
 
@@ -240,7 +232,7 @@ int main(void) {
         cmocka_unit_test(the_spread_over_the_number_of_lights_is_as_simulated),
         cmocka_unit_test(equal_directions_are_one_cluster),
         cmocka_unit_test(opposed_directions_split_or_fall_back_on_the_heaviest),
-        cmocka_unit_test(an_empty_cluster_is_filled_again),
+        cmocka_unit_test(a_centre_that_loses_its_points_goes),
         cmocka_unit_test(instruction_sets_and_ties_give_the_same_bits),
         cmocka_unit_test(nothing_gives_nothing),
     };

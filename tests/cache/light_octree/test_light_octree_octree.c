@@ -86,11 +86,11 @@ static void morton_codes_come_back(void **state) {
         uint32_t c[3] = {sl_random_bits(key, 3 * i) >> 11, sl_random_bits(key, 3 * i + 1) >> 11,
                          sl_random_bits(key, 3 * i + 2) >> 11},
                  d[3];
-        sl_morton_decode(sl_morton_encode(c[0], c[1], c[2]), d);
+        sl_morton_decode(sl_morton_code(c[0], c[1], c[2]), d);
         assert_memory_equal(c, d, sizeof c);
     }
-    assert_true(sl_morton_encode(1, 0, 0) == 1 && sl_morton_encode(0, 1, 0) == 2 &&
-                sl_morton_encode(0, 0, 1) == 4);
+    assert_true(sl_morton_code(1, 0, 0) == 1 && sl_morton_code(0, 1, 0) == 2 &&
+                sl_morton_code(0, 0, 1) == 4);
 }
 
 /* Of radius 0.47 of the root: 1,064, 4,304 and 17,072 cells meet it, by the distances of their corners. */
@@ -253,21 +253,6 @@ static void normals_and_centroids_do_not_depend_on_tessellation(void **state) {
     free(fine);
 }
 
-static void the_centroid_of_a_cell_above_is_that_of_the_shallower_octree(void **state) {
-    (void)state;
-    sl_scene *scene = furnished_room(9, 8);
-    sl_octree *deep = octree_of(scene, 6, 2), *shallow = octree_of(scene, 5, 2);
-    for (uint32_t i = 0; i < deep->leaf_count; i++) {
-        uint32_t parent = sl_octree_find(shallow, deep->leaf[i].morton >> 3);
-        assert_true(parent != SL_NO_INDEX);
-        sl_vec3 apart = sl_sub(sl_octree_parent_centroid(deep, i), shallow->leaf[parent].centroid);
-        assert_true((double)sl_length(apart) < 1e-4 * sl_octree_voxel(shallow));
-    }
-    sl_octree_destroy(deep);
-    sl_octree_destroy(shallow);
-    sl_scene_destroy(scene);
-}
-
 /* Two sheets that face away from each other, thin against a voxel, sloping by `slope`. */
 static sl_octree *slab(float slope) {
     float xyz[36];
@@ -365,24 +350,6 @@ static void cells_with_black_or_mirroring_surfaces_alone_are_no_leaves(void **st
     }
 }
 
-/* Photons were strewn over what such a surface leaves free: of the ellipsoid's disc one half; white sheets
- * hide as much as they take. */
-static void what_lies_under_a_black_or_mirroring_surface_has_no_area(void **state) {
-    (void)state;
-    const float materials[3][2] = {{0, 0.5f}, {0, 0}, {0.9f, 0}};
-    for (int k = 0; k < 3; k++) {
-        sl_scene *scene = floor_under_sheets(materials[k][0], materials[k][1]);
-        sl_octree *octree = octree_of(scene, 4, 1);
-        sl_triangle_marks marks = {calloc(scene->triangle_count, sizeof *marks.mark), 0};
-        sl_ellipsoid e = {{0, 0, 0}, {0, 1, 0}, 0.25, 1.0};
-        double front = sl_surface_in_ellipsoid(scene, octree, &e, 0.5, &marks).side[0];
-        assert_true(fabs(front / sl_disc_area(&e) - (k == 0 ? 1.0 : 0.5)) < 1e-3);
-        free(marks.mark);
-        sl_octree_destroy(octree);
-        sl_scene_destroy(scene);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_box_test_agrees_with_clipping),
@@ -393,12 +360,10 @@ int main(void) {
         cmocka_unit_test(huge_coordinates_and_tiny_detail_keep_every_sample_in_a_leaf),
         cmocka_unit_test(geometry_in_cell_faces_is_in_both_voxels_and_counted_once),
         cmocka_unit_test(normals_and_centroids_do_not_depend_on_tessellation),
-        cmocka_unit_test(the_centroid_of_a_cell_above_is_that_of_the_shallower_octree),
         cmocka_unit_test(opposite_surfaces_leave_a_voxel_without_a_normal),
         cmocka_unit_test(grown_voxels_are_more),
         cmocka_unit_test(any_number_of_threads_builds_the_same_octree),
         cmocka_unit_test(cells_with_black_or_mirroring_surfaces_alone_are_no_leaves),
-        cmocka_unit_test(what_lies_under_a_black_or_mirroring_surface_has_no_area),
     };
     return cmocka_run_group_tests_name("light octree: octree", tests, NULL, NULL);
 }

@@ -21,7 +21,7 @@ static void the_descent_ends_where_the_sorted_leaves_say(void **state) {
             for (uint64_t d = 0; d < 3; d++)
                 cell[d] = (int32_t)(sl_random_unit(key, 3 * i + d) * (float)(1 << depth));
             uint32_t leaf = sl_octree_find(
-                octree, sl_morton_encode((uint32_t)cell[0], (uint32_t)cell[1], (uint32_t)cell[2]));
+                octree, sl_morton_code((uint32_t)cell[0], (uint32_t)cell[1], (uint32_t)cell[2]));
             uint64_t before = fetches;
             size_t place = sl_voxel_texture_find(texture, cell, &fetches);
             assert_true(fetches - before >= 1 && fetches - before <= (uint64_t)depth);
