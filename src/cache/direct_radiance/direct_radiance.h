@@ -87,15 +87,15 @@ typedef struct sl_direct_light {
     sl_receiver_kernels kernels;
 } sl_direct_light;
 
-/* Add to a tile's pixels: each sum in the order of lights or photons, the
- * same bits at any number of threads. */
+/* Add to a tile's pixels: each sum in the order of lights or photons, the same bits at any number of threads.
+ */
 sl_direct_light sl_direct_light_of(const sl_light_pass *pass);
 void sl_direct_light_tile(const sl_direct_light *light, const sl_receiver_tile *tile, bool glossy,
                           const sl_tile_target *to, sl_counters *counters);
 void sl_indirect_light_tile(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
                             const sl_tile_target *to, sl_counters *counters);
-/* Lists the radiance that each photon alone sends from the tile's one receiver towards the eye, in index order;
- weight: of its diffuse part, and 0 for what the receiver does not see. */
+/* Lists the radiance that each photon alone sends from the tile's one receiver towards the eye, in index
+ * order; weight: of its diffuse part, and 0 for what the receiver does not see. */
 typedef void sl_photon_told(void *context, size_t photon, float weight, const float radiance[3]);
 void sl_indirect_light_apart(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
                              sl_photon_told *told, void *context, sl_counters *counters);
@@ -153,6 +153,8 @@ void sl_radiance_darken(sl_radiance_state *state);
  * observer (method.c). */
 void sl_radiance_announce_map(sl_radiance_state *state);
 void sl_radiance_announce_light(sl_radiance_state *state);
+void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons);
+
 /* ---- the report (report.c): light that direct radiance maps leave out or count twice ---- */
 
 /* *received: integral of E dA over both sides of all that receives light, at points all over it, over rho Phi
@@ -163,7 +165,5 @@ sl_status sl_flux_received(const sl_light_pass *pass, double *received, sl_error
  * tells of maps that hold less than half of the flux, of photons whose flux arrives more than 1.25 times, and
  * where (15), which divides by the square of the scene's diagonal, leaves next to nothing. */
 sl_status sl_radiance_stamp(const sl_radiance_state *state, sl_image *image, sl_error *error);
-
-void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons);
 
 #endif

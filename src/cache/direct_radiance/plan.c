@@ -120,15 +120,16 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
 /* ---- memory: pictures from the lights, for the most part ---- */
 
 /* A picture has the order of receivers 4 and 12 layers; mirrors tell of two ways a pixel. A texel of a map: 21
- * planes and, while it is drawn, a G-buffer's 15. A photon: itself, its lobe and its polygon, four of them to
- * a sample. Texels of a depth cube are there twice while it is drawn. */
+ * planes and the rasterizer's 6; while it is drawn a G-buffer's 17, which counts where a face is large. A
+ * sample: four photons with their lobes, and their polygons. Texels of a depth cube are there twice while it is drawn. */
 enum {
     FACES = 6,
     LAYERS = 12,
     A_PIXEL = 8,
     OF_MIRRORS = 60,
-    A_TEXEL = 36 * 4,
-    A_PHOTON = 1024,
+    A_TEXEL = 28 * 4,
+    A_TEXEL_DRAWN = 17 * 4,
+    A_SAMPLE = 512,
     A_THREAD = 2000000
 };
 
@@ -144,7 +145,10 @@ static double light_points(const sl_scene *scene, const sl_radiance_map_settings
 static double map_bytes(const sl_radiance_map_settings *m, double pictures, double directional) {
     const double texels = (double)m->map_size * m->map_size, samples = (double)m->samples * m->samples;
     const double wide = (double)m->samples * sl_parallel_texels(m->samples, m->map_size / m->samples + 1);
-    return pictures * FACES * (texels * A_TEXEL + samples * A_PHOTON) + directional * wide * wide * A_TEXEL;
+    const double polygons =
+        m->weight == SL_WEIGHT_POLYGON ? (double)SL_PHOTON_GROUPS * sizeof(sl_photon_polygon) : 0.0;
+    return pictures * FACES * (texels * A_TEXEL + samples * (A_SAMPLE + polygons)) +
+           directional * wide * wide * (A_TEXEL + A_TEXEL_DRAWN);
 }
 
 sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings) {
