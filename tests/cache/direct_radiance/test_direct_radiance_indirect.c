@@ -150,46 +150,6 @@ static sl_gbuffer *floor_row(sl_vec3 eye_0, sl_vec3 eye_1, int count, uint32_t m
     return r;
 }
 
-/* A square of side 0.5 above a glossy floor, cut into n x n photons of radiance 1; what the eye sees at x,
- * and with photons so small that they are points. */
-static sl_map_photons *square_photons(int n) {
-    sl_map_photons *p = make_photons((size_t)(n * n), 2.0f);
-    float side = 0.5f / (float)n, area = side * side;
-    for (int j = 0; j < n * n; j++)
-        p->photon[j] = (sl_map_photon){.position = {-0.25f + side * ((float)(j % n) + 0.5f),
-                                                    -0.25f + side * ((float)(j / n) + 0.5f), 0.6f},
-                                       .footprint = area,
-                                       .flux = {area, area, area},
-                                       .cos_alpha = 1.0f,
-                                       .normal = {0, 0, -1}};
-    return p;
-}
-
-static void photons_of_some_size_leave_no_spots_on_glossy_receivers(void **state) {
-    enum { N = 60 };
-    sl_gbuffer *r = floor_row(sl_v3(0.3f, 0, 1), sl_v3(0.3f, 0.4f, 1), N, GLOSSY_MATERIAL, 0.0f);
-    sl_map_photons *coarse = square_photons(2), *fine = square_photons(40);
-    sl_light_pass pass = {.scene = *state, .photons = fine, .weight = SL_WEIGHT_PLAIN, .threads = 1};
-    planes exact = light_up(&pass, r, NULL);
-    pass.photons = coarse;
-    planes points = light_up(&pass, r, NULL);
-    pass.weight = SL_WEIGHT_FLUX;
-    planes discs = light_up(&pass, r, NULL);
-    double of_points = 0.0, of_discs = 0.0, sum = 0.0, sum_of_discs = 0.0;
-    for (int i = 0; i < 2 * N; i++) {
-        of_points += fabs((double)points.value[0][i] - (double)exact.value[0][i]);
-        of_discs += fabs((double)discs.value[0][i] - (double)exact.value[0][i]);
-        sum += (double)exact.value[0][i];
-        sum_of_discs += (double)discs.value[0][i];
-    }
-    if (!(of_discs < 0.5 * of_points) || !(fabs(sum_of_discs - sum) < 0.04 * sum))
-        fail_msg("points %g, discs %g, sum %g of %g", of_points / sum, of_discs / sum, sum_of_discs, sum);
-    free_planes(&exact);
-    free_planes(&points);
-    free_photons(fine);
-    free_all(&discs, r, coarse);
-}
-
 /* Photons of glossy surfaces: f_r(y) for rho / pi. With n = 0, and light from the side, the lobe covers the
  * hemisphere's part around the mirrored light. */
 static void photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light(void **state) {
@@ -330,7 +290,6 @@ static int destroy_scene(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(picture_has_the_bits_of_the_plain_double_loop),
-        cmocka_unit_test(photons_of_some_size_leave_no_spots_on_glossy_receivers),
         cmocka_unit_test(photon_with_a_flat_lobe_is_lambertian_and_a_sharp_one_mirrors_its_light),
         cmocka_unit_test(lobed_photons_have_the_bits_of_the_plain_double_loop),
         cmocka_unit_test(damaged_receivers_leave_no_value_that_is_not_finite),

@@ -83,21 +83,6 @@ static void every_kind_of_lights_intensity_adds_up_to_its_flux_over_the_sphere(v
     sl_scene_destroy(scene);
 }
 
-static void an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone(
-    void **state) {
-    (void)state;
-    sl_map_light spot = {.kind = SL_SOURCE_SPOT,
-                         .direction = {0, -1, 0},
-                         .intensity = {1, 1, 1},
-                         .cos_inner = 0.5f,
-                         .cos_outer = 0.5f};
-    assert_true(close_to((double)sl_map_light_flux(&spot).g, 2.0 * SL_PI * 0.5, 1e-6));
-    assert_true(sl_map_light_intensity(&spot, sl_v3(0, -1, 0)).g == 1.0f);
-    assert_true(sl_map_light_intensity(&spot, sl_v3(1, 0, 0)).g == 0.0f);
-    sl_map_light point = {.kind = SL_SOURCE_POINT, .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
-    assert_true(sl_map_light_intensity(&point, sl_v3(1, 0, 0)).g == 1.0f);
-}
-
 /* ---- points ---- */
 
 static double flux_of(const sl_map_lights *lights) {
@@ -228,8 +213,6 @@ static void the_tilted_footprint_is_right_to_little_more_than_a_hundredth_at_30_
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_lights_intensity_adds_up_to_its_flux_over_the_sphere),
-        cmocka_unit_test(
-            an_aimed_point_keeps_the_intensity_of_a_point_and_a_true_spot_has_its_flux_in_the_cone),
         cmocka_unit_test(a_quad_is_n_x_n_points_that_share_its_intensity),
         cmocka_unit_test(a_solid_lamp_shines_from_points_of_its_surface),
         cmocka_unit_test(of_too_many_lights_the_strongest_shine_for_all),

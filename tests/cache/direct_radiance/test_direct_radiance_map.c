@@ -436,25 +436,6 @@ static void a_mirror_beside_the_light_shows_real_positions_at_unfolded_distances
     discard(&w);
 }
 
-static void a_mirror_that_the_light_does_not_see_lights_nothing(void **state) {
-    (void)state;
-    how h = by_default();
-    h.traced = true;
-    trace_mesh mesh = mirror_scene(true);
-    /* a screen before it */
-    trace_mesh_quad(&mesh, sl_v3(0.9f, 0.2f, 0.9f), sl_v3(0, 0, -1.8f), sl_v3(0, 1.8f, 0), 0);
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0.4f, 1, 0.1f);
-    world w = world_of(&mesh, &h);
-    assert_int_equal(mirrored_texels(w.map), 0);
-    discard(&w);
-    mesh = mirror_scene(true);
-    mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 1.0f, 1.9f, 0.1f); /* in its plane */
-    w = world_of(&mesh, &h);
-    assert_int_equal(mirrored_texels(w.map), 0);
-    assert_true(all_finite(w.map));
-    discard(&w);
-}
-
 static void parallel_light_is_mirrored_too(void **state) {
     (void)state;
     trace_mesh mesh = mirror_scene(true);
@@ -521,7 +502,6 @@ int main(void) {
         cmocka_unit_test(an_area_light_does_not_see_itself_and_what_lies_behind_it),
         cmocka_unit_test(a_two_sided_light_has_a_hemicube_on_either_side),
         cmocka_unit_test(a_mirror_beside_the_light_shows_real_positions_at_unfolded_distances),
-        cmocka_unit_test(a_mirror_that_the_light_does_not_see_lights_nothing),
         cmocka_unit_test(parallel_light_is_mirrored_too),
         cmocka_unit_test(a_ball_throws_the_light_that_it_mirrors_onto_real_surfaces),
     };

@@ -68,21 +68,6 @@ static void photon_i_k_lies_at_the_middle_of_its_block(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void an_even_block_takes_the_lower_left_of_its_middle_four(void **state) {
-    (void)state;
-    sl_scene *scene = room(0.5f, 0);
-    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 8, 2);
-    fill_floor(h, 0.5f);
-    sl_map_photons *photons = take_photons(scene, &h->map, &points);
-    assert_int_equal(photons->count, 4);
-    size_t texel = h->face[3].first + 1 * 8 + 5; /* of block (1, 0): columns 4 to 7, rows 0 to 3 */
-    assert_true(photons->photon[1].position.x == h->map.position[0][texel]);
-    assert_true(photons->photon[1].position.z == h->map.position[2][texel]);
-    sl_map_photons_destroy(photons);
-    hand_map_end(h);
-    sl_scene_destroy(scene);
-}
-
 /* ---- how much ---- */
 
 static void flux_is_reflectance_times_intensity_times_solid_angle_over_pi(void **state) {
@@ -247,7 +232,6 @@ static void photons_too_near_to_their_light_are_dropped_and_counted(void **state
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(photon_i_k_lies_at_the_middle_of_its_block),
-        cmocka_unit_test(an_even_block_takes_the_lower_left_of_its_middle_four),
         cmocka_unit_test(flux_is_reflectance_times_intensity_times_solid_angle_over_pi),
         cmocka_unit_test(printed_areas_are_those_of_12_and_13),
         cmocka_unit_test(glossy_scenes_keep_the_flux_that_arrives_and_the_lobe),

@@ -106,21 +106,6 @@ static void rays_leave_the_plates_shadow_on_the_floor(void **state) {
     end_stage(&s);
 }
 
-static void nothing_changes_where_nothing_is_in_the_way(void **state) {
-    (void)state;
-    stage s = make_stage(false);
-    sl_map_photons *photons = cube_photons(meet_unit_cube, NULL, sl_v3d(0.4, 0.7, 0.5), 6, 3, 0.7, sqrt(3.0));
-    sl_counters costs = {{0}};
-    planes open = light_up(&s, photons, SL_VISIBILITY_NONE, 1, &costs),
-           rays = light_up(&s, photons, SL_VISIBILITY_RAYS, 1, &costs);
-    for (int c = 0; c < 3; c++) assert_memory_equal(open.value[c], rays.value[c], PIXELS * sizeof(float));
-    free_planes(&open);
-    free_planes(&rays);
-    free_photons(photons);
-    end_stage(&s);
-}
-
-
 /* The mean of a group of texels on a ball lies inside the ball. */
 static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
     (void)state;
@@ -151,7 +136,6 @@ static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_leave_the_plates_shadow_on_the_floor),
-        cmocka_unit_test(nothing_changes_where_nothing_is_in_the_way),
         cmocka_unit_test(photon_a_little_inside_its_curved_surface_is_seen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
