@@ -1,5 +1,6 @@
 #include "app/numerics/cases.h"
 
+#include "app/page.h"
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
@@ -7,6 +8,34 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+/* ---- the room ---- */
+
+typedef struct sl_room_material {
+    const char *name;
+    double diffuse[3], specular, exponent, mirror, emission[3];
+} sl_room_material;
+
+/* Materials that every room has; emission leaves the front. */
+enum { SL_ROOM_WHITE, SL_ROOM_RED, SL_ROOM_GREEN, SL_ROOM_BOX, SL_ROOM_LAMP, SL_ROOM_MATERIALS };
+
+typedef struct sl_room_triangle {
+    size_t corner[3];
+    int material;
+} sl_room_triangle;
+
+struct sl_room {
+    double (*vertex)[3];
+    size_t vertex_count, vertex_room;
+    sl_room_triangle *triangle;
+    size_t triangle_count, triangle_room;
+    sl_room_material material[SL_ROOM_MATERIALS];
+    char lights[512];       /* JSON, between the brackets of "lights" */
+    double eye[3], target[3], fov_deg;
+    int width, height;
+    bool failed;            /* for want of memory */
+};
 
 /* ---- vertices and triangles ---- */
 
@@ -67,7 +96,9 @@ static void add_box(sl_room *r, const double low[3], const double high[3]) {
     }
 }
 
-void sl_room_begin(sl_room *r, const sl_room_cut *cut) {
+/* Makes a room of 4 x 3 x 5 with a box on its floor and a lamp of .8 x .8 under its ceiling, seen from its open
+ * front. */
+static void begin_room(sl_room *r, const sl_room_cut *cut) {
     /* floor */
     static const double walls[5][4][3] = {{{-2, 0, 2.5}, {2, 0, 2.5}, {2, 0, -2.5}, {-2, 0, -2.5}},
                                           /* ceiling */
@@ -96,12 +127,6 @@ void sl_room_begin(sl_room *r, const sl_room_cut *cut) {
     add_box(r, (const double[3]){-1.2, 0.0, -1.6}, (const double[3]){-0.2, 1.3, -0.6});
 }
 
-void sl_room_end(sl_room *r) {
-    sl_free(r->vertex);
-    sl_free(r->triangle);
-    *r = (sl_room){.vertex_count = 0};
-}
-
 static void turn(sl_room_triangle *t) {
     size_t second = t->corner[1];
     t->corner[1] = t->corner[2];
@@ -123,7 +148,8 @@ static void move_room(sl_room *r, double scale, const double by[3], bool mirrore
 
 /* ---- as files ---- */
 
-static void write_mesh(const sl_room *r, FILE *out) {
+static void write_mesh(FILE *out, const void *room) {
+    const sl_room *r = room;
     fprintf(out, "mtllib room.mtl\n");
     for (size_t i = 0; i < r->vertex_count; i++)
         fprintf(out, "v %.9g %.9g %.9g\n", r->vertex[i][0], r->vertex[i][1], r->vertex[i][2]);
@@ -135,7 +161,8 @@ static void write_mesh(const sl_room *r, FILE *out) {
     }
 }
 
-static void write_materials(const sl_room *r, FILE *out) {
+static void write_materials(FILE *out, const void *room) {
+    const sl_room *r = room;
     for (int m = 0; m < SL_ROOM_MATERIALS; m++) {
         const sl_room_material *a = &r->material[m];
         fprintf(out, "newmtl %s\n", a->name);
@@ -148,7 +175,8 @@ static void write_materials(const sl_room *r, FILE *out) {
     }
 }
 
-static void write_scene(const sl_room *r, FILE *out) {
+static void write_scene(FILE *out, const void *room) {
+    const sl_room *r = room;
     fprintf(out, "{\"softlux\": 1, \"meshes\": [{\"file\": \"room.obj\"}],\n");
     if (r->lights[0]) fprintf(out, " \"lights\": [%s],\n", r->lights);
     fprintf(
@@ -158,24 +186,28 @@ static void write_scene(const sl_room *r, FILE *out) {
     fprintf(out, " \"film\": {\"width\": %d, \"height\": %d}}\n", r->width, r->height);
 }
 
-static sl_status cannot_write(const char *path, sl_error *error) {
-    return sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s", path);
-}
-
-sl_status sl_room_write(const sl_room *r, const char *folder, char *path, size_t size, sl_error *error) {
+/* Loads the room by files of a folder that is not kept. */
+static sl_status load_room(const sl_room *r, sl_scene **scene, sl_error *error) {
     static const struct {
         const char *name;
-        void (*write)(const sl_room *room, FILE *out);
+        sl_printer *write;
     } files[] = {{"room.obj", write_mesh}, {"room.mtl", write_materials}, {"room.json", write_scene}};
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
-        snprintf(path, size, "%s/%s", folder, files[i].name);
-        FILE *out = r->failed ? NULL : fopen(path, "w");
-        if (!out) return cannot_write(path, error);
-        files[i].write(r, out);
-        if (fclose(out) != 0) return cannot_write(path, error);
+    enum { FILES = sizeof files / sizeof files[0] };
+    char folder[] = "/tmp/softlux-numerics-XXXXXX", path[FILES][64] = {{0}};
+    if (r->failed) return sl_fail_memory(error, "a room");
+    if (!mkdtemp(folder)) return sl_fail(error, SL_ERROR_OUTPUT, "cannot make a folder in /tmp");
+    sl_status status = SL_OK;
+    for (int i = 0; i < FILES && status == SL_OK; i++) {
+        snprintf(path[i], sizeof path[i], "%s/%s", folder, files[i].name);
+        status = sl_print_file(path[i], files[i].write, r, error);
     }
-    return SL_OK;
+    if (status == SL_OK) status = sl_scene_load(path[FILES - 1], scene, error);
+    for (int i = 0; i < FILES; i++) unlink(path[i]);
+    rmdir(folder);
+    return status;
 }
+
+/* ---- what is done to it ---- */
 
 static void reordered(sl_room *r) {
     for (size_t i = 0; i < r->triangle_count / 2; i++) {
@@ -342,8 +374,8 @@ const sl_hard_case sl_hard_cases[] = {
 };
 const size_t sl_hard_case_count = sizeof sl_hard_cases / sizeof sl_hard_cases[0];
 
-void sl_hard_case_make(const sl_hard_case *c, sl_room *r) {
-    sl_room_begin(r, c->cut.columns ? &c->cut : &plain_cut);
+static void make_case(const sl_hard_case *c, sl_room *r) {
+    begin_room(r, c->cut.columns ? &c->cut : &plain_cut);
     if (c->make) c->make(r);
     if (c->lights) snprintf(r->lights, sizeof r->lights, "%s", c->lights);
     for (int i = 0; c->emission > 0.0 && i < 3; i++) r->material[SL_ROOM_LAMP].emission[i] *= c->emission;
@@ -359,6 +391,16 @@ void sl_hard_case_make(const sl_hard_case *c, sl_room *r) {
     if (c->fov_deg > 0.0) r->fov_deg = c->fov_deg;
     if (c->size[0]) r->width = c->size[0], r->height = c->size[1];
     if (c->scale > 0.0) move_room(r, c->scale, c->by, c->expectation == SL_EXPECT_MIRRORED);
+}
+
+sl_status sl_hard_case_load(const sl_hard_case *hard, sl_scene **scene, sl_error *error) {
+    static const sl_hard_case plain = {0};
+    sl_room room;
+    make_case(hard ? hard : &plain, &room);
+    sl_status status = load_room(&room, scene, error);
+    sl_free(room.vertex);
+    sl_free(room.triangle);
+    return status;
 }
 
 const sl_known_limit sl_known_limits[] = {

@@ -4,47 +4,13 @@
 
 #include "softlux.h"
 
-/* ---- the room ---- */
-
-typedef struct sl_room_material {
-    const char *name;
-    double diffuse[3], specular, exponent, mirror, emission[3];
-} sl_room_material;
-
-/* Materials that every room has; emission leaves the front. */
-enum { SL_ROOM_WHITE, SL_ROOM_RED, SL_ROOM_GREEN, SL_ROOM_BOX, SL_ROOM_LAMP, SL_ROOM_MATERIALS };
-
-typedef struct sl_room_triangle {
-    size_t corner[3];
-    int material;
-} sl_room_triangle;
-
-typedef struct sl_room {
-    double (*vertex)[3];
-    size_t vertex_count, vertex_room;
-    sl_room_triangle *triangle;
-    size_t triangle_count, triangle_room;
-    sl_room_material material[SL_ROOM_MATERIALS];
-    char lights[512];       /* JSON, between the brackets of "lights" */
-    double eye[3], target[3], fov_deg;
-    int width, height;
-    bool failed;            /* for want of memory */
-} sl_room;
+typedef struct sl_room sl_room;
 
 /* How finely the walls of a room are cut, which ought to change nothing. */
 typedef struct sl_room_cut {
     int columns, rows; /* of every wall */
     double skew;       /* 0: even; else the first column takes this share of the width, and so on */
 } sl_room_cut;
-
-/* A room of 4 x 3 x 5 with a box on its floor and a lamp of .8 x .8 under its ceiling, seen from its open
- * front. */
-void sl_room_begin(sl_room *room, const sl_room_cut *cut);
-void sl_room_end(sl_room *room);
-/* Writes folder/room.obj, room.mtl and room.json; path receives the last one's name. */
-sl_status sl_room_write(const sl_room *room, const char *folder, char *path, size_t size, sl_error *error);
-
-/* ---- cases ---- */
 
 typedef enum sl_expectation {
     SL_EXPECT_SAME,      /* the picture of the plain room, made by the same samples */
@@ -75,8 +41,8 @@ typedef struct sl_hard_case {
     int size[2];
 } sl_hard_case;
 
-/* Makes the case's room. */
-void sl_hard_case_make(const sl_hard_case *hard, sl_room *room);
+/* Loads the case's room; NULL: the plain one. */
+sl_status sl_hard_case_load(const sl_hard_case *hard, sl_scene **scene, sl_error *error);
 
 /* What a method is known not to do: another bound, or none, and why. */
 typedef struct sl_known_limit {

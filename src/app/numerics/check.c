@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { REFERENCE_SAMPLES = 256, TRACER_SAMPLES = 64 };
 /* Noise is told by halves of few samples, and not to be told exactly: what of a noisy picture's difference
@@ -21,7 +20,6 @@ typedef struct checking {
     const char *only, *method; /* or NULL */
     double seconds;            /* that a picture may take */
     bool list;
-    char folder[64];
     /* of the method at hand */
     const char *name;
     sl_image *plain; /* the picture of the plain room */
@@ -47,9 +45,8 @@ __attribute__((format(printf, 1, 2))) static verdict bad(const char *format, ...
 
 /* ---- one picture ---- */
 
-static sl_status render(const checking *c, const char *path, const char *transport, unsigned threads,
+static sl_status render(const checking *c, const sl_scene *scene, const char *transport, unsigned threads,
                         uint64_t seed, sl_image **image, sl_error *error) {
-    sl_scene *scene = NULL;
     sl_settings settings = sl_settings_default();
     settings.method = transport ? "path" : c->name;
     settings.transport = transport;
@@ -60,10 +57,7 @@ static sl_status render(const checking *c, const char *path, const char *transpo
     settings.seed = seed;
     /* the paper lets light through walls, which is not rounding's affair */
     settings.radiance_map.visibility = SL_VISIBILITY_RAYS;
-    sl_status status = sl_scene_load(path, &scene, error);
-    if (status == SL_OK) status = sl_picture_make(scene, &settings, c->seconds, image, error);
-    sl_scene_destroy(scene);
-    return status;
+    return sl_picture_make(scene, &settings, c->seconds, image, error);
 }
 
 /* Finite, and nowhere below 0. */
@@ -147,14 +141,14 @@ static verdict compare(const checking *c, const sl_hard_case *hard, sl_image *im
 }
 
 /* Compares with the same room and light paths, path traced. */
-static verdict compare_with_truth(const checking *c, const sl_hard_case *hard, const char *path,
+static verdict compare_with_truth(const checking *c, const sl_hard_case *hard, const sl_scene *scene,
                                   const sl_image *image) {
     char transport[64];
     sl_error error;
     sl_image *truth = NULL;
     sl_comparison result;
     snprintf(transport, sizeof transport, "matched:%s", c->name);
-    if (render(c, path, transport, 0, 2, &truth, &error) != SL_OK)
+    if (render(c, scene, transport, 0, 2, &truth, &error) != SL_OK)
         return bad("path traced: %.70s", error.message);
     verdict v = sound(truth);
     const bool tells = sl_image_channel(image, "even.R") != NULL;
@@ -169,54 +163,43 @@ static verdict compare_with_truth(const checking *c, const sl_hard_case *hard, c
     return v;
 }
 
-static verdict check_files(const checking *c, const sl_hard_case *hard, const char *path) {
+static verdict check_case(const checking *c, const sl_hard_case *hard) {
     sl_error error;
+    sl_scene *scene = NULL;
     sl_image *one = NULL, *three = NULL;
     verdict v;
-    if (render(c, path, NULL, 1, 0, &one, &error) != SL_OK ||
-        render(c, path, NULL, 3, 0, &three, &error) != SL_OK)
+    if (sl_hard_case_load(hard, &scene, &error) != SL_OK ||
+        render(c, scene, NULL, 1, 0, &one, &error) != SL_OK ||
+        render(c, scene, NULL, 3, 0, &three, &error) != SL_OK)
         v = bad("%.90s", error.message);
     else if (!same_bits(one, three)) v = bad("other bits with three threads");
     else v = sound(one);
     if (v.good)
-        v = hard->expectation == SL_EXPECT_TRUE ? compare_with_truth(c, hard, path, one)
+        v = hard->expectation == SL_EXPECT_TRUE ? compare_with_truth(c, hard, scene, one)
                                                 : compare(c, hard, one);
     sl_image_destroy(one);
     sl_image_destroy(three);
-    return v;
-}
-
-static verdict check_case(const checking *c, const sl_hard_case *hard) {
-    char path[128];
-    sl_error error;
-    sl_room room;
-    sl_hard_case_make(hard, &room);
-    verdict v = sl_room_write(&room, c->folder, path, sizeof path, &error) == SL_OK
-                    ? check_files(c, hard, path)
-                    : bad("%.90s", error.message);
-    sl_room_end(&room);
+    sl_scene_destroy(scene);
     return v;
 }
 
 /* Renders the plain room, and finds how much of its picture is noise, and how far it is from the truth. */
 static sl_status prepare(checking *c, sl_error *error) {
-    const sl_room_cut whole = {1, 1, 0.0};
-    char path[128], transport[64];
-    sl_room room;
+    char transport[64];
+    sl_scene *scene = NULL;
     sl_image *other = NULL, *truth = NULL;
     sl_comparison seeds, errors;
     snprintf(transport, sizeof transport, "matched:%s", c->name);
-    sl_room_begin(&room, &whole);
-    sl_status status = sl_room_write(&room, c->folder, path, sizeof path, error);
-    sl_room_end(&room);
-    if (status == SL_OK) status = render(c, path, NULL, 1, 0, &c->plain, error);
-    if (status == SL_OK) status = render(c, path, NULL, 1, 1, &other, error);
-    if (status == SL_OK) status = render(c, path, transport, 0, 2, &truth, error);
+    sl_status status = sl_hard_case_load(NULL, &scene, error);
+    if (status == SL_OK) status = render(c, scene, NULL, 1, 0, &c->plain, error);
+    if (status == SL_OK) status = render(c, scene, NULL, 1, 1, &other, error);
+    if (status == SL_OK) status = render(c, scene, transport, 0, 2, &truth, error);
     if (status == SL_OK) status = sl_image_compare(other, c->plain, NULL, &seeds, NULL, error);
     if (status == SL_OK) status = sl_image_compare(c->plain, truth, NULL, &errors, NULL, error);
     if (status == SL_OK) c->noise = seeds.rel_rmse, c->error = apart(c->plain, truth, &errors, true);
     sl_image_destroy(other);
     sl_image_destroy(truth);
+    sl_scene_destroy(scene);
     return status;
 }
 
@@ -257,26 +240,14 @@ static sl_status check_method(checking *c, size_t *failures, sl_error *error) {
 static sl_status check_all(checking *c, size_t *failures, sl_error *error) {
     sl_status status = SL_OK;
     bool any = false;
-    snprintf(c->folder, sizeof c->folder, "/tmp/softlux-numerics-XXXXXX");
-    if (!mkdtemp(c->folder)) {
-        return sl_fail(error, SL_ERROR_OUTPUT, "cannot make a folder in /tmp");
-    }
     for (size_t m = 0; sl_method_name(m) && status == SL_OK; m++) {
         if (c->method && strcmp(c->method, sl_method_name(m)) != 0) continue;
         c->name = sl_method_name(m);
         any = true;
         status = check_method(c, failures, error);
     }
-    const char *const files[] = {"room.obj", "room.mtl", "room.json"};
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
-        char path[128];
-        snprintf(path, sizeof path, "%s/%s", c->folder, files[i]);
-        unlink(path);
-    }
-    rmdir(c->folder);
-    if (status == SL_OK && !any) {
+    if (status == SL_OK && !any)
         return sl_fail(error, SL_ERROR_USAGE, "unknown method '%s'", c->method);
-    }
     return status;
 }
 
