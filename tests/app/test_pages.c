@@ -71,6 +71,25 @@ static void need_browser(const fixture *f) {
     skip();
 }
 
+static void assert_holds(browser *b, const char *expression) {
+    char script[2048];
+    snprintf(script, sizeof script, "return %s", expression);
+    if (browser_number(b, script) != 1.0) fail_msg("not so: %s", expression);
+}
+
+/* Clicks on a place of an element, in shares of its width and height. */
+static void click_on(browser *b, const char *element, double x, double y) {
+    char script[512];
+    snprintf(script, sizeof script,
+             "const e = document.querySelector('%s'); e.scrollIntoView({block: 'center'}); const r = "
+             "e.getBoundingClientRect(); return [Math.round(r.left + %.6f * r.width), Math.round(r.top + "
+             "%.6f * r.height)]",
+             element, x, y);
+    cJSON *place = browser_run(b, script);
+    browser_click(b, cJSON_GetArrayItem(place, 0)->valueint, cJSON_GetArrayItem(place, 1)->valueint);
+    cJSON_Delete(place);
+}
+
 static void open_page(const fixture *f, const char *name) {
     char path[256];
     snprintf(path, sizeof path, "%s/%s", f->folder, name);
@@ -85,13 +104,10 @@ static void every_picture_loads_has_a_text_and_nothing_is_fetched(void **state) 
     for (size_t i = 0; i < PAGES; i++) {
         open_page(f, pages[i]);
         assert_true(browser_number(f->browser, "return document.images.length") > 5);
-        assert_true(browser_number(
-                        f->browser,
-                        "return [...document.images].every(i => i.complete && i.naturalWidth > 0)") == 1.0);
-        assert_true(browser_number(f->browser, "return [...document.images].every(i => i.alt.length > 3)") ==
-                    1.0);
-        assert_true(browser_number(f->browser, "return performance.getEntriesByType('resource').filter(r => "
-                                               "!r.name.startsWith('data:')).length") == 0.0);
+        assert_holds(f->browser, "[...document.images].every(i => i.complete && i.naturalWidth > 0 && "
+                                 "i.alt.length > 3)");
+        assert_holds(f->browser, "performance.getEntriesByType('resource').every(r => "
+                                 "r.name.startsWith('data:'))");
         assert_int_equal(browser_errors(f->browser), 0);
     }
 }
@@ -101,12 +117,10 @@ static void every_pass_is_explained(void **state) {
     need_browser(f);
     for (size_t i = 0; i < METHODS; i++) {
         open_page(f, pages[i]);
-        assert_true(browser_number(f->browser, "return document.querySelectorAll('section.step').length") >
-                    4);
-        assert_true(
-            browser_number(f->browser, "return [...document.querySelectorAll('section.step')].every(s => "
-                                       "s.querySelector('.code'))") == 1.0);
-        assert_true(browser_number(f->browser, "return document.querySelectorAll('math').length") > 2);
+        assert_holds(f->browser, "document.querySelectorAll('section.step').length > 4");
+        assert_holds(f->browser,
+                     "[...document.querySelectorAll('section.step')].every(s => s.querySelector('.code'))");
+        assert_holds(f->browser, "document.querySelectorAll('math').length > 2");
     }
 }
 
@@ -120,20 +134,15 @@ static void the_slider_plays_the_refinement_by_keys_and_by_mouse(void **state) {
     browser_press(f->browser, KEY_HOME);
     char *first = browser_text(f->browser, "return document.querySelector('.picture img').src");
     assert_string_not_equal(first, last);
-    assert_true(browser_number(f->browser, "return Number(document.querySelector('input').value)") == 0.0);
+    assert_holds(f->browser, "document.querySelector('input').value === '0'");
     browser_press(f->browser, KEY_RIGHT);
-    assert_true(browser_number(f->browser, "return Number(document.querySelector('input').value)") == 1.0);
+    assert_holds(f->browser, "document.querySelector('input').value === '1'");
     char *told = browser_text(f->browser, "return document.querySelector('output').textContent");
     assert_non_null(strstr(told, "batch 2 of"));
     assert_non_null(strstr(told, "off by"));
-    cJSON *place =
-        browser_run(f->browser, "const s = document.querySelector('input'); s.scrollIntoView({block: "
-                                "'center'}); const r = s.getBoundingClientRect(); "
-                                "return [Math.round(r.right - 4), Math.round(r.top + r.height / 2)]");
-    browser_click(f->browser, cJSON_GetArrayItem(place, 0)->valueint, cJSON_GetArrayItem(place, 1)->valueint);
+    click_on(f->browser, "input", 0.995, 0.5);
     char *again = browser_text(f->browser, "return document.querySelector('.picture img').src");
     assert_string_equal(again, last);
-    cJSON_Delete(place);
     free(last), free(first), free(told), free(again);
 }
 
@@ -164,8 +173,8 @@ static void assert_explanation_is(browser *b, const sl_image *image, int x, int 
     assert_string_equal(told, title);
     free(told);
     /* Every line says what it holds. */
-    assert_true(browser_number(b, "return [...document.querySelectorAll('.explanation tr')].slice(1, "
-                                  "-2).every(r => r.cells[3].textContent.split(' ').length === 3)") == 1.0);
+    assert_holds(b, "[...document.querySelectorAll('.explanation tr')].slice(1, -2).every(r => "
+                    "r.cells[3].textContent.split(' ').length === 3)");
     cJSON *pixel = browser_run(b, "return JSON.parse(document.querySelector('article').dataset.explanation)");
     for (int c = 0; c < 3; c++) {
         float value = image->planes[(c * HEIGHT + y) * WIDTH + x];
@@ -181,18 +190,8 @@ static void a_pixels_explanation_by_mouse_and_keys_adds_up_to_what_a_render_has(
         sl_image *image = render(methods[i]);
         open_page(f, pages[i]);
         for (int k = 0; k < 12; k++) {
-            char script[512];
             int x = (7 + 13 * k) % (WIDTH - 1), y = (5 + 11 * k) % (HEIGHT - 1);
-            snprintf(script, sizeof script,
-                     "const p = document.querySelector('.picture img'); p.scrollIntoView({block: 'center'}); "
-                     "const r = p.getBoundingClientRect(); "
-                     "return [Math.round(r.left + (%d + .5) * r.width / %d), Math.round(r.top + (%d + .5) * "
-                     "r.height / %d)]",
-                     x, WIDTH, y, HEIGHT);
-            cJSON *place = browser_run(f->browser, script);
-            browser_click(f->browser, cJSON_GetArrayItem(place, 0)->valueint,
-                          cJSON_GetArrayItem(place, 1)->valueint);
-            cJSON_Delete(place);
+            click_on(f->browser, ".picture img", (x + 0.5) / WIDTH, (y + 0.5) / HEIGHT);
             assert_explanation_is(f->browser, image, x, y);
             browser_press(f->browser, KEY_RIGHT);
             browser_press(f->browser, KEY_DOWN);
@@ -207,11 +206,9 @@ static void the_overview_leads_to_every_scene(void **state) {
     fixture *f = *state;
     need_browser(f);
     open_page(f, "report/report.html");
-    assert_true(browser_number(f->browser, "return document.querySelectorAll('a[href]').length") >= 2.0);
-    assert_true(browser_number(
-                    f->browser,
-                    "return [...document.querySelectorAll('a[href]')].every(a => "
-                    "document.querySelector(a.getAttribute('href')).textContent == a.textContent)") == 1.0);
+    assert_holds(f->browser, "document.querySelectorAll('a[href]').length >= 2");
+    assert_holds(f->browser, "[...document.querySelectorAll('a[href]')].every(a => "
+                             "document.querySelector(a.getAttribute('href')).textContent == a.textContent)");
 }
 
 /* Names of curves stand beside each other, and nothing beyond the paper. */
@@ -219,19 +216,17 @@ static void plots_keep_their_names_apart_and_on_the_paper(void **state) {
     fixture *f = *state;
     need_browser(f);
     open_page(f, "report/report.html");
-    assert_true(browser_number(f->browser, "return document.querySelectorAll('svg.plot').length") == 8.0);
-    assert_true(browser_number(
-                    f->browser,
-                    "return [...document.querySelectorAll('svg.plot')].every(p => { const all = "
-                    "p.getBoundingClientRect();"
-                    "return [...p.querySelectorAll('text')].every(t => { const r = t.getBoundingClientRect();"
-                    "return r.left >= all.left && r.right <= all.right && r.top >= all.top && r.bottom <= "
-                    "all.bottom; }); })") == 1.0);
-    assert_true(browser_number(f->browser,
-                               "return [...document.querySelectorAll('svg.plot')].every(p => { const names = "
-                               "[...p.querySelectorAll('text[class^=n]')]"
-                               ".map(t => t.getBoundingClientRect().top).sort((a, b) => a - b);"
-                               "return names.every((y, i) => i == 0 || y - names[i - 1] > 10); })") == 1.0);
+    assert_holds(f->browser, "document.querySelectorAll('svg.plot').length === 8");
+    assert_holds(f->browser,
+                 "[...document.querySelectorAll('svg.plot')].every(p => { const all = "
+                 "p.getBoundingClientRect();"
+                 "return [...p.querySelectorAll('text')].every(t => { const r = t.getBoundingClientRect();"
+                 "return r.left >= all.left && r.right <= all.right && r.top >= all.top && r.bottom <= "
+                 "all.bottom; }); })");
+    assert_holds(f->browser, "[...document.querySelectorAll('svg.plot')].every(p => { const names = "
+                             "[...p.querySelectorAll('text[class^=n]')]"
+                             ".map(t => t.getBoundingClientRect().top).sort((a, b) => a - b);"
+                             "return names.every((y, i) => i == 0 || y - names[i - 1] > 10); })");
 }
 
 static void a_phone_needs_no_sideways_scrolling(void **state) {
