@@ -20,6 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/bench/report.h"
 #include "app/bench/schedule.h"
 #include "base/math.h"
 #include "common.h"
@@ -152,8 +153,8 @@ static void judge(series *s, int frame, const runner *ours, const runner *right)
     s->largest_flicker = fmax(s->largest_flicker, largest / mean);
 }
 
-/* How often windows of five frames at rest change more than the five before: records would be seen to pop up.
- */
+/* Counts windows of five frames at rest that change more than the five before: records would be seen to pop
+ * up. */
 static int rises(const series *s, int from) {
     int count = 0;
     for (int i = from + WINDOW; i + WINDOW <= s->frames; i += WINDOW) {
@@ -226,12 +227,11 @@ static void run_file(const options *o, const sl_trials *all) {
         const char *at = o->scene ? o->scene : t->scenes, *scene;
         size_t length;
         if (t->table < 0 || strncmp(all->table[t->table].name, o->table, strlen(o->table)) != 0) continue;
-        if (t->table != table)
-            printf("%s<!-- table %s -->\n| scene | trial | motion | first ms | ms | longest | frames/s | new "
-                   "records | flicker %% | worst frame | largest | apart %% | at rest "
-                   "|\n| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | "
-                   "--- |\n",
-                   table < 0 ? "" : "<!-- end -->\n", all->table[t->table].name);
+        if (t->table != table) {
+            printf("%s<!-- table %s -->\n", table < 0 ? "" : "<!-- end -->\n", all->table[t->table].name);
+            sl_report_head(stdout, "scene|trial|motion|>first ms|>ms|>longest|>frames/s|>new records|>flicker "
+                                   "%|>worst frame|>largest|>apart %|at rest");
+        }
         table = t->table;
         while ((scene = sl_trials_next_scene(&at, &length))) {
             char path[SL_BENCH_PATH];

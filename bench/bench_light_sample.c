@@ -59,7 +59,8 @@ static bench_case *add_case(bench *b, const char *name, sl_light_estimator estim
     s.estimator = estimator;
     if (estimator == SL_LIGHT_RAYS) s.rays = size;
     else s.size = s.largest = size;
-    if (sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error) != SL_OK ||
+    if (sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error) !=
+            SL_OK ||
         sl_light_sample_scratch_create(c->sampling, &c->scratch, &error) != SL_OK)
         bench_fail(name, &error);
     return c;
@@ -157,7 +158,7 @@ static void table_of_samples(bench *b, size_t first) {
         for (size_t k = first; k < b->case_count; k++) time_once(b, &b->cases[k], r);
     }
     bench_table(
-        "Estimator|N|samples|us, part of the light seen|us, all points|rms error|largest error");
+        "Estimator|>N|>samples|>us, part of the light seen|>us, all points|>rms error|>largest error");
     for (size_t k = first; k < b->case_count; k++) {
         bench_case *c = &b->cases[k];
         c->partial_us = 1e3 * median(c->partial_ms, b->repetitions);
@@ -190,8 +191,8 @@ static double time_of(const bench_case *c) { return c->partial_us; }
 static void table_of_equal_error(bench *b, size_t first) {
     const bench_case *ray = &b->cases[first + 3 * SIZES];
     bench_table(
-        "Rays|us|rms error|Window, ratio: N of the same error (8 or more)|us|rays take|Frustum: "
-                "N|us|rays take");
+        "Rays|>us|>rms error|>Window, ratio: N of the same error (8 or more)|>us|>rays take|>Frustum: "
+                "N|>us|>rays take");
     for (size_t k = 0; k < SIZES; k++) {
         double at[2][2];
         for (size_t e = 0; e < 2; e++) {
@@ -222,7 +223,7 @@ static double closed_form_us(const bench *b) {
 static void table_of_parts(bench *b, size_t first) {
     double form[REPETITIONS], reduce[REPETITIONS];
     bench_table(
-        "N|us|summing and reading back, us|its share|fixed and for each pixel: from this and the next N");
+        "N|>us|>summing and reading back, us|>its share|>fixed and for each pixel: from this and the next N");
     for (size_t k = 0; k < SIZES; k++) {
         bench_case *c = &b->cases[first + k];
         sl_light_query q = {

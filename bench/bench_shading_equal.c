@@ -113,8 +113,8 @@ static void equal_quality(const shading_world *w, curve curves[4]) {
     static const double shares[] = {0.005, 0.01, 0.029, 0.1};
     double pixels = (double)w->settings.width * (double)w->settings.height;
     bench_table(
-        "scene|points / pixel|points|RMS levels|RenderCache needs|times|wide fill needs|times|cache "
-                "s|RenderCache s|times|path tracer s|times");
+        "scene|>points / pixel|>points|>RMS levels|>RenderCache needs|>times|>wide fill needs|>times|>cache "
+                "s|>RenderCache s|>times|>path tracer s|>times");
     for (int i = 0; i < 4; i++) {
         double points = shares[i] * pixels, error = between(&curves[0].by_points, points, false);
         if (!(error > 0.0)) continue;
@@ -137,7 +137,7 @@ static void equal_quality(const shading_world *w, curve curves[4]) {
 static void ratios(const shading_world *w, curve curves[4]) {
     static const double nmrs[] = {10, 30, 100, 300, 1000, 2500};
     double pixels = (double)w->settings.width * (double)w->settings.height;
-    bench_table("scene|NMR s|points in 10 s|cache RMS levels|RenderCache|wide fill");
+    bench_table("scene|>NMR s|>points in 10 s|>cache RMS levels|>RenderCache|>wide fill");
     for (int i = 0; i < 6; i++) {
         double points = 10.0 * pixels / nmrs[i];
         char text[3][24];

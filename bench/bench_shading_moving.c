@@ -20,7 +20,7 @@ typedef struct film {
     int warm, moving, rest; /* updates before, during and after it */
 } film;
 
-/* What is common to both caches: told of changes, brought on by a batch of points, judged. */
+/* Either of the two caches: told of changes, brought on by a batch of points, judged. */
 typedef struct rival {
     shading_run *run;
     render_cache *cache;
@@ -211,7 +211,7 @@ int main(int argc, char **argv) {
               "RenderCache, its gaps filled widely, gets the same points an update.\n",
               o.brief ? 256 : 512, o.brief ? 256 : 512, o.brief ? 25 : PATHS);
     bench_table(
-        "scene|when|updates|points|cache s|cache RMS levels|RenderCache s|RenderCache RMS levels");
+        "scene|>when|>updates|>points|>cache s|>cache RMS levels|>RenderCache s|>RenderCache RMS levels");
     f.duration = 1.0;
     motion(&o, "scenes/generated/study-walk.json", f);
     motion(&o, "scenes/generated/study-chair.json", f);
@@ -220,7 +220,8 @@ int main(int argc, char **argv) {
     printf("\n256 x 256, 25 paths a point. The lamp (the chair) jumps after 100 updates: what it "
                   "takes until half, and nine tenths, of what that added to the error are gone.\n");
     bench_table(
-        "scene|cache|RMS before|after the jump|updates to 50 %|points|s|updates to 90 %|points|s|RMS then");
+        "scene|cache|>RMS before|>after the jump|>updates to 50 %|>points|>s|>updates to 90 %|>points|>s|>RMS "
+        "then");
     jump(&o, "scenes/generated/study-lamp.json");
     jump(&o, "scenes/generated/study-chair.json");
     jump(&o, "scenes/moving-light.json");

@@ -239,7 +239,8 @@ static void table_1(const bench_options *o, const world *w, const char *scene,
     static const double fovs[] = {126.87, 140.0};
     static const uint32_t samples[] = {1, MANY_SAMPLES};
     double ms, radial_ms = 0.0, errors[2][2][3];
-    bench_table("scene|instrument|N|FOV|cells|light spp|relRMS %|hemisphere %|RMSE/mean %|bias %|ms");
+    bench_table("scene|instrument|>N|>FOV|>cells|>light spp|>relRMS %|>hemisphere %|>RMSE/mean %|>bias %|"
+                ">ms");
     for (int s = 0; s < 2; s++) {
         for (int f = 0; f < (o->brief ? 1 : 2); f++)
             plane_rows(w, scene, fovs[f], samples[s], errors[s][f], &radial_ms, best);
@@ -270,7 +271,7 @@ static void table_1(const bench_options *o, const world *w, const char *scene,
 static void fov_sweep(const bench_options *o, const world *w, const char *scene) {
     static const double fovs[] = {90.0, 110.0, 120.0, 126.87, 133.0, 140.0, 150.0, 160.0};
     printf("\n%s, by field of view: the hemisphere's error alone\n", scene);
-    bench_table("scene|FOV|F|plain %|LC04 %|radial %");
+    bench_table("scene|>FOV|>F|>plain %|>LC04 %|>radial %");
     for (size_t f = 0; f < sizeof fovs / sizeof *fovs; f += o->brief ? 3 : 1) {
         double half = 0.5 * fovs[f] * SL_PI / 180.0, sine = sl_sin(half), e[3];
         for (int i = 0; i < 3; i++) {

@@ -1,5 +1,5 @@
-/* What experiments share that no trial of softlux bench can measure: which pixels are compared, random points
- * for gathers, options, scenes, and tables as Markdown on stdout. */
+/* Parts of the experiments that no trial of softlux bench can measure: pixels that are compared, random
+ * points for gathers, options, scenes, and tables as Markdown on stdout. */
 #ifndef SL_BENCH_COMMON_H
 #define SL_BENCH_COMMON_H
 
@@ -22,7 +22,7 @@ bool bench_wants(const bench_options *o, const char *scene);
 _Noreturn void bench_fail(const char *what, const sl_error *error);
 void *bench_allocate(size_t count, size_t size);
 
-/* Prints the head of a table; its columns stand between bars, the first to the left. */
+/* Prints the head of a table, as sl_report_head(). */
 void bench_table(const char *columns);
 /* Prints a row; cells stand between bars. */
 __attribute__((format(printf, 1, 2))) void bench_row(const char *format, ...);

@@ -1,4 +1,4 @@
-/* Which pixels are compared, and from which points gathers are made. */
+/* The choice of pixels that are compared, and of points from which gathers are made. */
 #include <math.h>
 
 #include "base/math.h"

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "app/bench/report.h"
 #include "base/memory.h"
 #include "common.h"
 
@@ -41,9 +42,8 @@ void *bench_allocate(size_t count, size_t size) {
 /* ---- tables ---- */
 
 void bench_table(const char *columns) {
-    printf("\n| %s |\n|:---|", columns);
-    for (const char *c = columns; (c = strchr(c, '|')); c++) fputs("---:|", stdout);
     putchar('\n');
+    sl_report_head(stdout, columns);
 }
 
 void bench_row(const char *format, ...) {

@@ -44,7 +44,7 @@ peer_pass *peer_reduction(const float *rgba, int size, int final);
 void peer_run(peer_pass *pass, bool read);
 void peer_run_view(peer_pass *pass, size_t view);
 void peer_clear(peer_pass *pass);
-/* What the last view's read put into memory: ids, colours, then depth where there is one. */
+/* Returns the last view's picture as read into memory: ids, colours, then depth where there is one. */
 const void *peer_plane(const peer_pass *pass, int plane);
 void peer_destroy(peer_pass *pass);
 

@@ -1,4 +1,4 @@
-/* What the rasterizer's benchmark draws: scene files, with vertices shared as graphics hardware likes them, a
+/* Scenes of the rasterizer's benchmark: scene files, with vertices shared as graphics hardware likes them, a
  * view through the camera, and points that it sees to gather at. */
 #ifndef SL_BENCH_RASTER_SCENES_H
 #define SL_BENCH_RASTER_SCENES_H

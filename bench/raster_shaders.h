@@ -77,11 +77,11 @@ static const char splat_fragment[] =
     "    vec4 p = texelFetch(positions, at, 0);\n" /* w: whether the pixel receives light */
     "    vec3 n = texelFetch(normals, at, 0).xyz;\n"
     "    vec3 delta = p.xyz - k[0].xyz;\n"
-    "    float distance = length(delta), reach = rules.x * k[0].w;\n"
+    "    float distance = length(delta), radius = rules.x * k[0].w;\n"
     "    float d = distance / k[0].w + length(n - k[1].xyz) * 0.70710678;\n"
-    "    float s = 0.5 * dot(delta, n + k[1].xyz), front = -(0.01 * reach + rules.z);\n"
-    "    bool accepted = p.w != 0.0 && d <= rules.x && distance <= reach && s >= front && s <= 0.5 * reach + "
-    "rules.z;\n"
+    "    float s = 0.5 * dot(delta, n + k[1].xyz), front = -(0.01 * radius + rules.z);\n"
+    "    bool accepted = p.w != 0.0 && d <= rules.x && distance <= radius && s >= front && "
+    "s <= 0.5 * radius + rules.z;\n"
     "    float w = accepted ? max(1.0 / max(d, 1e-3) - rules.y, 0.0) : 0.0;\n" /* discarding costs llvmpipe a
                                                                                   little more */
     "    vec3 turn = cross(k[1].xyz, n);\n"

@@ -156,11 +156,11 @@ typedef struct window {
     int x0, y0, x1, y1;
 } window;
 
-static window window_around(const render_cache *c, size_t pixel, int reach) {
+static window window_around(const render_cache *c, size_t pixel, int radius) {
     int x = (int)(pixel % (size_t)c->s.width), y = (int)(pixel / (size_t)c->s.width);
-    return (window){x > reach ? x - reach : 0, y > reach ? y - reach : 0,
-                    x + reach < c->s.width ? x + reach : c->s.width - 1,
-                    y + reach < c->s.height ? y + reach : c->s.height - 1};
+    return (window){x > radius ? x - radius : 0, y > radius ? y - radius : 0,
+                    x + radius < c->s.width ? x + radius : c->s.width - 1,
+                    y + radius < c->s.height ? y + radius : c->s.height - 1};
 }
 
 /* Points of hidden surfaces come through where nearer ones leave gaps: a point goes where hardly any
@@ -335,7 +335,7 @@ static void set_ray(const render_cache *c, const view *v, uint32_t pixel, sl_ray
     rays->near[lane] = 0.0f, rays->far[lane] = INFINITY, rays->skip[lane] = SL_NO_INDEX;
 }
 
-/* What a pixel's ray meets: the point to be shaded, and its colour's parts that need no sample. */
+/* Finds, of a pixel's ray, the point to be shaded, and its colour's parts that need no sample. */
 static void meet(const render_cache *c, const sl_ray16 *ray, const sl_hit16 *hit, unsigned lane,
                  cached_point *p, sl_sample_request *q) {
     const sl_scene *scene = c->s.scene;

@@ -30,9 +30,9 @@ void render_cache_destroy(render_cache *cache);
 void render_cache_edit(render_cache *cache, unsigned changes);
 /* One frame from where everything stands now; then its samples, which the next one shows. */
 void render_cache_frame(render_cache *cache, sl_counters *counters);
-/* What the cache holds now, without another sample. wide_fill: gaps wider than 3x3 are filled from coarser
- * and coarser averages (as its second version, Walter et al. 2002, does at one coarser level); else they show
- * what they showed before. */
+/* Makes the picture of what the cache holds, without another sample. wide_fill: gaps wider than 3x3 are
+ * filled from coarser and coarser averages (as its second version, Walter et al. 2002, does at one coarser
+ * level); else they show what they showed before. */
 void render_cache_show(render_cache *cache, bool wide_fill);
 /* No cache at all: what the renderers say of pixels' centres, 3 values each. Of the settings samples and
  * points do not matter. */

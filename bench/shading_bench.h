@@ -1,4 +1,4 @@
-/* What the experiments on the shading cache share beside common.h: a scene with the sample renderers that the
+/* Parts of the experiments on the shading cache: a scene with the sample renderers that the
  * cache itself uses, so that its rivals have the same; the cache, driven update by update; errors against
  * what those renderers say of each pixel, which is what all of them approach. */
 #ifndef SL_BENCH_SHADING_H

@@ -1,4 +1,4 @@
-/* What the benchmarks share: clocks in milliseconds, and medians. Processor time is what others on the machine
+/* The benchmarks' clocks in milliseconds, and medians. Processor time is what others on the machine
  * disturb least; wall time is what more threads are for. */
 #ifndef SL_BENCH_TIMING_H
 #define SL_BENCH_TIMING_H

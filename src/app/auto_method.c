@@ -58,7 +58,7 @@ static sl_status mean_light(const sl_scene *scene, const sl_settings *small, dou
     return status;
 }
 
-/* What a scene looks like from afar. */
+/* A summary of a scene. */
 typedef struct scene_kind {
     /* shares of the mean radiance: straight from lights, by one surface, by more, thrown on surfaces by
      * mirrors; they sum to 1 where there is any */

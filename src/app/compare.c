@@ -61,7 +61,7 @@ static sl_status show(sl_image **radiance, const char *path, const shown *other,
     return SL_OK;
 }
 
-/* Where one of two pictures is shown and the other is radiance, puts the latter through the same tone. INPUT:
+/* Puts radiance through the tone of the other picture, if that is one of 8 bits. INPUT:
  * the tone is not known. */
 static sl_status show_alike(sl_image **a, const char *a_path, sl_image **b, const char *b_path,
                          sl_error *error) {

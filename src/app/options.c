@@ -149,7 +149,7 @@ static bool set_by_name(const sl_command_line *line, const char *text, int *stat
     return mistake(status, "--set: %s", error.message);
 }
 
-/* What a word of the command line names: an option of the command, a setting, or --set. */
+/* A word of the command line names an option of the command, a setting, or --set. */
 typedef struct named {
     const sl_option *option;
     const sl_setting *setting;

@@ -52,7 +52,7 @@ typedef struct sl_option {
 #define SL_PIXELS(n, l, v, h) \
     {.name = n, .letter = l, .kind = SL_OPTION_SIZE, .value = v, .metavar = "WxH", .help = h}
 
-/* How a scene is read: options of every command that shows one. It must stay where it is: what is taken
+/* Options by which a scene is read, of every command that shows one. It must stay where it is: what is taken
  * points into it. */
 typedef struct sl_reading {
     bool allow_outside;

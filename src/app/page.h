@@ -1,4 +1,4 @@
-/* What is written for people and for programs: JSON, and pages that hold everything they show and fetch
+/* Output for people and for programs: JSON, and pages that hold everything they show and fetch
  * nothing: a style, data as JSON, and a script that makes the page of it. */
 #ifndef SL_APP_PAGE_H
 #define SL_APP_PAGE_H

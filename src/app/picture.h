@@ -1,5 +1,4 @@
-/* What `softlux render` does once it knows what is wanted: run a method and write its pictures, one or a
- * series. */
+/* The work of `softlux render`: a method is run, and its pictures are written, one or a series. */
 #ifndef SL_APP_PICTURE_H
 #define SL_APP_PICTURE_H
 
@@ -30,7 +29,7 @@ typedef struct sl_render_options {
 bool sl_output_is_known(const sl_render_options *options, sl_error *error);
 /* Fails where the picture, the first of a series or the cache could not be written. */
 sl_status sl_output_is_open(const sl_render_options *options, sl_error *error);
-/* How a render ended that did not fail. */
+/* The end of a render that did not fail. */
 typedef enum sl_render_end {
     SL_RENDER_DONE,
     SL_RENDER_MISSED, /* the error that was asked for */
@@ -38,7 +37,7 @@ typedef enum sl_render_end {
 } sl_render_end;
 
 /* Renders the scene as it stands; or a series: the scene at at_seconds, then a frame's time later, and so on.
- * What the method keeps between frames it keeps. *end is left alone where all is done. */
+ * The method keeps its cache between frames. *end is left alone where all is done. */
 sl_status sl_render_pictures(const sl_render_options *options, sl_scene *scene, sl_render_end *end,
                              sl_error *error);
 

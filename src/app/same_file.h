@@ -1,4 +1,4 @@
-/* What a command writes must not take the place of what it reads, or of what else it writes. */
+/* Files that a command writes must not take the place of those that it reads, or of each other. */
 #ifndef SL_APP_SAME_FILE_H
 #define SL_APP_SAME_FILE_H
 

@@ -217,7 +217,7 @@ static sl_status consider(climb *c, const sl_render_options *o, sl_method *metho
     return status;
 }
 
-/* When to look next. The tracers' error falls as the root of the samples. */
+/* Returns after how many batches to look next. The tracers' error falls as the root of the samples. */
 static uint64_t next_look(const climb *c, uint64_t batches) {
     enum { FIRST = 16, FIRST_SAMPLES = 4 };
     if (!batches) return is_tracer(c) ? FIRST_SAMPLES : FIRST;

@@ -1,4 +1,4 @@
-/* What the report's figures are made of: the journal, errors against a noisy reference, curves and the times
+/* The sources of the report's figures: the journal, errors against a noisy reference, curves and the times
  * read from them. */
 #include <setjmp.h>
 #include <stdarg.h>

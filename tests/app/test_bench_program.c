@@ -125,7 +125,7 @@ static void every_trial_is_a_row_with_its_time_and_its_errors(void **state) {
         double measured = number(&c, i, "matched_rel_rmse");
         assert_true(measured > 0.0 && told > 0.6 * measured && told < 1.5 * measured && bound >= told);
     }
-    /* What one bounce leaves out of the Cornell box is about a third of its light. */
+    /* One bounce leaves out about a third of the light in the Cornell box. */
     assert_true(number(&c, 1, "full_bias") < -0.1);
     assert_true(number(&c, 2, "full_rel_rmse") <
                 number(&c, 2, "one-bounce_rel_rmse"));

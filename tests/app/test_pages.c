@@ -146,7 +146,7 @@ static void the_slider_plays_the_refinement_by_keys_and_by_mouse(void **state) {
     free(last), free(first), free(told), free(again);
 }
 
-/* What the library renders with the same settings. */
+/* Renders with the same settings. */
 static sl_image *render(const char *method) {
     sl_scene *scene;
     sl_method *m;

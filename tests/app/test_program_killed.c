@@ -53,7 +53,7 @@ static struct {
     bool without_unnamed_files; /* as on file systems that know none */
 } plan;
 
-/* Whether this call is the last; it does not return then, unless it is to be torn or refused. */
+/* Tells whether this call is the last; it does not return then, unless it is to be torn or refused. */
 static bool is_last(const char *call, bool tears) {
     if (getpid() != plan.program) return false;
     long moment = atomic_fetch_add(&board->moments, 1);
@@ -127,7 +127,7 @@ static bool holds_bytes(int descriptor) {
     return is_file(descriptor) && fstat(descriptor, &s) == 0 && s.st_size > 0;
 }
 
-/* What is refused has been closed: nobody may try again. */
+/* A refused file has been closed: nobody may try again. */
 int close(int descriptor) {
     REAL(of_descriptor, "close");
     bool refused = holds_bytes(descriptor) && (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY &&

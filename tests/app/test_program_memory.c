@@ -136,8 +136,8 @@ static void shows_of_every_method_stay_within_what_is_allowed(void **state) {
     check_least(sl_command_live, "a.y4m", "direct-radiance", "-s 1200x1200 --fps 8 --frames 12");
 }
 
-/* What pages show of passes is not in it; that their scenes are loaded within it, and that there is an answer
- * to too little, is. */
+/* The pictures that pages show of passes are not in it; that their scenes are loaded within it, and that
+ * there is an answer to too little, is. */
 static void pages_load_their_scene_within_what_is_allowed(void **state) {
     (void)state;
     if (SL_SANITIZED) skip(); /* nothing limits them there */

@@ -1,5 +1,5 @@
-/* What a picture's metadata are for: `softlux render` with the settings that they tell makes the same picture
- * again. */
+/* The purpose of a picture's metadata: `softlux render` with the settings that they tell makes the same
+ * picture again. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -150,7 +150,7 @@ static void assert_set_and_told(const sl_setting *setting, const char *method) {
     sl_image_destroy(image);
 }
 
-/* How large a picture is, and how much it took to make it, does not decide its values. */
+/* Size, threads and memory do not decide a picture's values. */
 static bool is_apart(const sl_setting *s) {
     return strcmp(s->name, "size") == 0 || strcmp(s->name, "threads") == 0 ||
            strcmp(s->name, "memory") == 0 || strcmp(s->name, "method") == 0;

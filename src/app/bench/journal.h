@@ -1,4 +1,4 @@
-/* What has been measured, one JSON object a line, appended as soon as it is known: whatever ends the program,
+/* Measurements, one JSON object a line, appended as soon as it is known: whatever ends the program,
  * this is kept, and the next run goes on from here. An entry counts for the very same work only: its key
  * holds the scene's hash, the size, the threads, the arguments and the program's own fingerprint. */
 #ifndef SL_APP_BENCH_JOURNAL_H

@@ -1,4 +1,4 @@
-/* How far a picture is from a reference that is itself a little noisy. */
+/* The error of a picture against a reference that is itself a little noisy. */
 #ifndef SL_APP_BENCH_JUDGE_H
 #define SL_APP_BENCH_JUDGE_H
 

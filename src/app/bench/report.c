@@ -117,7 +117,7 @@ void sl_report_head(FILE *out, const char *columns) {
     }
 }
 
-/* What is in doubt by less than this share of an error goes without saying. */
+/* A doubt below this share of an error is not told. */
 static const double silent_doubt = 0.1;
 
 static int digits_of(double percent) {

@@ -1,4 +1,4 @@
-/* What the report says of a scene, as Markdown; and of all, as lines for a terminal. */
+/* The report's part about a scene, as Markdown; and about all scenes, as lines for a terminal. */
 #include "app/bench/results.h"
 #include "app/bench/plot.h"
 #include "app/bench/report.h"

@@ -1,4 +1,4 @@
-/* What the measurements say of all scenes together: the beginning of the report, and tables for the page that
+/* Tables over all scenes together: the beginning of the report, and tables for the page that
  * says it in words (docs/speed-against-error.md), each between two marks, which bench/fill_tables.sh puts
  * into the page. */
 #include "app/bench/results.h"
@@ -97,7 +97,7 @@ static void put_goal(FILE *out, const sl_bench_results *r) {
 
 /* ---- which method for which scene ---- */
 
-/* Puts the first to reach an error, tracers among them; and how much sooner than the second. */
+/* Prints the first to reach an error, tracers among them, and by what factor it is sooner than the second. */
 static void put_first(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, double error) {
     sl_curve curves[SL_CURVES];
     const char *first = NULL;

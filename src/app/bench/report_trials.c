@@ -93,12 +93,11 @@ static void put_row(FILE *out, const sl_trial_table *table, const char *scene, c
 static void put_table(FILE *out, const sl_bench_results *r, int index) {
     const sl_trial_table *table = &r->trials->table[index];
     const char *at = table->columns;
-    char column[CELL];
-    fprintf(out, "<!-- table %s -->\n| scene | trial |", table->name);
-    while (next_column(&at, column)) fprintf(out, " %s |", column);
-    fputs("\n| --- | --- |", out);
-    for (at = table->columns; next_column(&at, column);) fputs(" ---: |", out);
-    fputc('\n', out);
+    char column[CELL], columns[1024] = "scene|trial";
+    for (size_t used; next_column(&at, column);)
+        used = strlen(columns), snprintf(columns + used, sizeof columns - used, "|>%s", column);
+    fprintf(out, "<!-- table %s -->\n", table->name);
+    sl_report_head(out, columns);
     for (size_t s = 0; s < r->scene_count; s++) {
         for (size_t i = 0; i < r->scenes[s].row_count; i++) {
             const sl_bench_row *row = &r->scenes[s].rows[i];

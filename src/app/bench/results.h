@@ -1,4 +1,4 @@
-/* What `softlux bench` has found out: the trials fill it in, the reports read it. */
+/* The results of `softlux bench`: the trials fill it in, the reports read it. */
 #ifndef SL_APP_BENCH_RESULTS_H
 #define SL_APP_BENCH_RESULTS_H
 
@@ -110,7 +110,7 @@ size_t sl_curves_of(const sl_bench_scene *scene, sl_bench_truth truth, sl_curve 
 /* Processor seconds until the error is that small, along the best settings, straight between two of them on
  * logarithmic axes; 0: it never is. The cheapest setting's time where that is good enough already. */
 double sl_curve_time_to(const sl_curve *curve, sl_bench_truth truth, double error);
-/* How much sooner than the path tracer the best of the methods reaches an error against a truth. */
+/* The lead of the best method over the path tracer in reaching an error against a truth. */
 typedef struct sl_lead {
     const char *method; /* NULL: none reaches it */
     double seconds;

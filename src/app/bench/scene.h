@@ -1,4 +1,4 @@
-/* What is to be known of a scene before anything is measured of it. */
+/* Facts about a scene that are found before anything is measured of it. */
 #ifndef SL_APP_BENCH_SCENE_H
 #define SL_APP_BENCH_SCENE_H
 

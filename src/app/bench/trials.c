@@ -36,7 +36,7 @@ const char *sl_bench_quality_name(sl_bench_quality quality) {
 
 /* ---- a line ---- */
 
-/* What the lines so far say of the trials to come. */
+/* The lines so far, as far as they count for the trials to come. */
 typedef struct reader {
     sl_trials *trials;
     const char *scenes, *truth, *with, *curve;

@@ -1,13 +1,13 @@
-/* What is run: every method over its three qualities, and over finer and coarser settings that make a curve
- * of time against error (ladder.trials); or the trials of a file (bench/METHOD.trials), with the tables that
- * it asks for. */
+/* The trials to be run: every method over its three qualities, and over finer and coarser settings that make
+ * a curve of time against error (ladder.trials); or the trials of a file (bench/METHOD.trials), with the
+ * tables that it asks for. */
 #ifndef SL_APP_BENCH_TRIALS_H
 #define SL_APP_BENCH_TRIALS_H
 
 #include "app/bench/child.h"
 #include "cache/frame/settings.h"
 
-/* What a picture is held against. */
+/* The light paths of the reference that a picture is compared with. */
 typedef enum sl_bench_truth {
     /* the light paths that the method itself declares: what is wrong is the method's own error */
     SL_BENCH_MATCHED,
@@ -16,7 +16,7 @@ typedef enum sl_bench_truth {
     SL_BENCH_TRUTHS
 } sl_bench_truth;
 
-/* Which row of a method's ladder of settings a trial is. */
+/* The row of a method's ladder of settings that a trial is. */
 typedef enum sl_bench_quality {
     SL_BENCH_DRAFT,
     SL_BENCH_NORMAL,
@@ -39,7 +39,7 @@ typedef struct sl_trial {
     bool look;          /* once more with an observer, for the parts of its time and for a first picture */
 } sl_trial;
 
-/* What a file of trials asks for as Markdown: a row for each of its trials in each scene. */
+/* A table that a file of trials asks for, as Markdown: a row for each of its trials in each scene. */
 typedef struct sl_trial_table {
     char name[SL_BENCH_NAME];
     const char *columns; /* with commas between (report_trials.c) */

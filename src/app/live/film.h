@@ -1,4 +1,4 @@
-/* Where the frames of a show go: numbered PNGs, or one stream that players take (YUV4MPEG2, uncompressed). */
+/* The frames of a show as files: numbered PNGs, or one stream that players take (YUV4MPEG2, uncompressed). */
 #ifndef SL_APP_LIVE_FILM_H
 #define SL_APP_LIVE_FILM_H
 

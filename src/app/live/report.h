@@ -1,4 +1,4 @@
-/* What a show was like: frames, updates, where the time of an update goes. */
+/* The account of a show: frames, updates, where the time of an update goes. */
 #ifndef SL_APP_LIVE_REPORT_H
 #define SL_APP_LIVE_REPORT_H
 

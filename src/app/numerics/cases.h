@@ -1,4 +1,4 @@
-/* What is done to a room to make it hard, and what must come out of it. */
+/* Rooms that are hard to render, and the pictures that must come out of them. */
 #ifndef SL_APP_NUMERICS_CASES_H
 #define SL_APP_NUMERICS_CASES_H
 
@@ -6,7 +6,7 @@
 
 typedef struct sl_room sl_room;
 
-/* How finely the walls of a room are cut, which ought to change nothing. */
+/* Into how many triangles the walls of a room are cut, which ought to change nothing. */
 typedef struct sl_room_cut {
     int columns, rows; /* of every wall */
     double skew;       /* 0: even; else the first column takes this share of the width, and so on */
@@ -44,7 +44,7 @@ typedef struct sl_hard_case {
 /* Loads the case's room; NULL: the plain one. */
 sl_status sl_hard_case_load(const sl_hard_case *hard, sl_scene **scene, sl_error *error);
 
-/* What a method is known not to do: another bound, or none, and why. */
+/* A case that a method is known not to master: another bound, or none, and why. */
 typedef struct sl_known_limit {
     const char *method, *name;
     double bound; /* 0: none */

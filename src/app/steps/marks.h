@@ -8,7 +8,8 @@
 
 #include <stdio.h>
 
-/* Where marks are drawn: a camera, a picture's size, and rays that tell what is hidden (NULL: nothing). */
+/* The view in which marks are drawn: a camera, a picture's size, and rays that tell what is hidden (NULL:
+ * nothing). */
 typedef struct sl_mark_view {
     sl_camera camera;
     int width, height;

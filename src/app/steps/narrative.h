@@ -1,12 +1,12 @@
-/* What a page says about a method (narratives.json): its paper, and for each pass that the method announces a
- * title, two or three sentences, the equation, and the function that computes it. */
+/* The text of a page about a method (narratives.json): its paper, and for each pass that the method announces
+ * a title, two or three sentences, the equation, and the function that computes it. */
 #ifndef SL_APP_STEPS_NARRATIVE_H
 #define SL_APP_STEPS_NARRATIVE_H
 
 #include <cjson/cJSON.h>
 #include <stddef.h>
 
-/* How a pass's buffer becomes a picture: the words of "show", in their order. */
+/* The ways in which a pass's buffer becomes a picture: the words of "show", in their order. */
 typedef enum sl_show {
     SL_SHOW_LIGHT,     /* radiance or irradiance, tone-mapped */
     SL_SHOW_COLOUR,    /* reflectances, as they are */
