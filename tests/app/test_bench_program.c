@@ -16,8 +16,7 @@
 
 #include "app/commands.h"
 #include "command.h"
-
-static char base[] = "/tmp/softlux-bench-XXXXXX";
+#include "scene_files.h"
 
 /* ---- running ---- */
 
@@ -27,7 +26,7 @@ static pid_t start(const char *folder, const char *more) {
              "scenes/cornell.json -o %%/%s -s 32x32 -m path,direct-radiance -q draft --repeats 2 "
              "--reference-budget 0.1 --references %%/references --reference-threads 1 --quiet %s",
              folder, more);
-    pid_t child = command_start(sl_command_bench, line, base, NULL, NULL);
+    pid_t child = command_start(sl_command_bench, line, scene_file_path(""), NULL, NULL);
     assert_true(child > 0);
     return child;
 }
@@ -46,8 +45,8 @@ static char *file_of(const char *folder, const char *name) {
     static char texts[FILES][MOST];
     static int count;
     char path[256], *text = texts[count++ % FILES];
-    snprintf(path, sizeof path, "%s/%s/%s", base, folder, name);
-    FILE *in = fopen(path, "rb");
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *in = fopen(scene_file_path(path), "rb");
     text[in ? fread(text, 1, MOST - 1, in) : 0] = '\0';
     if (in) fclose(in);
     return text;
@@ -198,12 +197,6 @@ static void a_trial_without_memory_is_a_row_that_says_so(void **state) {
     assert_non_null(strstr(file_of("little", "report.html"), field(&c, 0, "end")));
 }
 
-static bool is_there(const char *folder, const char *name) {
-    char path[256];
-    snprintf(path, sizeof path, "%s/%s/%s", base, folder, name);
-    return access(path, F_OK) == 0;
-}
-
 /* The cheapest setting takes some tenths of a second. */
 static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **state) {
     (void)state;
@@ -224,7 +217,7 @@ static void two_programs_measure_and_a_third_tells(void **state) {
           b = start("shared", "--trials-only -m path -s 16x16");
     assert_int_equal(finish(a), 0);
     assert_int_equal(finish(b), 0);
-    assert_false(is_there("shared", "report.html"));
+    assert_int_equal(access(scene_file_path("shared/report.html"), F_OK), -1);
     assert_int_equal(finish(start("shared", "--report-only -s 16x16")), 0);
     char *tables = file_of("shared", "tables.md");
     csv c = table_of("shared");
@@ -238,15 +231,9 @@ static void two_programs_measure_and_a_third_tells(void **state) {
 
 static void a_file_of_trials_becomes_a_table_with_its_columns(void **state) {
     (void)state;
-    char path[128];
-    snprintf(path, sizeof path, "%s/my.trials", base);
-    FILE *out = fopen(path, "w");
-    assert_non_null(out);
-    fputs("truth matched:direct-radiance\nwith -m direct-radiance -q draft\n"
-          "table light: cpu, matched, part.direct, counter.map_photons, nothing\ntrial as it is =\n"
-          "trial polygons = --set weight=polygon\n",
-          out);
-    fclose(out);
+    scene_file_text("my.trials", "truth matched:direct-radiance\nwith -m direct-radiance -q draft\n"
+                                 "table light: cpu, matched, part.direct, counter.map_photons, nothing\n"
+                                 "trial as it is =\ntrial polygons = --set weight=polygon\n");
     assert_int_equal(finish(start("trials", "--trials %/my.trials -q curve")), 0);
     char *text = file_of("trials", "tables.md"), cpu[32], error[32], direct[32];
     const char *row = strstr(text, "| cornell | as it is |");
@@ -257,18 +244,6 @@ static void a_file_of_trials_becomes_a_table_with_its_columns(void **state) {
                        &photons);
     assert_int_equal(found, 4);
     assert_true(strtod(cpu, NULL) > 0.0 && strtod(error, NULL) > 0.0 && photons > 9);
-}
-
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(base) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char line[128];
-    snprintf(line, sizeof line, "rm -rf %s", base);
-    return system(line);
 }
 
 int main(void) {
@@ -283,5 +258,5 @@ int main(void) {
         cmocka_unit_test(two_programs_measure_and_a_third_tells),
         cmocka_unit_test(a_file_of_trials_becomes_a_table_with_its_columns),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

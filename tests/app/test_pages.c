@@ -16,6 +16,7 @@
 #include <cmocka.h>
 
 #include "cache/frame/settings.h"
+#include "scene_files.h"
 
 enum { WIDTH = 48, HEIGHT = 40 };
 static const char scene_path[] = "scenes/cornell-glossy.json";
@@ -28,7 +29,6 @@ static const char *const pages[] = {"splatting/index.html",     "direct-radiance
 enum { PAGES = sizeof pages / sizeof pages[0] };
 
 typedef struct {
-    char folder[64];
     browser *browser;
 } fixture;
 
@@ -37,21 +37,18 @@ static char program[4096];
 static int open_pages(void **state) {
     static fixture f;
     *state = &f;
-    snprintf(f.folder, sizeof f.folder, "/tmp/softlux-steps-XXXXXX");
-    if (access(program, X_OK) != 0 || !mkdtemp(f.folder)) return 0;
+    if (access(program, X_OK) != 0) return 0;
+    char command[9000];
     for (size_t i = 0; i < METHODS; i++) {
-        char command[9000];
         snprintf(command, sizeof command,
-                 "%s steps %s -m %s -s %dx%d -q draft --reference-spp 4 --quiet -o %s/%s", program,
-                 scene_path, methods[i], WIDTH, HEIGHT, f.folder, methods[i]);
+                 "%s steps %s -m %s -s %dx%d -q draft --reference-spp 4 --quiet -o %s", program, scene_path,
+                 methods[i], WIDTH, HEIGHT, scene_file_path(methods[i]));
         if (system(command) != 0) return 1;
     }
-    char command[9000];
     snprintf(command, sizeof command,
-             "%s bench scenes/cornell.json scenes/sphere.json -o %s/report -s 24x24 -m direct-radiance,path "
-             "-q draft,normal --repeats 1 "
-             "--references %s/references --reference-budget 0.1 --reference-threads 1 --quiet",
-             program, f.folder, f.folder);
+             "%s bench scenes/cornell.json scenes/sphere.json -o %s -s 24x24 -m direct-radiance,path -q "
+             "draft,normal --repeats 1 --references %s --reference-budget 0.1 --reference-threads 1 --quiet",
+             program, scene_file_path("report"), scene_file_path("references"));
     if (system(command) != 0) return 1;
     f.browser = browser_open(1100, 900);
     return 0;
@@ -59,10 +56,8 @@ static int open_pages(void **state) {
 
 static int close_pages(void **state) {
     fixture *f = *state;
-    char command[128];
     browser_close(f->browser);
-    snprintf(command, sizeof command, "rm -rf %s", f->folder);
-    return system(command);
+    return scene_files_remove();
 }
 
 static void need_browser(const fixture *f) {
@@ -91,9 +86,7 @@ static void click_on(browser *b, const char *element, double x, double y) {
 }
 
 static void open_page(const fixture *f, const char *name) {
-    char path[256];
-    snprintf(path, sizeof path, "%s/%s", f->folder, name);
-    browser_go_to_file(f->browser, path);
+    browser_go_to_file(f->browser, scene_file_path(name));
 }
 
 /* ---- */

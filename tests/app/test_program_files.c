@@ -21,24 +21,16 @@
 
 #include "app/commands.h"
 #include "command.h"
+#include "scene_files.h"
 #include "softlux.h"
 
 /* ---- running a command ----------------------------------------------------------------------- */
 
 enum { WORD = 300, TEXT = 1 << 16 };
-static char base[] = "/tmp/softlux-files-XXXXXX";
 static char out[TEXT], err[TEXT]; /* what the last command said */
 
-static const char *path_of(const char *name) {
-    static char paths[4][WORD];
-    static int next;
-    char *path = paths[next++ % 4];
-    snprintf(path, WORD, "%s/%s", base, name);
-    return path;
-}
-
 static void read_text(const char *name, char text[TEXT]) {
-    FILE *file = fopen(path_of(name), "rb");
+    FILE *file = fopen(scene_file_path(name), "rb");
     assert_non_null(file);
     size_t size = fread(text, 1, TEXT - 1, file);
     text[size] = '\0';
@@ -47,10 +39,8 @@ static void read_text(const char *name, char text[TEXT]) {
 
 /* Starts a command; a word that begins with %/ names a file in the test's folder. */
 static pid_t start(command *run_it, const char *line) {
-    char said[2][WORD];
-    snprintf(said[0], WORD, "%s", path_of("out"));
-    snprintf(said[1], WORD, "%s", path_of("err"));
-    pid_t child = command_start(run_it, line, base, said[0], said[1]);
+    const char *base = scene_file_path(""), *said = scene_file_path("out");
+    pid_t child = command_start(run_it, line, base, said, scene_file_path("err"));
     assert_true(child > 0);
     return child;
 }
@@ -76,7 +66,7 @@ static bool are_same_files(const char *a, const char *b) {
     size_t size[2];
     const char *const names[2] = {a, b};
     for (int i = 0; i < 2; i++) {
-        FILE *file = fopen(path_of(names[i]), "rb");
+        FILE *file = fopen(scene_file_path(names[i]), "rb");
         assert_non_null(file);
         size[i] = fread(bytes[i], 1, TEXT, file);
         fclose(file);
@@ -114,7 +104,7 @@ static void a_picture_stopped_by_the_clock_is_the_file_of_its_batches(void **sta
     snprintf(line, sizeof line, "%s --time 0.05 -o %%/timed.exr", rest);
     expect(0, sl_command_render, line);
     sl_image *image;
-    assert_int_equal(sl_image_read(path_of("timed.exr"), &image, NULL), SL_OK);
+    assert_int_equal(sl_image_read(scene_file_path("timed.exr"), &image, NULL), SL_OK);
     snprintf(batches, sizeof batches, "%.20s", sl_image_metadata(image, "softlux.batches"));
     snprintf(line, sizeof line, "%s --spp %.20s --batches %s -o %%/counted.exr", rest,
              sl_image_metadata(image, "softlux.spp"), batches);
@@ -129,8 +119,8 @@ static void write_grey(const char *name, float value, const sl_tone *tone) {
     sl_image *image;
     assert_int_equal(sl_image_create(8, 8, 3, NULL, &image, NULL), SL_OK);
     for (int i = 0; i < 3 * 64; i++) image->planes[i] = value * (1.0f + 0.01f * (float)(i % 64));
-    sl_status status = tone ? sl_image_write_png(image, path_of(name), *tone, NULL)
-                            : sl_image_write(image, path_of(name), NULL);
+    sl_status status = tone ? sl_image_write_png(image, scene_file_path(name), *tone, NULL)
+                            : sl_image_write(image, scene_file_path(name), NULL);
     sl_image_destroy(image);
     assert_int_equal(status, SL_OK);
 }
@@ -190,7 +180,7 @@ static void a_png_that_tells_no_tone_is_not_compared_with_radiance(void **state)
     sl_image *bricks;
     assert_int_equal(sl_image_read("scenes/bricks.png", &bricks, NULL), SL_OK);
     assert_string_equal(sl_image_metadata(bricks, "softlux.tone"), "unknown");
-    assert_int_equal(sl_image_write(bricks, path_of("bricks.pfm"), NULL), SL_OK);
+    assert_int_equal(sl_image_write(bricks, scene_file_path("bricks.pfm"), NULL), SL_OK);
     sl_image_destroy(bricks);
     expect(3, sl_command_compare, "scenes/bricks.png %/bricks.pfm");
     assert_true(says(err, "bricks.png") && says(err, "tone"));
@@ -234,7 +224,7 @@ static void json_is_utf_8_whatever_files_are_called(void **state) {
                  names[i][0]);
         expect(0, sl_command_render, line);
         if (!says(out, names[i][1])) fail_msg("expected %s in %s", names[i][1], out);
-        assert_int_equal(access(path_of(names[i][0]), F_OK), 0);
+        assert_int_equal(access(scene_file_path(names[i][0]), F_OK), 0);
     }
     expect(0, sl_command_render,
            "scenes/cornell-point.json -s 4x4 -m path --spp 1 -t 1 --quiet --json --frames 1 -o %/\xff%d.pfm");
@@ -259,10 +249,10 @@ static void what_cannot_be_written_is_noticed_before_the_work(void **state) {
         {sl_command_bench, "nowhere.json --quiet --references /dev/null/references -o %/report"},
         {sl_command_bench, "nowhere.json --quiet --references %/references -o %/page"},
     };
-    assert_int_equal(mkdir(path_of("taken.exr"), 0777), 0);
-    assert_int_equal(mkdir(path_of("page"), 0777), 0);
-    assert_int_equal(mkdir(path_of("page/index.html"), 0777), 0);
-    assert_int_equal(mkdir(path_of("page/report.html"), 0777), 0);
+    assert_int_equal(mkdir(scene_file_path("taken.exr"), 0777), 0);
+    assert_int_equal(mkdir(scene_file_path("page"), 0777), 0);
+    assert_int_equal(mkdir(scene_file_path("page/index.html"), 0777), 0);
+    assert_int_equal(mkdir(scene_file_path("page/report.html"), 0777), 0);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         expect(4, cases[i].run_it, cases[i].line);
         if (!says(err, "cannot ") || strchr(err, '\n') != err + strlen(err) - 1)
@@ -273,15 +263,15 @@ static void what_cannot_be_written_is_noticed_before_the_work(void **state) {
 /* Neither half a file is left by the look, nor is one that is there touched; a pipe's reader sees no end. */
 static void looking_whether_a_file_can_be_written_leaves_no_trace(void **state) {
     (void)state;
-    FILE *file = fopen(path_of("kept.pfm"), "wb");
+    FILE *file = fopen(scene_file_path("kept.pfm"), "wb");
     assert_true(file && fputs("kept", file) >= 0 && fclose(file) == 0);
     expect(3, sl_command_render, "nowhere.json -o %/kept.pfm");
     expect(3, sl_command_render, "nowhere.json -o %/new.pfm");
     expect(3, sl_command_render, "nowhere.json -o %/new%d.pfm --frames 2");
     read_text("kept.pfm", out);
     assert_string_equal(out, "kept");
-    assert_int_equal(access(path_of("new.pfm"), F_OK), -1);
-    assert_int_equal(mkfifo(path_of("pipe.pfm"), 0666), 0);
+    assert_int_equal(access(scene_file_path("new.pfm"), F_OK), -1);
+    assert_int_equal(mkfifo(scene_file_path("pipe.pfm"), 0666), 0);
     alarm(20); /* opening it would wait for a reader */
     expect(3, sl_command_render, "nowhere.json -o %/pipe.pfm");
     alarm(0);
@@ -316,7 +306,7 @@ static void expect_kept(const char *rest, int signal_number, const char *picture
     int ended = end_of(child);
     if (!WIFEXITED(ended) || WEXITSTATUS(ended) != 128 + signal_number)
         fail_msg("%s: ended with %x: %s", line, (unsigned)ended, err);
-    assert_int_equal(access(path_of(picture), F_OK), 0);
+    assert_int_equal(access(scene_file_path(picture), F_OK), 0);
 }
 
 static void what_is_done_is_kept_whatever_ends_it_and_the_status_tells(void **state) {
@@ -346,18 +336,11 @@ static void who_ignores_that_the_terminal_closes_goes_on(void **state) { /* nohu
 
 /* Whoever runs these tests may ignore signals: a shell does for what it runs in the background, nohup does.
  */
-static int make_folder(void **state) {
+static int take_signals(void **state) {
+    (void)state;
     signal(SIGINT, SIG_DFL);
     signal(SIGHUP, SIG_DFL);
-    (void)state;
-    return mkdtemp(base) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char line[300];
-    snprintf(line, sizeof line, "rm -rf '%s'", base);
-    return system(line);
+    return 0;
 }
 
 int main(void) {
@@ -375,5 +358,5 @@ int main(void) {
         cmocka_unit_test(what_is_done_is_kept_whatever_ends_it_and_the_status_tells),
         cmocka_unit_test(who_ignores_that_the_terminal_closes_goes_on),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, take_signals, scene_files_teardown);
 }

@@ -29,6 +29,7 @@
 
 #include "app/commands.h"
 #include "command.h"
+#include "scene_files.h"
 #include "softlux.h"
 
 /* ---- moments --------------------------------------------------------------------------------- */
@@ -201,7 +202,7 @@ static const work works[] = {
 };
 enum { WORKS = sizeof works / sizeof works[0] };
 
-static char base[] = "/tmp/softlux-killed-XXXXXX", said[64];
+static char said[64];
 
 static const work *current;
 
@@ -444,7 +445,7 @@ static bool are_our_lines(const char *text) {
 
 /* A call that was refused fails the command, in one line; but files without a name are done without. */
 static void look_at_what_was_said(const trial *t, int ended) {
-    bytes b = read_all(base, "said");
+    bytes b = read_all(scene_file_path(""), "said");
     assert_non_null(b.at);
     size_t lines = whole_lines(&b, false);
     if (!WIFEXITED(ended)) explain(t, "it crashed", "");
@@ -457,7 +458,7 @@ static void look_at_what_was_said(const trial *t, int ended) {
 
 static void try_it(const trial *t) {
     char folder[64];
-    snprintf(folder, sizeof folder, "%s/trial", base);
+    snprintf(folder, sizeof folder, "%s", scene_file_path("trial"));
     assert_int_equal(mkdir(folder, 0777), 0);
     if (t->over_old) put_old_files(folder, &t->whole);
     int ended = run(t->w, folder, t->how, t->last, t->without_unnamed);
@@ -503,7 +504,7 @@ static long try_moments(trial *t, long moments, const bool *writes) {
 static void try_work(const work *w) {
     char model[64];
     trial t = {.w = w, .model = model};
-    snprintf(model, sizeof model, "%s/model", base);
+    snprintf(model, sizeof model, "%s", scene_file_path("model"));
     assert_int_equal(mkdir(model, 0777), 0);
     assert_int_equal(run(w, model, RUNS_TO_ITS_END, -1, false), 0);
     long moments = atomic_load(&board->moments);
@@ -533,10 +534,7 @@ int main(void) {
     };
     most = getenv("SOFTLUX_EVERY_MOMENT") ? 0 : 5;
     board = mmap(NULL, sizeof *board, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (board == MAP_FAILED || !mkdtemp(base)) return 1;
-    snprintf(said, sizeof said, "%s/said", base);
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    char line[64];
-    snprintf(line, sizeof line, "rm -rf %s", base);
-    return system(line) == 0 ? failed : 1;
+    if (board == MAP_FAILED) return 1;
+    snprintf(said, sizeof said, "%s", scene_file_path("said"));
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -9,7 +9,6 @@
 
 #include <cmocka.h>
 
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,21 +32,20 @@ typedef struct outcome {
 
 static outcome run(command *c, const char *format, ...) {
     outcome o = {0};
-    char line[2048], errors[] = "/tmp/softlux-said-XXXXXX";
+    char line[2048];
+    const char *errors = scene_file_path("said");
     struct rusage usage;
-    int how = 0, into = mkstemp(errors);
+    int how = 0;
     va_list values;
     va_start(values, format);
     assert_true(vsnprintf(line, sizeof line, format, values) < (int)sizeof line);
     va_end(values);
-    close(into);
     pid_t child = command_start(c, line, "", NULL, errors);
     assert_true(child > 0 && wait4(child, &how, 0, &usage) == child);
-    into = open(errors, O_RDONLY);
-    ssize_t said = pread(into, o.said, sizeof o.said - 1, 0);
-    assert_true(said >= 0 && WIFEXITED(how));
-    close(into);
-    unlink(errors);
+    FILE *said = fopen(errors, "r");
+    assert_true(said && WIFEXITED(how));
+    o.said[fread(o.said, 1, sizeof o.said - 1, said)] = '\0';
+    fclose(said);
     o.status = WEXITSTATUS(how);
     o.peak = (double)usage.ru_maxrss / 1024.0;
     return o;
@@ -103,15 +101,14 @@ static double least_of(const char *what, const outcome *o) {
 /* Asks for less than can do, takes the answer for it, and is then held to that. */
 static void check_least(command *c, const char *name, const char *method, const char *more) {
     const double too_little = 44.0;
-    const char *scene = scene_file_path("hills.json"), *folder = getenv("TMPDIR");
+    const char *scene = scene_file_path("hills.json");
     char arguments[1024];
-    snprintf(arguments, sizeof arguments, "%s -m %s -q draft -t 2 %s -o %s/softlux-%ld-%s", scene, method,
-             more, folder ? folder : "/tmp", (long)getpid(), name);
+    snprintf(arguments, sizeof arguments, "%s -m %s -q draft -t 2 %s -o %s", scene, method, more,
+             scene_file_path(name));
     outcome o = run(c, "%s --memory %.0fM", arguments, too_little);
     const double least = least_of(arguments, &o);
     assert_true(least > too_little);
     o = run(c, "%s --memory %.0fM", arguments, least);
-    unlink(strstr(arguments, " -o ") + 4);
     if (o.status != 0) fail_msg("%s with %.0fM: status %d, %s", arguments, least, o.status, o.said);
     if (!SL_SANITIZED && o.peak > least)
         fail_msg("%s takes %.1f MB of %.0f: %s", arguments, o.peak, least, o.said);
@@ -157,7 +154,5 @@ int main(void) {
         cmocka_unit_test(pages_load_their_scene_within_what_is_allowed),
     };
     write_scene();
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    scene_files_remove();
-    return failed;
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

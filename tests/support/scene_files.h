@@ -6,12 +6,12 @@
 
 #include <stddef.h>
 
-/* Makes the folder on first use; every file written is removed by scene_files_remove(). */
+/* Makes the folder on first use; scene_files_remove() takes it away with all that is in it. */
 const char *scene_file_write(const char *name, const void *data, size_t size);
 const char *scene_file_text(const char *name, const char *text);
 const char *scene_file_copy(const char *from, const char *name); /* of a file of the repository */
 const char *scene_file_path(const char *name); /* valid until the next call but three */
-void scene_files_remove(void);
-int scene_files_teardown(void **state); /* the same, after a group of tests; 0 */
+int scene_files_remove(void); /* returns 0 */
+int scene_files_teardown(void **state); /* the same, after a group of tests */
 
 #endif
