@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "app/options.h"
+#include "app/bench/trials.h"
 #include "app/manual.h"
 #include "rendering.h"
 
@@ -54,17 +54,8 @@ static void set(sl_settings *settings, const char *name, const char *value) {
 /* ---- the same again -------------------------------------------------------------------------- */
 
 static sl_settings settings_of_line(const char *line) {
-    enum { WORDS = 60 };
-    static const sl_option none = {0};
-    sl_settings settings = sl_settings_default();
-    const sl_command_line command = {"test", "test", NULL, &none, 0, 0, NULL, &settings, NULL};
-    char text[400], *words[WORDS], *rest = NULL;
-    const char *operand;
-    int count = 0, operands, status = -1;
-    snprintf(text, sizeof text, "%s", line);
-    for (char *word = strtok_r(text, " ", &rest); word && count < WORDS; word = strtok_r(NULL, " ", &rest))
-        words[count++] = word;
-    if (!sl_options_parse(&command, count, words, &operand, &operands, &status)) fail_msg("not taken");
+    sl_settings settings;
+    if (!sl_trial_settings(line, &settings)) fail_msg("not taken: %s", line);
     return settings;
 }
 
