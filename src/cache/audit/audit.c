@@ -18,9 +18,11 @@
 #include "cache/audit/audit.h"
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "image/metrics.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 enum { RULE_OF_THREE = 3 };
 
@@ -41,7 +43,8 @@ static double student_95(double degrees) {
 static double square_of(double v) { return v * v; }
 static double larger(double a, double b) { return a > b ? a : b; }
 
-/* Noise that both pictures' squares share leaves with the difference: with d and d' for their differences
+/* Var (x-p)(x-q) = 2 (x-r)^2 s2 + s2^2 with s2 for the variance of p; the three channels as if their noise
+ * were one. Noise that both pictures' squares share leaves with the difference: with d and d' for their differences
  * from (p + q)/2 and l for the share, Var = 2 (d' - l d)^2 s2 + (1 - l)^2 s2^2. */
 sl_audit_pixel sl_audit_pixel_beyond(const double first[3], const double second[3], double share,
                                      const double p[3], const double q[3], double weight) {
@@ -60,21 +63,16 @@ sl_audit_pixel sl_audit_pixel_beyond(const double first[3], const double second[
 }
 
 sl_audit_pixel sl_audit_pixel_of(const double x[3], const double p[3], const double q[3], double weight) {
-    sl_audit_pixel a = {.weight = weight};
-    double square_deviation = 0.0, difference_deviation = 0.0; /* a.perfect_deviation: the same for d = 0 */
+    sl_audit_pixel a = sl_audit_pixel_beyond(x, x, 0.0, p, q, weight);
+    double deviation = 0.0;
     for (int c = 0; c < 3; c++) {
-        /* s2: an estimate of p's variance */
-        double d = x[c] - 0.5 * (p[c] + q[c]), s2 = 0.5 * square_of(p[c] - q[c]);
-        a.square += (x[c] - p[c]) * (x[c] - q[c]) / 3.0;
-        a.difference += d / 3.0;
+        double s2 = 0.5 * square_of(p[c] - q[c]); /* an estimate of p's variance */
+        a.difference += (x[c] - 0.5 * (p[c] + q[c])) / 3.0;
         a.noise += s2 / 3.0;
-        /* Var (x-p)(x-q) = 2 (x-r)^2 s2 + s2^2; the three channels as if their noise were one. */
-        square_deviation += sqrt(2.0 * d * d * s2 + s2 * s2) / 3.0;
-        difference_deviation += sqrt(0.5 * s2) / 3.0;
-        a.perfect_deviation += s2 / 3.0;
+        deviation += sqrt(0.5 * s2) / 3.0;
     }
-    a.square_variance = square_of(square_deviation);
-    a.difference_variance = square_of(difference_deviation);
+    a.difference_variance = square_of(deviation);
+    a.perfect_deviation = a.noise; /* of the square, were the difference 0 */
     a.unseen = (weight - 1.0) * larger(a.square, 0.0);
     return a;
 }
@@ -202,5 +200,71 @@ sl_status sl_audit_view_of(const sl_image *image, const sl_image *mask, sl_audit
         v->judged++;
     }
     v->mean = v->judged ? sum / (3.0 * (double)v->judged) : 0.0;
+    return SL_OK;
+}
+
+/* ---- halves ----
+ *
+ * A picture that is the mean of two independent halves a and b, as the reference tracers' are, knows its own
+ * error: it has no bias, and the variance of (a + b)/2 is estimated by (a - b)^2 / 4. */
+
+static sl_status half_planes(const sl_image *image, const float *halves[2][3], sl_error *error) {
+    static const char *const names[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
+    for (int half = 0; half < 2; half++) {
+        for (int c = 0; c < 3; c++) {
+            halves[half][c] = sl_image_channel(image, names[half][c]);
+            if (!halves[half][c])
+                return sl_fail(error, SL_ERROR_INPUT,
+                               "the image has no layer %s: only those of path and bidirectional do",
+                               names[half][c]);
+        }
+    }
+    return SL_OK;
+}
+
+/* s = ((a - b)/2)^2 for each value, which has a variance of 2 s^2 at most, were the three channels' noise
+ * one. A firefly that no pixel has met may be in any. */
+static sl_audit_pixel audit_pixel(const float *const halves[2][3], size_t i) {
+    sl_audit_pixel a = {.weight = 1.0};
+    for (int c = 0; c < 3; c++) {
+        double d = 0.5 * ((double)halves[0][c][i] - (double)halves[1][c][i]);
+        a.square += d * d / 3.0;
+        a.difference += d / 3.0; /* nothing but noise: 0 in the mean */
+    }
+    a.square_variance = a.square * a.square;
+    a.difference_variance = a.difference * a.difference;
+    a.difference = 0.0;
+    a.noise = 2.0 * a.square;
+    a.unseen = a.square;
+    return a;
+}
+
+/* After one sample the second half is black, and means nothing. */
+static bool has_two_halves(const sl_image *image) {
+    const char *batches = sl_image_metadata(image, "softlux.batches");
+    return !batches || strtoull(batches, NULL, 10) >= 2;
+}
+
+sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *mask,
+                                        sl_error_estimate *estimate, sl_error *error) {
+    const float *halves[2][3];
+    sl_audit_view view;
+    if (estimate) *estimate = (sl_error_estimate){0};
+    if (!image || !estimate) return sl_fail_null(error, "an image and a place for an estimate");
+    sl_status status = sl_audit_view_of(image, mask, &view, error);
+    if (status == SL_OK) status = half_planes(image, halves, error);
+    if (status != SL_OK) return status;
+    size_t count = 0;
+    sl_audit_pixel *list = sl_allocate_unset(view.judged + 1, sizeof *list);
+    if (!list) return sl_fail_memory(error, "an estimate of an error");
+    for (size_t i = 0; i < view.pixels; i++) {
+        if (sl_audit_is_judged(&view, i)) list[count++] = audit_pixel(halves, i);
+    }
+    estimate->probes = count;
+    estimate->nonfinite = view.nonfinite;
+    sl_audit_conclude(list, count, (double)count, view.mean, estimate);
+    sl_free(list);
+    if (!has_two_halves(image))
+        estimate->rel_rmse = estimate->bound = estimate->rmse = INFINITY, estimate->least = 0.0;
     return SL_OK;
 }

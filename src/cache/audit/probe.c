@@ -14,7 +14,6 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/audit/audit.h"
-#include "cache/audit/surfaces.h"
 #include "cache/audit/trace_probes.h"
 #include "cache/frame/method.h"
 

@@ -1,9 +1,8 @@
 /* A lamp that is seen is hundreds of times as bright as what it lights, and any method shows it as it is: in
  * the mean that errors are relative to it would hide the surfaces. */
-#include "cache/audit/surfaces.h"
-
 #include "base/counters.h"
 #include "base/parallel.h"
+#include "cache/audit/trace_probes.h"
 
 #include <math.h>
 

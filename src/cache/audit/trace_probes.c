@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-enum { PACKETS_A_TASK = 16, PILOT = SL_HALVES, PILOT_PLACE, STREAMS, PILOTS_MAX = 1 << 17 };
+enum { PILOT = SL_HALVES, PILOT_PLACE, STREAMS, PILOTS_MAX = 1 << 17 };
 
 sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, const sl_transport *transport,
                                  int width, int height, unsigned threads, uint64_t seed, sl_error *error) {
@@ -37,13 +37,11 @@ sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, cons
 }
 
 void sl_probe_tracer_release(sl_probe_tracer *t) {
-    sl_halves_release(&t->halves);
     sl_light_sampler_destroy(t->lights);
     sl_tracer_destroy(t->tracer);
     sl_free(t->pilot);
     sl_free(t->slot);
-    sl_free(t->pixel);
-    sl_free(t->samples);
+    sl_free(t->probe);
     *t = (sl_probe_tracer){0};
 }
 
@@ -64,9 +62,10 @@ static void trace_packet(const sl_probe_tracer *t, const uint32_t *pixels, unsig
     for (unsigned i = 0; i < count; i++) radiance[i] = sl_path_finite_or_black(radiance[i], counters);
 }
 
+/* A packet is a task. */
 static void for_packets(sl_probe_tracer *t, size_t count, sl_batch_work *work, void *context) {
-    const size_t tasks = (count + SL_PACKET * PACKETS_A_TASK - 1) / (SL_PACKET * PACKETS_A_TASK);
-    sl_batch_run(&(sl_batch){.count = tasks, .work = work, .context = context}, t->threads, &t->counters);
+    const sl_batch batch = {.count = (count + SL_PACKET - 1) / SL_PACKET, .work = work, .context = context};
+    sl_batch_run(&batch, t->threads, &t->counters);
 }
 
 static unsigned packet_size(size_t first, size_t end) {
@@ -87,19 +86,16 @@ static uint32_t pilot_pixel(const sl_probe_tracer *t, size_t block) {
 static void pilot_task(void *context, size_t task, unsigned worker, void *result, sl_counters *counters) {
     (void)worker, (void)result;
     sl_probe_tracer *t = context;
-    size_t first = task * PACKETS_A_TASK * SL_PACKET, end = first + PACKETS_A_TASK * SL_PACKET;
-    if (end > t->blocks) end = t->blocks;
-    for (; first < end; first += SL_PACKET) {
-        uint32_t pixels[SL_PACKET];
-        sl_rgb radiance[SL_PACKET];
-        unsigned count = packet_size(first, end);
-        for (unsigned i = 0; i < count; i++) pixels[i] = pilot_pixel(t, first + i);
-        trace_packet(t, pixels, count, PILOT, 0, radiance, counters);
-        for (unsigned i = 0; i < count; i++) {
-            t->pilot[first + i] = radiance[i].r;
-            t->pilot[t->blocks + first + i] = radiance[i].g;
-            t->pilot[2 * t->blocks + first + i] = radiance[i].b;
-        }
+    const size_t first = task * SL_PACKET;
+    const unsigned count = packet_size(first, t->blocks);
+    uint32_t pixels[SL_PACKET] = {0};
+    sl_rgb radiance[SL_PACKET];
+    for (unsigned i = 0; i < count; i++) pixels[i] = pilot_pixel(t, first + i);
+    trace_packet(t, pixels, count, PILOT, 0, radiance, counters);
+    for (unsigned i = 0; i < count; i++) {
+        t->pilot[first + i] = radiance[i].r;
+        t->pilot[t->blocks + first + i] = radiance[i].g;
+        t->pilot[2 * t->blocks + first + i] = radiance[i].b;
     }
 }
 
@@ -113,29 +109,6 @@ sl_status sl_probe_tracer_pilot(sl_probe_tracer *t, sl_error *error) {
 
 /* ---- probes ---- */
 
-/* Room for more; a failure leaves what is there. */
-static sl_status grow(sl_probe_tracer *t, size_t capacity, sl_error *error) {
-    sl_halves larger;
-    if (capacity <= t->capacity) return SL_OK;
-    sl_status status = sl_halves_create(&larger, capacity, error);
-    if (status == SL_OK && (!sl_regrow(&t->pixel, t->slots, capacity, sizeof *t->pixel) ||
-                            !sl_regrow(&t->samples, t->slots, capacity, sizeof *t->samples)))
-        status = sl_fail_memory(error, "error probes");
-    if (status != SL_OK) {
-        sl_halves_release(&larger);
-        return status;
-    }
-    for (unsigned half = 0; half < SL_HALVES; half++) {
-        for (size_t c = 0; c < 3 && t->slots; c++)
-            memcpy(larger.sums[half] + c * capacity, t->halves.sums[half] + c * t->halves.pixels,
-                   t->slots * sizeof(double));
-    }
-    sl_halves_release(&t->halves);
-    t->halves = larger;
-    t->capacity = capacity;
-    return SL_OK;
-}
-
 typedef struct stretch { /* samples [first, end) of each half, for some slots */
     sl_probe_tracer *t;
     const uint32_t *slots;
@@ -143,25 +116,26 @@ typedef struct stretch { /* samples [first, end) of each half, for some slots */
     uint32_t first, end;
 } stretch;
 
-static void trace_slots(const stretch *s, const uint32_t *slots, unsigned count, sl_counters *counters) {
-    uint32_t pixels[SL_PACKET];
-    sl_rgb radiance[SL_PACKET];
-    for (unsigned i = 0; i < count; i++) pixels[i] = s->t->pixel[slots[i]];
-    for (unsigned half = 0; half < SL_HALVES; half++) {
-        for (uint32_t index = s->first; index < s->end; index++) {
-            trace_packet(s->t, pixels, count, half, index, radiance, counters);
-            for (unsigned i = 0; i < count; i++) sl_halves_add(&s->t->halves, half, slots[i], radiance[i]);
-        }
-    }
+static void add(sl_probe *probe, unsigned half, sl_rgb light) {
+    probe->sum[half][0] += (double)light.r;
+    probe->sum[half][1] += (double)light.g;
+    probe->sum[half][2] += (double)light.b;
 }
 
 static void stretch_task(void *context, size_t task, unsigned worker, void *result, sl_counters *counters) {
     (void)worker, (void)result;
     const stretch *s = context;
-    size_t first = task * PACKETS_A_TASK * SL_PACKET, end = first + PACKETS_A_TASK * SL_PACKET;
-    if (end > s->count) end = s->count;
-    for (; first < end; first += SL_PACKET)
-        trace_slots(s, s->slots + first, packet_size(first, end), counters);
+    const uint32_t *slots = s->slots + task * SL_PACKET;
+    const unsigned count = packet_size(task * SL_PACKET, s->count);
+    uint32_t pixels[SL_PACKET] = {0};
+    sl_rgb radiance[SL_PACKET];
+    for (unsigned i = 0; i < count; i++) pixels[i] = s->t->probe[slots[i]].pixel;
+    for (unsigned half = 0; half < SL_HALVES; half++) {
+        for (uint32_t index = s->first; index < s->end; index++) {
+            trace_packet(s->t, pixels, count, half, index, radiance, counters);
+            for (unsigned i = 0; i < count; i++) add(&s->t->probe[slots[i]], half, radiance[i]);
+        }
+    }
 }
 
 /* Those that have the fewest samples first, up to where the next have, and so on: all of a packet trace the
@@ -171,17 +145,17 @@ static void catch_up(sl_probe_tracer *t, const uint32_t *pixels, size_t count, u
     for (;;) {
         stretch s = {t, list, 0, samples, samples};
         for (size_t i = 0; i < count; i++) {
-            uint32_t has = t->samples[t->slot[pixels[i]]];
+            uint32_t has = t->probe[t->slot[pixels[i]]].samples;
             if (has < s.first) s.first = has;
         }
         if (s.first >= samples) return;
         for (size_t i = 0; i < count; i++) {
-            uint32_t slot = t->slot[pixels[i]], has = t->samples[slot];
+            uint32_t slot = t->slot[pixels[i]], has = t->probe[slot].samples;
             if (has == s.first) list[s.count++] = slot;
             else if (has < s.end) s.end = has;
         }
         for_packets(t, s.count, stretch_task, &s);
-        for (size_t i = 0; i < s.count; i++) t->samples[list[i]] = s.end;
+        for (size_t i = 0; i < s.count; i++) t->probe[list[i]].samples = s.end;
     }
 }
 
@@ -189,14 +163,17 @@ sl_status sl_probe_tracer_trace(sl_probe_tracer *t, const uint32_t *pixels, size
                                 sl_error *error) {
     size_t fresh = 0;
     for (size_t i = 0; i < count; i++) fresh += t->slot[pixels[i]] == SL_NO_INDEX;
-    sl_status status = grow(t, t->slots + fresh, error);
-    if (status != SL_OK) return status;
+    if (t->slots + fresh > t->capacity) {
+        if (!sl_regrow(&t->probe, t->slots, t->slots + fresh, sizeof *t->probe))
+            return sl_fail_memory(error, "error probes");
+        t->capacity = t->slots + fresh;
+    }
     uint32_t *list = sl_allocate(count, sizeof *list);
     if (!list) return sl_fail_memory(error, "error probes");
     for (size_t i = 0; i < count; i++) {
         if (t->slot[pixels[i]] != SL_NO_INDEX) continue;
         t->slot[pixels[i]] = (uint32_t)t->slots;
-        t->pixel[t->slots++] = pixels[i];
+        t->probe[t->slots++].pixel = pixels[i];
     }
     catch_up(t, pixels, count, samples, list);
     sl_free(list);
@@ -207,17 +184,17 @@ double sl_probe_tracer_missing(const sl_probe_tracer *t, const uint32_t *pixels,
                                uint32_t samples) {
     double missing = 0.0;
     for (size_t i = 0; i < count; i++) {
-        uint32_t slot = t->slot[pixels[i]], has = slot == SL_NO_INDEX ? 0 : t->samples[slot];
+        uint32_t slot = t->slot[pixels[i]], has = slot == SL_NO_INDEX ? 0 : t->probe[slot].samples;
         if (has < samples) missing += SL_HALVES * (double)(samples - has);
     }
     return missing;
 }
 
 void sl_probe_tracer_means(const sl_probe_tracer *t, uint32_t pixel, double p[3], double q[3]) {
-    size_t slot = t->slot[pixel];
-    double scale = t->samples[slot] ? 1.0 / (double)t->samples[slot] : 0.0;
-    for (size_t c = 0; c < 3; c++) {
-        p[c] = scale * t->halves.sums[0][c * t->halves.pixels + slot];
-        q[c] = scale * t->halves.sums[1][c * t->halves.pixels + slot];
+    const sl_probe *probe = &t->probe[t->slot[pixel]];
+    const double scale = probe->samples ? 1.0 / (double)probe->samples : 0.0;
+    for (int c = 0; c < 3; c++) {
+        p[c] = scale * probe->sum[0][c];
+        q[c] = scale * probe->sum[1][c];
     }
 }

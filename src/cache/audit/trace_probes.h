@@ -6,6 +6,12 @@
 #include "trace/halves.h"
 #include "trace/path_walk.h"
 
+/* A pixel that is traced. */
+typedef struct sl_probe {
+    uint32_t pixel, samples;     /* samples of each half */
+    double sum[SL_HALVES][3];
+} sl_probe;
+
 typedef struct sl_probe_tracer {
     const sl_scene *scene;
     sl_tracer *tracer;
@@ -21,9 +27,7 @@ typedef struct sl_probe_tracer {
     float *pilot;        /* R, G, B planes of them; NULL until it is wanted */
     uint32_t *slot;      /* of each pixel, or SL_NO_INDEX */
     size_t slots, capacity;
-    uint32_t *pixel;     /* of each slot */
-    uint32_t *samples;   /* of each half of each slot */
-    sl_halves halves;    /* sums, for each slot */
+    sl_probe *probe;     /* of each slot */
     sl_counters counters;
 } sl_probe_tracer;
 
@@ -45,5 +49,11 @@ double sl_probe_tracer_missing(const sl_probe_tracer *t, const uint32_t *pixels,
                                uint32_t samples);
 /* The two halves' means at a pixel that has been traced. */
 void sl_probe_tracer_means(const sl_probe_tracer *t, uint32_t pixel, double p[3], double q[3]);
+
+/* A picture of one channel: 0 where a pixel's first hit shines towards the eye or a sky that shines is seen,
+ * else 1. A pixel of a box shows what any part of it does. 1 everywhere where nearly nothing but light is
+ * seen (a furnace), or the transport leaves out emission. The caller destroys it (surfaces.c). */
+sl_status sl_audit_surfaces(const sl_path_walk *walk, const sl_path_lens *lens, unsigned threads,
+                            sl_image **surfaces, sl_error *error);
 
 #endif

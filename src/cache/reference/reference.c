@@ -1,0 +1,191 @@
+/* The reference tracers as methods: one update is one more sample for every pixel. */
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/frame/budget.h"
+#include "cache/frame/method.h"
+#include "trace/trace.h"
+
+#include <string.h>
+
+typedef struct {
+    const char *name;      /* of the method */
+    const char *what;      /* for errors */
+    uint32_t samples[3];   /* by quality */
+    bool bidirectional;
+} sampled_film;
+
+static const sampled_film path_film = {"path", "the path tracer", {16, 64, 256}, false};
+static const sampled_film bidirectional_film = {
+    "bidirectional", "the bidirectional path tracer", {8, 32, 128}, true};
+
+typedef struct {
+    const sampled_film *kind;
+    const sl_scene *scene;
+    sl_settings settings;
+    sl_transport transport;
+    sl_tracer *tracer;
+    sl_path_tracer *film;
+    uint64_t samples, samples_wanted;
+    sl_counters counters;
+} sampled_state;
+
+static void sampled_destroy(void *state) {
+    sampled_state *s = state;
+    if (!s) return;
+    sl_path_tracer_destroy(s->film);
+    sl_tracer_destroy(s->tracer);
+    sl_free(s);
+}
+
+static sl_status start_film(sampled_state *s, sl_error *error) {
+    sl_path_tracer_destroy(s->film);
+    s->film = NULL;
+    s->samples = 0;
+    const sl_path_settings settings = {.width = s->settings.width,
+                                       .height = s->settings.height,
+                                       .threads = s->settings.threads,
+                                       .seed = s->settings.seed,
+                                       .transport = s->transport,
+                                       .bidirectional = s->kind->bidirectional};
+    return sl_path_tracer_create(s->scene, s->tracer, &settings, &s->film, error);
+}
+
+static const sampled_film *film_of(const sl_settings *settings) {
+    return strcmp(settings->method, path_film.name) == 0 ? &path_film : &bidirectional_film;
+}
+
+static void sampled_complete(sl_settings *settings) {
+    if (settings->spp == 0) settings->spp = film_of(settings)->samples[settings->quality];
+}
+
+static sl_status sampled_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
+                            void **state, sl_error *error) {
+    const sampled_film *kind = film_of(settings);
+    sampled_state *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, kind->what);
+    s->kind = kind;
+    s->scene = scene;
+    s->settings = *settings;
+    s->transport = *transport;
+    s->samples_wanted = settings->spp;
+    sl_status status = sl_tracer_create(scene, settings->threads, NULL, &s->tracer, error);
+    if (status == SL_OK) status = start_film(s, error);
+    if (status != SL_OK) {
+        sampled_destroy(s);
+        return status;
+    }
+    *state = s;
+    return SL_OK;
+}
+
+static sl_status sampled_update(void *state, sl_progress *progress, sl_error *error) {
+    sampled_state *s = state;
+    if (!s->film)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    if (s->samples < s->samples_wanted) {
+        sl_status status = sl_path_tracer_sample(s->film, s->samples, &s->counters, error);
+        if (status != SL_OK) return status;
+        s->samples++;
+    }
+    progress->fraction = (double)s->samples / (double)s->samples_wanted;
+    progress->done = s->samples == s->samples_wanted;
+    return SL_OK;
+}
+
+/* The picture, and the two halves of the samples as layers: their difference is the reference's own noise. */
+static sl_status sampled_resolve(void *state, sl_image **image, sl_error *error) {
+    static const char *const names[] = {"R",        "G",        "B",       "even.R", "even.G",
+                                        "even.B",   "odd.R",    "odd.G",   "odd.B"};
+    sampled_state *s = state;
+    if (!s->film)
+        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
+    sl_status status = sl_image_create(s->settings.width, s->settings.height, 9, names, image, error);
+    if (status != SL_OK) return status;
+    size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+    float *p = (*image)->planes;
+    for (int half = -1; half < 2; half++, p += 3 * pixels)
+        sl_path_tracer_mean(s->film, half, p, p + pixels, p + 2 * pixels);
+    sl_observe(s->settings.observer, s->kind->name, "mean of the samples", "reference", s->settings.width,
+               s->settings.height, 3, (*image)->planes, false, &s->counters, NULL, 0);
+    return SL_OK;
+}
+
+static sl_status sampled_edit(void *state, unsigned changes, sl_error *error) {
+    sampled_state *s = state;
+    if (changes & SL_CHANGED_OBJECTS) {
+        sl_path_tracer_destroy(s->film);
+        s->film = NULL;
+        sl_tracer_destroy(s->tracer);
+        s->tracer = NULL;
+        sl_status status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->tracer, error);
+        if (status != SL_OK) return status;
+    }
+    return start_film(s, error);
+}
+
+static const sl_counters *sampled_counters(const void *state) {
+    return &((const sampled_state *)state)->counters;
+}
+
+static size_t sampled_memory_bytes(const void *state) {
+    const sampled_state *s = state;
+    size_t film = s->film ? sl_path_tracer_memory_bytes(s->film) : 0;
+    return sizeof *s + film + (s->tracer ? sl_tracer_memory_bytes(s->tracer) : 0);
+}
+
+static void sampled_transport(const sl_settings *settings, sl_transport *transport) {
+    (void)settings;
+    sl_transport_named("full", transport);
+}
+
+/* ---- memory ---- */
+
+/* Sums of two halves in double and the picture with its halves in float: 84 bytes a pixel; emitters and their
+ * tree. */
+enum { A_PIXEL = 88, AN_EMITTER = 256 };
+
+static sl_memory_need need_of(const sl_scene *scene, const sl_settings *settings, double bytes_a_thread,
+                              double bytes_more) {
+    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count),
+                            .caches = sl_need_lights(scene) * AN_EMITTER +
+                                      sl_need_of_threads(settings, bytes_a_thread) + bytes_more,
+                            .picture = sl_need_of_pixels(settings, A_PIXEL)};
+}
+
+static sl_memory_need path_need(const sl_scene *scene, const sl_settings *settings) {
+    return need_of(scene, settings, 1e5, 0.0);
+}
+
+/* Two subpaths for each ray of a packet; and lists of what falls on other pixels, 64 tasks of 256 pixels. */
+static sl_memory_need both_need(const sl_scene *scene, const sl_settings *settings) {
+    return need_of(scene, settings, 1e6, 8e6);
+}
+
+/* ---- plans ---- */
+
+static void path_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+    sl_plan_pass(writer, true, "hierarchy", "%zu triangles", scene->triangle_count);
+    sl_plan_pass(writer, true, "paths", "%u samples for each of %d x %d pixels", (unsigned)settings->spp,
+                 settings->width, settings->height);
+}
+
+static void both_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+    sl_plan_pass(writer, true, "hierarchy", "%zu triangles", scene->triangle_count);
+    sl_plan_pass(writer, true, "paths from the eye", "%u for each of %d x %d pixels", (unsigned)settings->spp,
+                 settings->width, settings->height);
+    bool lit = scene->emitter_count > 0 || scene->light_count > 0 || scene->environment.present;
+    sl_plan_pass(writer, lit, "paths from the lights",
+                 lit ? "as many; their ends are joined" : "nothing shines");
+}
+
+/* ---- the classes ---- */
+
+#define SAMPLED_METHOD(method_name, memory_need, plan_of) \
+    {.name = method_name, .complete = sampled_complete, .create = sampled_create, \
+     .destroy = sampled_destroy, .update = sampled_update, .resolve = sampled_resolve, \
+     .edit = sampled_edit, .counters = sampled_counters, .memory_bytes = sampled_memory_bytes, \
+     .need = memory_need, .transport = sampled_transport, .plan = plan_of, .any_transport = true}
+
+const sl_method_class sl_path_method = SAMPLED_METHOD("path", path_need, path_plan);
+const sl_method_class sl_bidirectional_method = SAMPLED_METHOD("bidirectional", both_need, both_plan);
