@@ -94,6 +94,10 @@ void sl_direct_light_tile(const sl_direct_light *light, const sl_receiver_tile *
                           const sl_tile_target *to, sl_counters *counters);
 void sl_indirect_light_tile(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
                             const sl_tile_target *to, sl_counters *counters);
+/* Both, on a strip of tiles from row y0 of the G-buffer on; NULL: no direct light, no photons. Diffuse pixels
+ * of a tile come first, then glossy ones. */
+void sl_light_strip(const sl_direct_light *direct, const sl_photon_sums *sums, const sl_scene *scene,
+                    const sl_gbuffer *gbuffer, int y0, const sl_tile_target *to, sl_counters *counters);
 /* Lists the radiance that each photon alone sends from the tile's one receiver towards the eye, in index
  * order; weight: of its diffuse part, and 0 for what the receiver does not see. */
 typedef void sl_photon_told(void *context, size_t photon, float weight, const float radiance[3]);

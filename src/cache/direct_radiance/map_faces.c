@@ -132,33 +132,15 @@ static void add_faces(face_list *list) {
 
 /* ---- views ---- */
 
-static void set_row(float row[4], sl_vec3 axis, double low, double high) {
-    float scale = (float)(2.0 / (high - low));
-    row[0] = axis.x * scale;
-    row[1] = axis.y * scale;
-    row[2] = axis.z * scale;
-    row[3] = (float)(-(high + low) / (high - low));
-}
-
-static sl_view parallel_view(const sl_scene *scene, const sl_map_face *f) {
-    double depth = (double)sl_parallel_picture_of(scene, f->frame.z).extent_z;
-    sl_view view = {.origin = f->eye,
-                    .width = f->width,
-                    .height = f->height,
-                    .depth = SL_DEPTH_WINDOW,
-                    .skip_triangle = SL_NO_INDEX};
-    set_row(view.clip[0], f->frame.x, f->left, f->right);
-    set_row(view.clip[1], f->frame.y, f->bottom, f->top);
-    set_row(view.clip[2], f->frame.z, depth, 3.0 * depth);
-    view.clip[3][3] = 1.0f;
-    return view;
-}
-
 static sl_view view_of(const face_list *list, const sl_map_face *f) {
+    const sl_scene *scene = list->drawing->scene;
+    if (list->light->kind == SL_SOURCE_DIRECTIONAL) {
+        const sl_parallel_picture picture = sl_parallel_picture_of(scene, list->light->direction);
+        return sl_parallel_view(&picture, f->width, f->height);
+    }
     const sl_pyramid_picture picture = {f->frame, f->left,  f->right,  f->bottom,
                                         f->top,   f->width, f->height, f->back};
-    if (list->light->kind == SL_SOURCE_DIRECTIONAL) return parallel_view(list->drawing->scene, f);
-    return sl_pyramid_view(list->drawing->scene, &list->eye, &picture);
+    return sl_pyramid_view(scene, &list->eye, &picture);
 }
 
 /* ---- the share of the lights' flux that leaves inside ---- */

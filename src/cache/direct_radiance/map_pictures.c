@@ -55,16 +55,11 @@ static sl_rgb color_of(const sl_map_drawing *d, sl_rgb diffuse, sl_vec3 normal, 
     return sl_rgb_is_finite(color) ? color : sl_grey(0.0f);
 }
 
-/* A G-buffer's normals are turned to the eye of its view; parallel light has none. */
-static void write_texel(const sl_map_drawing *d, const sl_gbuffer *g, size_t pixel, size_t i, bool parallel,
+static void write_texel(const sl_map_drawing *d, const sl_gbuffer *g, size_t pixel, size_t i,
                         const texel_light *light) {
     const sl_rgb diffuse = {g->diffuse_r[pixel], g->diffuse_g[pixel], g->diffuse_b[pixel]};
-    sl_vec3 normal = at(g->normal_x, g->normal_y, g->normal_z, pixel),
-            geometric = at(g->geometric_x, g->geometric_y, g->geometric_z, pixel);
-    if (parallel && sl_dot(geometric, light->arrival) < 0.0f) {
-        normal = sl_neg(normal);
-        geometric = sl_neg(geometric);
-    }
+    const sl_vec3 normal = at(g->normal_x, g->normal_y, g->normal_z, pixel),
+                  geometric = at(g->geometric_x, g->geometric_y, g->geometric_z, pixel);
     const sl_rgb color = color_of(d, diffuse, normal, geometric, light);
     write_position(d, i, at(g->position_x, g->position_y, g->position_z, pixel));
     put(d->map->geometric, i, geometric);
@@ -108,19 +103,29 @@ static void write_mirrored(const sl_map_drawing *d, const sl_map_face *face, con
     if (!parallel) carried = sl_rgb_scale(carried, 1.0f / (r->way[k] * r->way[k]));
     map->triangle[i] = SL_NO_INDEX;
     if (g->id[pixel] == SL_NO_INDEX || !(r->way[k] > 0.0f)) return;
-    write_texel(d, g, pixel, i, parallel, &(texel_light){arrival, carried, r->way[k]});
+    write_texel(d, g, pixel, i, &(texel_light){arrival, carried, r->way[k]});
     put(map->arrival, i, arrival);
     put(map->carried, i, sl_v3(r->throughput[k].r, r->throughput[k].g, r->throughput[k].b));
 }
 
 /* ---- one face ---- */
 
+/* A G-buffer's normals are turned to the origin of its view; parallel light comes from everywhere. */
+static void turn_to_light(const sl_map_face *face, sl_gbuffer *g) {
+    float *const plane[] = {g->normal_x,    g->normal_y,    g->normal_z,
+                            g->geometric_x, g->geometric_y, g->geometric_z};
+    for (size_t i = 0; i < (size_t)face->width * (size_t)face->height; i++) {
+        if (!(sl_dot(at(g->geometric_x, g->geometric_y, g->geometric_z, i), face->frame.z) > 0.0f)) continue;
+        for (int k = 0; k < 6; k++) plane[k][i] = -plane[k][i];
+    }
+}
+
 static sl_status draw(const sl_map_drawing *d, const sl_map_face *face, sl_gbuffer *g,
                       sl_reflections **reflections, sl_counters *counters) {
-    const sl_viewer viewer = {.eye = face->eye,
-                              .along = light_of(d, face)->kind == SL_SOURCE_DIRECTIONAL ? face->frame.z
-                                                                                        : sl_v3(0, 0, 0)};
+    const bool parallel = light_of(d, face)->kind == SL_SOURCE_DIRECTIONAL;
+    const sl_viewer viewer = {.eye = face->eye, .along = parallel ? face->frame.z : sl_v3(0, 0, 0)};
     const sl_status status = sl_raster_gbuffer(d->raster, &face->view, 1, g, counters, NULL);
+    if (status == SL_OK && parallel) turn_to_light(face, g);
     if (status != SL_OK || !d->options->tracer) return status;
     return sl_reflect_seen(d->scene, d->options->tracer, 1, &viewer, g, reflections, counters, NULL);
 }
@@ -128,12 +133,11 @@ static sl_status draw(const sl_map_drawing *d, const sl_map_face *face, sl_gbuff
 static void write_face(const sl_map_drawing *d, const sl_map_face *face, const sl_gbuffer *g,
                        const sl_reflections *r) {
     const size_t texels = (size_t)face->width * (size_t)face->height;
-    const bool parallel = light_of(d, face)->kind == SL_SOURCE_DIRECTIONAL;
     for (size_t p = 0; p < texels; p++) {
         d->map->triangle[face->first + p] = SL_NO_INDEX;
         if (g->id[p] == SL_NO_INDEX) continue;
         const texel_light light = light_at(d, face, at(g->position_x, g->position_y, g->position_z, p));
-        write_texel(d, g, p, face->first + p, parallel, &light);
+        write_texel(d, g, p, face->first + p, &light);
     }
     for (size_t k = 0; r && k < r->count; k++) write_mirrored(d, face, g, r, k);
 }

@@ -2,6 +2,7 @@
  * as the picture (a G-buffer of fourteen planes, nine of light) is here as large as a strip, which one thread
  * resolves, lights and composes while it is in its cache: out of it goes nothing but the picture. Where the
  * strip shows mirrors, rays find what they reflect. */
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -44,7 +45,6 @@ typedef struct {
     strip *worker;
     unsigned workers;
     size_t room;            /* from plane to plane of a strip */
-    sl_counters *counters;  /* one a strip */
 } drawing;
 
 /* ---- memory ---- */
@@ -69,7 +69,6 @@ static void release(drawing *d) {
         sl_reflections_destroy(d->worker[w].reflections);
     }
     sl_free(d->worker);
-    sl_free(d->counters);
     sl_photon_sums_destroy(d->sums);
     sl_resolver_destroy(d->resolver);
 }
@@ -94,21 +93,6 @@ static void resolve_strip(const drawing *d, strip *s, unsigned worker, sl_counte
     if (d->state->plan.mirrors && s->status == SL_OK)
         s->status = sl_reflect_pixels(d->scene, d->state->tracer, 1, s->gbuffer, &s->reflections, counters,
                                       &s->error);
-}
-
-typedef struct {
-    const drawing *drawing;
-    const sl_tile_target *target;
-} tile_program;
-
-/* Passes 6 and 7, of which each counts the fragments that it shades. */
-static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
-    const tile_program *p = context;
-    const drawing *d = p->drawing;
-    const bool direct = d->light.lights->count > 0;
-    if (direct) sl_direct_light_tile(&d->direct, tile, glossy, p->target, counters);
-    if (d->sums) sl_indirect_light_tile(d->sums, tile, glossy, p->target, counters);
-    if (direct && d->sums) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile->count);
 }
 
 static void put_emission(const strip *s, size_t i, sl_rgb light) {
@@ -200,34 +184,33 @@ static void compose_row(const drawing *d, const strip *s, size_t row) {
     }
 }
 
-static void draw_strip(void *context, size_t index, unsigned worker) {
+static void draw_strip(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)result;
     const drawing *d = context;
     strip *s = &d->worker[worker];
-    sl_counters *counters = &d->counters[index];
-    const tile_program program = {d, &s->target};
+    const sl_direct_light *direct = d->light.lights->count > 0 ? &d->direct : NULL;
     set_rows(d, s, index);
     resolve_strip(d, s, worker, counters);
     memset(s->light, 0, (s->shines ? LIGHT_PLANES : LIGHT_PLANES - 3) * d->room * sizeof *s->light);
     s->shines = s->reflections != NULL; /* which may show the sky */
     if (!d->nothing_shines) add_emission(d, s, counters);
-    if (d->light.lights->count > 0 || d->sums)
-        sl_receiver_tiles_strip(d->scene, s->gbuffer, 0, light_tile, (void *)(uintptr_t)&program, counters);
+    if (direct || d->sums)
+        sl_light_strip(direct, d->sums, d->scene, s->gbuffer, 0, &s->target, counters);
     dim_mirrors(d, s);
     for (size_t row = 0; row < (size_t)s->gbuffer->height; row++) compose_row(d, s, row);
 }
 
 /* ---- the picture ---- */
 
-static sl_status prepare(drawing *d, size_t strips, sl_error *error) {
+static sl_status prepare(drawing *d, sl_error *error) {
     const bool layers = !d->state->settings.radiance_map.without_layers;
     sl_status status =
         sl_resolver_create(d->state->raster, &d->view, d->state->id, d->workers, &d->resolver, error);
     if (status == SL_OK && d->light.photons && d->light.photons->count)
         status = sl_photon_sums_create(&d->light, &d->sums, error);
     if (status != SL_OK) return status;
-    d->counters = sl_allocate(strips, sizeof *d->counters);
     d->worker = sl_allocate(d->workers, sizeof *d->worker);
-    if (!d->counters || !d->worker) return sl_fail_memory(error, "the picture");
+    if (!d->worker) return sl_fail_memory(error, "the picture");
     for (unsigned w = 0; w < d->workers && status == SL_OK; w++)
         status = allocate_strip(d, &d->worker[w], error);
     if (status != SL_OK) return status;
@@ -236,9 +219,7 @@ static sl_status prepare(drawing *d, size_t strips, sl_error *error) {
                                  error);
 }
 
-static sl_status finish(const drawing *d, size_t strips, sl_image **image, sl_counters *counters,
-                        sl_error *error) {
-    for (size_t i = 0; i < strips; i++) sl_counters_add(counters, &d->counters[i]);
+static sl_status finish(const drawing *d, sl_image **image, sl_error *error) {
     for (unsigned w = 0; w < d->workers; w++) {
         if (d->worker[w].status == SL_OK) continue;
         if (error) *error = d->worker[w].error;
@@ -261,10 +242,10 @@ sl_status sl_radiance_draw_image(const sl_radiance_state *state, sl_image **imag
     const size_t strips = (size_t)((d.view.height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
     d.direct = sl_direct_light_of(&d.light);
     d.room = SL_TILE_HEIGHT * (size_t)d.view.width + APART;
-    sl_status status = prepare(&d, strips, error);
+    sl_status status = prepare(&d, error);
     if (status == SL_OK) {
-        sl_parallel_for(d.workers, strips, draw_strip, &d);
-        status = finish(&d, strips, image, counters, error);
+        sl_batch_run(&(sl_batch){.count = strips, .work = draw_strip, .context = &d}, d.workers, counters);
+        status = finish(&d, image, error);
     }
     release(&d);
     return status;

@@ -1,5 +1,6 @@
 /* What a picture shows, ready to be lit: kinds of surfaces, and tiles of them in lanes (passes 5 and 6). */
 #include "base/counters.h"
+#include "cache/direct_radiance/direct_radiance.h"
 #include "cache/direct_radiance/receivers.h"
 
 #include <string.h>
@@ -92,8 +93,16 @@ sl_light_points sl_receiver_tile_points(const sl_receiver_tile *t) {
 
 /* ---- all tiles ---- */
 
-void sl_receiver_tiles_strip(const sl_scene *scene, const sl_gbuffer *g, int y0, sl_tile_program *program,
-                             void *context, sl_counters *counters) {
+/* Passes 6 and 7, of which each counts the fragments that it shades. */
+static void light_tile(const sl_direct_light *direct, const sl_photon_sums *sums, const sl_receiver_tile *tile,
+                       bool glossy, const sl_tile_target *to, sl_counters *counters) {
+    if (direct) sl_direct_light_tile(direct, tile, glossy, to, counters);
+    if (sums) sl_indirect_light_tile(sums, tile, glossy, to, counters);
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile->count * (direct && sums ? 2 : 1));
+}
+
+void sl_light_strip(const sl_direct_light *direct, const sl_photon_sums *sums, const sl_scene *scene,
+                    const sl_gbuffer *g, int y0, const sl_tile_target *to, sl_counters *counters) {
     const sl_receiver_kernels kernels = sl_receiver_kernels_for(sl_isa_best());
     tile_pixels list;
     sl_receiver_tile tile;
@@ -104,8 +113,7 @@ void sl_receiver_tiles_strip(const sl_scene *scene, const sl_gbuffer *g, int y0,
             if (tile.count == 0) continue;
             memcpy(tile.pixel, list.pixel[kind], tile.count * sizeof *tile.pixel);
             fill(g, scene, &kernels, kind == SL_RECEIVER_GLOSSY, &tile);
-            program(context, &tile, kind == SL_RECEIVER_GLOSSY, counters);
-            sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile.count);
+            light_tile(direct, sums, &tile, kind == SL_RECEIVER_GLOSSY, to, counters);
         }
     }
 }

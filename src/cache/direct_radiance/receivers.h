@@ -56,11 +56,6 @@ typedef struct sl_tile_light {
 
 sl_light_points sl_receiver_tile_points(const sl_receiver_tile *tile);
 
-/* Lights a tile that has pixels to be lit. */
-typedef void sl_tile_program(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters);
-/* A strip of tiles from row y0 on: diffuse pixels of a tile first, then glossy ones. Counts the fragments. */
-void sl_receiver_tiles_strip(const sl_scene *scene, const sl_gbuffer *gbuffer, int y0,
-                             sl_tile_program *program, void *context, sl_counters *counters);
 /* A tile of one pixel; false where it does not receive. */
 bool sl_receiver_tile_of_pixel(const sl_scene *scene, const sl_gbuffer *gbuffer, size_t pixel, bool *glossy,
                                sl_receiver_tile *tile);

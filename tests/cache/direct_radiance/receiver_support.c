@@ -64,27 +64,16 @@ void free_planes(planes *p) {
 
 /* ---- light ---- */
 
-typedef struct {
-    sl_tile_target to;
-    sl_direct_light direct;
-    sl_photon_sums *sums;
-} lighting;
-
-static void light_tile(void *context, const sl_receiver_tile *tile, bool glossy, sl_counters *counters) {
-    const lighting *l = context;
-    if (l->sums) sl_indirect_light_tile(l->sums, tile, glossy, &l->to, counters);
-    else sl_direct_light_tile(&l->direct, tile, glossy, &l->to, counters);
-}
-
 static void light_picture(const sl_light_pass *pass, const sl_gbuffer *r, sl_lit_picture *picture,
                           sl_photon_sums *sums, sl_counters *counters) {
-    lighting l = {.direct = sl_direct_light_of(pass), .sums = sums};
+    const sl_direct_light direct = sl_direct_light_of(pass);
+    sl_tile_target to;
     for (int k = 0; k < 3; k++) {
-        l.to.direct[k] = picture->direct[k];
-        l.to.indirect[k] = picture->indirect[k];
+        to.direct[k] = picture->direct[k];
+        to.indirect[k] = picture->indirect[k];
     }
     for (int y = 0; y < r->height; y += SL_TILE_HEIGHT)
-        sl_receiver_tiles_strip(pass->scene, r, y, light_tile, &l, counters);
+        sl_light_strip(sums ? NULL : &direct, sums, pass->scene, r, y, &to, counters);
 }
 
 void light_directly(const sl_light_pass *pass, const sl_gbuffer *receivers, sl_lit_picture *picture,
