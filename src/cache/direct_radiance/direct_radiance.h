@@ -99,10 +99,9 @@ void sl_indirect_light_tile(const sl_photon_sums *sums, const sl_receiver_tile *
 void sl_light_strip(const sl_direct_light *direct, const sl_photon_sums *sums, const sl_scene *scene,
                     const sl_gbuffer *gbuffer, int y0, const sl_tile_target *to, sl_counters *counters);
 /* Lists the radiance that each photon alone sends from the tile's one receiver towards the eye, in index
- * order; weight: of its diffuse part, and 0 for what the receiver does not see. */
-typedef void sl_photon_told(void *context, size_t photon, float weight, const float radiance[3]);
-void sl_indirect_light_apart(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
-                             sl_photon_told *told, void *context, sl_counters *counters);
+ * order, times `throughput`; weight: of its diffuse part, and 0 for what the receiver does not see. */
+void sl_indirect_light_explain(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
+                               sl_rgb throughput, sl_explanation_writer *writer);
 
 /* The channels of a picture with layers: R, G, B = emission + direct + indirect, and each of the three alone;
  * top row first. */
@@ -114,9 +113,6 @@ enum {
 };
 
 /* ---- a frame (direct_radiance.c) ---- */
-
-/* Shared by all explanations of a picture's pixels (method.c). */
-typedef struct sl_radiance_explanation sl_radiance_explanation;
 
 typedef struct sl_radiance_state {
     const sl_scene *scene;
@@ -132,7 +128,6 @@ typedef struct sl_radiance_state {
     double received;               /* sl_flux_received(); NaN where photons are asked for by rays */
     uint32_t *id;                  /* pass 5: the triangles that the picture shows */
     sl_image *image;               /* NULL: handed over already, or not drawn yet */
-    sl_radiance_explanation *explanation; /* of this picture's pixels; NULL until one is explained */
 
     bool placed;                   /* raster and tracer are those of the scene as it stands */
     bool lit;                      /* passes 1 to 3 as well */

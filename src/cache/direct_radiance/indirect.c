@@ -184,27 +184,37 @@ void sl_indirect_light_tile(const sl_photon_sums *p, const sl_receiver_tile *til
 
 /* ---- photon by photon ---- */
 
-static sl_rgb reflected(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy) {
-    float radiance[3];
+static void explain_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j,
+                           sl_rgb throughput, sl_explanation_writer *writer) {
+    const sl_map_photon *photon = &p->pass->photons->photon[j];
+    const float left[3] = {throughput.r, throughput.g, throughput.b};
+    sl_explanation_term term = {.layer = "indirect",
+                                .kind = "photon of the map",
+                                .index = j,
+                                .placed = true,
+                                .position = {photon->position.x, photon->position.y, photon->position.z},
+                                .value = {photon->flux.r, photon->flux.g, photon->flux.b}};
+    sl_counters ignored = {{0}};
+    sl_tile_light light;
+    float weight[SL_TILE_PIXELS];
+    bool any = false;
+    memset(&light, 0, sizeof light);
+    add_photon(p, tile, glossy, j, &light, &ignored);
     for (int c = 0; c < 3; c++) {
-        radiance[c] = light->irradiance[c][0] * tile->diffuse[c][0];
-        if (glossy) radiance[c] += light->lobe[c][0] * tile->specular[c][0];
+        float radiance = light.irradiance[c][0] * tile->diffuse[c][0];
+        if (glossy) radiance += light.lobe[c][0] * tile->specular[c][0];
+        term.contribution[c] = (double)radiance * (double)left[c];
+        any |= radiance != 0.0f;
     }
-    return (sl_rgb){radiance[0], radiance[1], radiance[2]};
+    if (!any) return;
+    weigh(p, tile, j, &p->photon[j], weight);
+    term.weight = (double)weight[0];
+    sl_explanation_add(writer, &term);
 }
 
-void sl_indirect_light_apart(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy,
-                             sl_photon_told *told, void *context, sl_counters *counters) {
-    sl_tile_light one;
-    for (size_t j = 0; j < p->count; j++) {
-        float weight[SL_TILE_PIXELS];
-        memset(&one, 0, sizeof one);
-        add_photon(p, tile, glossy, j, &one, counters);
-        const sl_rgb radiance = reflected(tile, &one, glossy);
-        if (radiance.r == 0.0f && radiance.g == 0.0f && radiance.b == 0.0f) continue;
-        weigh(p, tile, j, &p->photon[j], weight);
-        told(context, j, weight[0], (float[3]){radiance.r, radiance.g, radiance.b});
-    }
+void sl_indirect_light_explain(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy,
+                               sl_rgb throughput, sl_explanation_writer *writer) {
+    for (size_t j = 0; j < p->count; j++) explain_photon(p, tile, glossy, j, throughput, writer);
 }
 
 /* ---- a frame's ---- */

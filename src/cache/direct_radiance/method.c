@@ -40,31 +40,27 @@ void sl_announce_photons(sl_announcer *announcer, const sl_map_photons *photons)
     sl_free(marks);
 }
 
-/* Draws what is seen whole, since strips leave nothing; *reflections is NULL where no mirror is in sight. */
-static sl_status draw_seen(const sl_radiance_state *s, sl_gbuffer **gbuffer, sl_reflections **reflections,
-                           sl_error *error) {
+/* Announces what is seen, drawn whole, since strips leave nothing. */
+static void announce_seen(sl_radiance_state *s) {
     const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    const unsigned threads = s->settings.threads;
     sl_counters ignored = {{0}};
-    *reflections = NULL;
-    sl_status status = sl_gbuffer_create(view.width, view.height, gbuffer, error);
-    if (status == SL_OK)
-        status = sl_raster_gbuffer(s->raster, &view, s->settings.threads, *gbuffer, &ignored, error);
+    sl_gbuffer *g = NULL;
+    sl_reflections *reflections = NULL;
+    sl_status status = sl_gbuffer_create(view.width, view.height, &g, NULL);
+    if (status == SL_OK) status = sl_raster_gbuffer(s->raster, &view, threads, g, &ignored, NULL);
     if (status == SL_OK && s->plan.mirrors)
-        status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, *gbuffer, reflections, &ignored,
-                                   error);
-    return status;
+        status = sl_reflect_pixels(s->scene, s->tracer, threads, g, &reflections, &ignored, NULL);
+    if (status == SL_OK) sl_announce_gbuffer(&s->announcer, "importons", g);
+    sl_reflections_destroy(reflections);
+    sl_gbuffer_destroy(g);
 }
 
 /* Announces the receivers and the layers of the picture. */
 void sl_radiance_announce_light(sl_radiance_state *s) {
     const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
-    sl_gbuffer *g = NULL;
-    sl_reflections *reflections = NULL;
     if (!s->announcer.observer || s->settings.radiance_map.without_layers) return;
-    if (sl_announcing(&s->announcer) && draw_seen(s, &g, &reflections, NULL) == SL_OK)
-        sl_announce_gbuffer(&s->announcer, "importons", g);
-    sl_reflections_destroy(reflections);
-    sl_gbuffer_destroy(g);
+    if (sl_announcing(&s->announcer)) announce_seen(s);
     sl_announce(&s->announcer, "direct light", "(5), (9)", s->settings.width, s->settings.height, 3,
                 s->image->planes + SL_RADIANCE_DIRECT * pixels, false);
     sl_announce(&s->announcer, "indirect light", "(10)", s->settings.width, s->settings.height, 3,
@@ -73,84 +69,55 @@ void sl_radiance_announce_light(sl_radiance_state *s) {
 
 /* ---- a pixel explained: (10) photon by photon ---- */
 
-struct sl_radiance_explanation {
-    sl_light_pass light;
-    sl_gbuffer *gbuffer;
-    sl_reflections *reflections;
-    sl_photon_sums *sums;    /* NULL: no photons */
-};
-
-static void explanation_destroy(sl_radiance_explanation *explanation) {
-    if (!explanation) return;
-    sl_photon_sums_destroy(explanation->sums);
-    sl_reflections_destroy(explanation->reflections);
-    sl_gbuffer_destroy(explanation->gbuffer);
-    sl_free(explanation);
+/* Resolves what one pixel of the picture shows. */
+static sl_status resolve_pixel(const sl_radiance_state *s, size_t pixel, sl_gbuffer *g,
+                               sl_reflections **reflections, sl_error *error) {
+    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    sl_counters ignored = {{0}};
+    sl_resolver *resolver;
+    sl_status status = sl_resolver_create(s->raster, &view, s->id, 1, &resolver, error);
+    if (status != SL_OK) return status;
+    g->id[0] = s->id[pixel];
+    (void)sl_resolver_run(resolver, 0, pixel, 1, g);
+    sl_resolver_destroy(resolver);
+    if (!s->plan.mirrors) return SL_OK;
+    return sl_reflect_pixels(s->scene, s->tracer, 1, g, reflections, &ignored, error);
 }
 
-static sl_status explanation_create(const sl_radiance_state *s, sl_radiance_explanation **out,
-                                    sl_error *error) {
-    sl_radiance_explanation *explanation = sl_allocate(1, sizeof *explanation);
-    *out = NULL;
-    if (!explanation) return sl_fail_memory(error, "the explanation of pixels");
-    explanation->light = sl_radiance_lighting(s);
-    sl_status status = draw_seen(s, &explanation->gbuffer, &explanation->reflections, error);
-    if (status == SL_OK && s->photons && s->photons->count)
-        status = sl_photon_sums_create(&explanation->light, &explanation->sums, error);
-    if (status != SL_OK) explanation_destroy(explanation);
-    else *out = explanation;
+static sl_status explain_photons(const sl_radiance_state *s, size_t pixel, sl_explanation_writer *writer,
+                                 sl_error *error) {
+    const sl_light_pass light = sl_radiance_lighting(s);
+    sl_gbuffer *g = NULL;
+    sl_reflections *reflections = NULL;
+    sl_photon_sums *sums = NULL;
+    sl_receiver_tile tile;
+    bool glossy;
+    sl_status status = sl_gbuffer_create(1, 1, &g, error);
+    if (status == SL_OK) status = resolve_pixel(s, pixel, g, &reflections, error);
+    if (status == SL_OK) status = sl_photon_sums_create(&light, &sums, error);
+    if (status == SL_OK && sl_receiver_tile_of_pixel(s->scene, g, 0, &glossy, &tile))
+        sl_indirect_light_explain(sums, &tile, glossy, sl_reflections_throughput(reflections, 0), writer);
+    sl_photon_sums_destroy(sums);
+    sl_reflections_destroy(reflections);
+    sl_gbuffer_destroy(g);
     return status;
 }
 
-static size_t explanation_bytes(const sl_radiance_state *s) {
-    enum { A_PIXEL = 15 * 4 + sizeof(sl_vec3) };
-    return s->explanation ? sizeof *s->explanation +
-                                A_PIXEL * (size_t)s->settings.width * (size_t)s->settings.height
-                          : 0;
-}
-
-typedef struct {
-    const sl_radiance_explanation *explanation;
-    size_t pixel;
-    sl_explanation_writer *writer;
-} telling;
-
-static void tell_photon(void *context, size_t photon, float weight, const float radiance[3]) {
-    const telling *t = context;
-    const sl_map_photon *p = &t->explanation->light.photons->photon[photon];
-    sl_explanation_term term = {.layer = "indirect",
-                                .kind = "photon of the map",
-                                .index = photon,
-                                .placed = true,
-                                .weight = (double)weight,
-                                .position = {p->position.x, p->position.y, p->position.z},
-                                .value = {p->flux.r, p->flux.g, p->flux.b}};
-    const sl_rgb left = sl_reflections_throughput(t->explanation->reflections, t->pixel);
-    const float throughput[3] = {left.r, left.g, left.b};
-    for (int c = 0; c < 3; c++) term.contribution[c] = (double)radiance[c] * (double)throughput[c];
-    sl_explanation_add(t->writer, &term);
-}
-
-static void explanation_tell(const sl_radiance_explanation *explanation, int x, int y,
-                             sl_explanation_writer *writer) {
-    const sl_gbuffer *g = explanation->gbuffer;
-    telling t = {explanation, (size_t)y * (size_t)g->width + (size_t)x, writer};
-    sl_counters ignored = {{0}};
-    sl_receiver_tile tile;
-    bool glossy;
+static sl_status radiance_explanation(void *state, int x, int y, sl_explanation_writer *writer,
+                                      sl_error *error) {
+    const sl_radiance_state *s = state;
+    if (!s->drawn || s->settings.radiance_map.without_layers)
+        return sl_fail(error, SL_ERROR_USAGE, "a pixel is explained in a picture with its layers");
     sl_explanation_add_layer(writer, "emission", "emitted light");
     sl_explanation_add_layer(writer, "direct", "direct light");
-    if (explanation->sums &&
-        sl_receiver_tile_of_pixel(explanation->light.scene, g, t.pixel, &glossy, &tile))
-        sl_indirect_light_apart(explanation->sums, &tile, glossy, tell_photon, &t, &ignored);
+    if (!s->photons || !s->photons->count) return SL_OK;
+    return explain_photons(s, (size_t)y * (size_t)s->settings.width + (size_t)x, writer, error);
 }
 
 /* ---- frames ---- */
 
 /* Frees what is of one picture; the plane of ids stays for the next frame. */
 static void forget_picture(sl_radiance_state *s) {
-    explanation_destroy(s->explanation);
-    s->explanation = NULL;
     sl_image_destroy(s->image);
     s->image = NULL;
     s->drawn = false;
@@ -234,7 +201,7 @@ static const sl_counters *radiance_counters(const void *state) {
 static size_t radiance_memory_bytes(const void *state) {
     const sl_radiance_state *s = state;
     const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
-    size_t bytes = sizeof *s + explanation_bytes(s);
+    size_t bytes = sizeof *s;
     if (s->image) bytes += (size_t)s->image->channels * pixels * sizeof *s->image->planes;
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
@@ -243,17 +210,6 @@ static size_t radiance_memory_bytes(const void *state) {
     if (s->photons) bytes += sl_map_photons_bytes(s->photons);
     if (s->id) bytes += pixels * sizeof *s->id;
     return bytes;
-}
-
-static sl_status radiance_explanation(void *state, int x, int y, sl_explanation_writer *writer,
-                                      sl_error *error) {
-    sl_radiance_state *s = state;
-    sl_status status = SL_OK;
-    if (!s->drawn || s->settings.radiance_map.without_layers)
-        return sl_fail(error, SL_ERROR_USAGE, "a pixel is explained in a picture with its layers");
-    if (!s->explanation) status = explanation_create(s, &s->explanation, error);
-    if (status == SL_OK) explanation_tell(s->explanation, x, y, writer);
-    return status;
 }
 
 static const sl_raster *radiance_raster(const void *state) {
