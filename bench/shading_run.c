@@ -13,7 +13,7 @@
 /* ---- worlds ---- */
 
 static sl_settings settings_for(int size, int indirect) {
-    sl_settings s = sl_settings_default();
+    sl_settings s = sl_settings_of_papers();
     s.method = "shading-cache";
     s.width = s.height = size;
     s.threads = 1;

@@ -410,7 +410,9 @@ typedef struct sl_setting {
 /** All of them, in order; NULL past the end. */
 SL_API const sl_setting *sl_setting_at(size_t index);
 
-/** Splatting at normal quality, everything else by quality, scene and machine. The caller destroys them. */
+/** Splatting at normal quality, everything else by quality, scene and machine: pixels are means over their
+ * squares, and light bounces as often as it matters (filter "centre" and bounces "1": the papers' pictures).
+ * The caller destroys them. */
 SL_API sl_status sl_settings_create(sl_settings **settings, sl_error *error);
 /** NULL is allowed. */
 SL_API void sl_settings_destroy(sl_settings *settings);

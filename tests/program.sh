@@ -182,14 +182,15 @@ cmp -s "$folder/c.pfm" "$folder/d.pfm" || { echo '--batches 5 twice gives other 
 number() { sed -n "s/.*\"$1\":[^0-9]*\([0-9.]*\).*/\1/p" "$folder/out" | tail -n 1; } # number KEY: of the last --json
 
 # Pictures by their error: within it, with the same bits at any number of threads, and what was found is in the metadata.
-expect 0 '' render scenes/cornell.json -s 32x32 --error 10% --quiet -o "$folder/e.exr" --json
+# A scene without lamps in view: what probes leave out as lamps, compare does not know.
+expect 0 '' render scenes/cornell-point.json -s 32x32 --error 10% --quiet -o "$folder/e.exr" --json
 grep -q '"within":.*true' "$folder/out" && grep -q '"bound":' "$folder/out" || { echo '--error --json does not tell the error'; bad=1; }
 grep -q 'softlux.error.bound' "$folder/e.exr" || { echo '--error leaves no metadata'; bad=1; }
-expect 0 '' render scenes/cornell.json -s 32x32 --error 0.1 --quiet -t 1 -o "$folder/f.exr"
+expect 0 '' render scenes/cornell-point.json -s 32x32 --error 0.1 --quiet -t 1 -o "$folder/f.exr"
 expect 0 '' compare "$folder/e.exr" "$folder/f.exr" --identical
-expect 0 '' render scenes/cornell.json -s 32x32 -m path --transport matched:splatting --spp 256 --quiet -o "$folder/g.exr"
-expect 0 'rel_rmse_surfaces' compare "$folder/e.exr" "$folder/g.exr" --json
-awk "BEGIN { exit !($(number rel_rmse_surfaces) < 0.1) }" || { echo 'the promise of 10 % is not kept'; cat "$folder/out"; bad=1; }
+expect 0 '' render scenes/cornell-point.json -s 32x32 -m path --transport matched:splatting --spp 1024 --quiet -o "$folder/g.exr"
+expect 0 'rel_rmse' compare "$folder/e.exr" "$folder/g.exr" --json
+awk "BEGIN { exit !($(number rel_rmse) < 0.1) }" || { echo 'the promise of 10 % is not kept'; cat "$folder/out"; bad=1; }
 expect 0 '"within":.*true' render scenes/cornell-point.json -s 32x32 -m path --error 30% --quiet --json -o "$folder/e.exr"
 expect 0 '"within":.*true' render scenes/cornell-point.json -s 32x32 -m multi-mesh --error 40% --quiet --json -o "$folder/e.exr"
 expect 1 'not within 0.01 %.*e.exr holds that' render scenes/cornell-point.json -s 8x8 -m direct-radiance --photons 2 --error 0.01% --quiet -o "$folder/e.exr"
@@ -213,17 +214,17 @@ BEGIN { print "mtllib none.mtl"
 echo '{"softlux": 1, "meshes": [{"file": "window.obj"}], "environment": {"radiance": [10, 11, 13]}, "materials": {"white": {"diffuse": 0.75},
     "wood": {"diffuse": [0.5, 0.3, 0.15]}}, "camera": {"eye": [1, 1.5, 4.7], "target": [2.5, 1, 1], "fov_deg": 65}}' >"$folder/window.json"
 # Where it gives up, finer settings did not help, and what it says of them is so.
-expect 1 'not within 15 %.*at most 2[0-9.]* %, and with finer settings at least 9[0-9] % of the error was left' render "$folder/window.json" -s 20x20 -m splatting --error 15% --quiet --json -o "$folder/w.exr"
+expect 1 'not within 15 %.*at most 2[0-9.]* %, and with finer settings at least 9[0-9] % of the error was left' render "$folder/window.json" -s 20x20 --filter centre --bounces 1 -m splatting --error 15% --quiet --json -o "$folder/w.exr"
 awk "BEGIN { most = 2 * $(number picture) + 3e6; exit !($(number probes) < 1.1 * most && $(number all_pictures) < most) }" ||
     { echo '--error takes longer than twice the picture and a second:'; cat "$folder/out"; bad=1; }
-expect 0 '' render "$folder/window.json" -s 20x20 -m path --transport matched:splatting --spp 1024 --quiet -o "$folder/r.exr"
+expect 0 '' render "$folder/window.json" -s 20x20 --filter centre --bounces 1 -m path --transport matched:splatting --spp 1024 --quiet -o "$folder/r.exr"
 expect 0 'rel_rmse_surfaces' compare "$folder/w.exr" "$folder/r.exr" --json
 awk "BEGIN { exit !($(number rel_rmse_surfaces) < 0.215 && $(number rel_rmse) < $(number rel_rmse_surfaces) / 2) }" || # 8 % are the reference's noise
     { echo 'the room with a window:'; cat "$folder/out"; bad=1; }
 fine=0
 for step in '0.12 --set splatting.glossy-accuracy=0.12 --set gather-size=52 --spp 64' '0.085 --set splatting.glossy-accuracy=0.1 --set gather-size=72 --spp 128'; do
     coarse=$fine
-    expect 0 '' render "$folder/window.json" -s 20x20 -m splatting -q high --accuracy $step --quiet -o "$folder/w.exr"
+    expect 0 '' render "$folder/window.json" -s 20x20 --filter centre --bounces 1 -m splatting -q high --accuracy $step --quiet -o "$folder/w.exr"
     expect 0 'rel_rmse_surfaces' compare "$folder/w.exr" "$folder/r.exr" --json
     fine=$(number rel_rmse_surfaces)
 done
@@ -237,7 +238,7 @@ plane() { # plane NAME LIGHT: a triangle seen from above
     printf '{"softlux": 1, "meshes": [{"file": "plane.obj"}], "lights": [{"type": "spot", "position": [0, 2, 0], "direction": [0, %s, 0], "intensity": [1, 1, 1], "outer_deg": 40}], "camera": {"eye": [0, 3, 0.1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_deg": 40}}' "$2" >"$folder/$1.json"
 }
 plane lit -1; plane unlit 1
-expect 0 '^auto +splatting, 6 bounces: .* direct.*in records' info scenes/cornell.json
+expect 0 '^auto +splatting: .* direct.*in records' info scenes/cornell.json
 expect 0 '^auto +light-octree: ' info scenes/cornell.json -q draft
 expect 0 '^auto +(light-octree|path|bidirectional): .*[1-9] % by mirrors, and [1-9][0-9]* % is seen in them' info scenes/mirror-balls.json -m path -q high
 expect 0 '^plan of (light-octree|path|bidirectional)' info scenes/mirror-balls.json -m auto -q high

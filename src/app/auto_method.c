@@ -32,7 +32,7 @@ static double mean_of(const sl_image *image) {
 
 static sl_settings small_picture(const sl_scene *scene, const sl_settings *base, const char *method,
                                  const char *transport) {
-    sl_settings s = sl_settings_default();
+    sl_settings s = sl_settings_of_papers();
     int width = base->width, height = base->height;
     if (!width || !height) sl_scene_film(scene, &width, &height);
     double shrink = sqrt(1024.0 / ((double)width * (double)height));
@@ -128,7 +128,6 @@ static bool is_rough(const sl_auto_budget *b) {
 /* Chooses the first that holds, and returns why. Light that is missing is not missing evenly: in the Cornell
  * box 9 % of it are 18 % of relative RMSE. */
 static const char *choose(const scene_kind *k, const sl_auto_budget *b, sl_auto_choice *c) {
-    enum { BOUNCES = 6 }; /* as measured */
     const double tolerance = tolerance_of(b);
     c->method = "path";
     if (!k->lit) return "nothing in the picture is lit";
@@ -142,14 +141,12 @@ static const char *choose(const scene_kind *k, const sl_auto_budget *b, sl_auto_
         return "records leave out, or take long for, what glossy surfaces and mirrors do";
     if (k->many_lights) return "so many lights' edges of shadows are not to be cached";
     c->method = "splatting";
-    c->bounces = BOUNCES;
     return "diffuse light changes slowly, and is soonest found in records";
 }
 
 /* seen: the share that is seen in mirrors. */
 static void tell(const scene_kind *kind, double seen, const char *because, sl_auto_choice *choice) {
-    char bounces[32] = "", in_mirrors[48] = "", light[200] = "";
-    if (choice->bounces) snprintf(bounces, sizeof bounces, ", %u bounces", choice->bounces);
+    char in_mirrors[48] = "", light[200] = "";
     if (kind->mirrors) snprintf(in_mirrors, sizeof in_mirrors, ", and %.0f %% is seen in them", 100.0 * seen);
     if (kind->lit)
         snprintf(light, sizeof light,
@@ -157,8 +154,7 @@ static void tell(const scene_kind *kind, double seen, const char *because, sl_au
                  "%.0f %% by mirrors%s;",
                  100.0 * kind->direct, 100.0 * kind->second, 100.0 * kind->further, 100.0 * kind->mirrored,
                  in_mirrors);
-    snprintf(choice->why, sizeof choice->why, "%s%s%s %s", choice->method, bounces, kind->lit ? light : ":",
-             because);
+    snprintf(choice->why, sizeof choice->why, "%s%s %s", choice->method, kind->lit ? light : ":", because);
 }
 
 sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, const sl_auto_budget *budget,
@@ -181,7 +177,6 @@ sl_status sl_auto_settle(const sl_scene *scene, const sl_auto_budget *budget, bo
     sl_status status = sl_auto_method(scene, settings, budget, &choice, error);
     if (status != SL_OK) return status;
     settings->method = choice.method;
-    if (choice.bounces && !settings->bounces) settings->bounces = choice.bounces;
     if (!quiet) fprintf(stderr, "softlux: method %s\n", choice.why);
     return SL_OK;
 }

@@ -13,7 +13,6 @@ typedef struct sl_auto_budget {
 
 typedef struct sl_auto_choice {
     const char *method;
-    uint32_t bounces;    /* for the settings; 0: as they are */
     char why[400];       /* one line */
 } sl_auto_choice;
 

@@ -27,7 +27,7 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
     *o = (show_options){.tone = SL_TONE_REINHARD,
                         .seconds = 5.0,
                         .frames_per_second = 25.0,
-                        .settings = sl_settings_default()};
+                        .settings = sl_settings_of_papers()};
     o->settings.method = "shading-cache";
     const sl_option options[] = {
         SL_TEXT("output", 'o', &o->output, "FILES",

@@ -8,6 +8,7 @@
 #include "image/output_file.h"
 #include "image/tone.h"
 #include "scene/features.h"
+#include "cache/frame/all_light.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -176,6 +177,21 @@ static const char *next_warning(const char **rest, int *length) {
     return line;
 }
 
+static void tell_bounces(const sl_render_options *o) {
+    if (!(o->next_bounce > 0.0)) return;
+    fprintf(stderr, "softlux: --bounces %u: one more would add %.1f %% of the light\n", o->settings.bounces,
+            100.0 * o->next_bounce);
+}
+
+/* Tells by how much the method's own light paths are fewer, or more, than there are. */
+static void tell_left_out(const sl_render_options *o, const sl_scene *scene) {
+    double share = 0.0;
+    const bool tracer = !strcmp(o->settings.method, "path") || !strcmp(o->settings.method, "bidirectional");
+    if (tracer || sl_measure_left_out(scene, &o->settings, &share, NULL) != SL_OK || fabs(share) < 0.01) return;
+    fprintf(stderr, "softlux: %s counts about %.0f %% %s light than there is; softlux info tells what it leaves out\n",
+            o->settings.method, 100.0 * fabs(share), share > 0.0 ? "less" : "more");
+}
+
 void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl_progress *progress,
                      const sl_image *image) {
     const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
@@ -184,7 +200,10 @@ void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl
         fprintf(stderr, "softlux: warning: %.*s\n", length, line);
     const char *reduced = sl_image_metadata(image, "softlux.reduced");
     if (reduced && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", reduced);
-    if (!o->quiet && (progress->done || progress->frame_done)) tell_blank_picture(o, scene, image);
+    if (o->quiet || !(progress->done || progress->frame_done)) return;
+    tell_blank_picture(o, scene, image);
+    tell_bounces(o);
+    tell_left_out(o, scene);
 }
 
 /* Adds the warnings of a picture, as an array of lines. */

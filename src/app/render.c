@@ -7,6 +7,7 @@
 #include "app/picture.h"
 #include "app/same_file.h"
 #include "app/target.h"
+#include "cache/frame/all_light.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -127,8 +128,20 @@ static sl_status choose_method(sl_render_options *o, sl_scene *scene, sl_error *
     return status == SL_OK ? sl_auto_settle(scene, &budget, o->quiet, &o->settings, error) : status;
 }
 
+/* Where the bounces are left to the scene they are the same for all pictures of a climb or a series. */
+static sl_status choose_bounces(sl_render_options *o, const sl_scene *scene, sl_error *error) {
+    sl_bounces_measured found;
+    if (o->settings.bounces || !sl_has_bounces(&o->settings)) return SL_OK;
+    sl_status status = sl_measure_bounces(scene, &o->settings, &found, error);
+    if (status != SL_OK) return status;
+    o->settings.bounces = found.bounces;
+    o->next_bounce = found.next;
+    return SL_OK;
+}
+
 static sl_status render(sl_render_options *o, sl_scene *scene, sl_render_end *end, sl_error *error) {
     sl_status status = choose_method(o, scene, error);
+    if (status == SL_OK) status = choose_bounces(o, scene, error);
     if (status != SL_OK) return status;
     return sl_target_wanted(o) ? sl_render_to_target(o, scene, end, error)
                                : sl_render_pictures(o, scene, end, error);

@@ -145,7 +145,7 @@ static sl_image *render(const char *method) {
     sl_method *m;
     sl_image *image;
     sl_progress progress = {0};
-    sl_settings settings = sl_settings_default();
+    sl_settings settings = sl_settings_of_papers();
     settings.method = method;
     settings.width = WIDTH;
     settings.height = HEIGHT;

@@ -6,7 +6,7 @@
 #include "cache/frame/settings.h"
 
 static inline sl_settings least_settings(const char *method, int width, int height) {
-    sl_settings s = sl_settings_default();
+    sl_settings s = sl_settings_of_papers();
     s.method = method;
     s.width = width;
     s.height = height;

@@ -46,7 +46,7 @@ sl_scene *scene_from_text(const char *json, const char *obj) {
 }
 
 sl_settings small_settings(const char *method, int width, int height) {
-    sl_settings settings = sl_settings_default();
+    sl_settings settings = sl_settings_of_papers();
     settings.method = method;
     settings.width = width;
     settings.height = height;

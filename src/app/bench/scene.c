@@ -69,7 +69,7 @@ static bool look_work(void *context, char **report) {
     look *l = context;
     const sl_bench_options *o = l->options;
     sl_bench_scene *s = &l->scene;
-    sl_settings settings = sl_settings_default();
+    sl_settings settings = sl_settings_of_papers();
     sl_scene *scene = NULL;
     sl_error error;
     char mask[SL_BENCH_PATH];

@@ -47,7 +47,7 @@ __attribute__((format(printf, 1, 2))) static verdict bad(const char *format, ...
 
 static sl_status render(const checking *c, const sl_scene *scene, const char *transport, unsigned threads,
                         uint64_t seed, sl_image **image, sl_error *error) {
-    sl_settings settings = sl_settings_default();
+    sl_settings settings = sl_settings_of_papers();
     settings.method = transport ? "path" : c->name;
     settings.transport = transport;
     const bool tracer = strcmp(c->name, "path") == 0 || strcmp(c->name, "bidirectional") == 0;

@@ -25,7 +25,7 @@ typedef struct steps_command {
 } steps_command;
 
 static bool parse(int argc, char **argv, steps_command *s, int *status) {
-    *s = (steps_command){.folder = "steps", .reference_samples = 64, .settings = sl_settings_default()};
+    *s = (steps_command){.folder = "steps", .reference_samples = 64, .settings = sl_settings_of_papers()};
     const sl_option options[] = {
         SL_TEXT("output", 'o', &s->folder, "DIR", "folder for the page, index.html [steps]"),
         SL_TEXT("beside", 0, &s->beside, "METHOD", "another method on the same scene, side by side"),

@@ -3,6 +3,7 @@
 #include "cache/frame/method.h"
 
 #include "base/print.h"
+#include "cache/frame/all_light.h"
 #include "cache/frame/budget.h"
 #include "cache/frame/settings.h"
 
@@ -85,7 +86,12 @@ sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_s
     *chosen = *asked;
     if (chosen->width == 0 && chosen->height == 0) sl_scene_film(scene, &chosen->width, &chosen->height);
     sl_status status = sl_method_transport(chosen, transport, error);
-    return status == SL_OK ? sl_settings_check(chosen, error) : status;
+    if (status == SL_OK) status = sl_settings_check(chosen, error);
+    if (status != SL_OK || chosen->bounces || !sl_has_bounces(chosen)) return status;
+    sl_bounces_measured found;
+    status = sl_measure_bounces(scene, chosen, &found, error);
+    chosen->bounces = found.bounces;
+    return status == SL_OK ? sl_method_transport(chosen, transport, error) : status;
 }
 
 /* Fills in what was left to the machine or the quality, within the memory that there is. */
@@ -451,6 +457,18 @@ void sl_plan_limit(sl_plan_writer *writer, const char *limit, ...) {
     plan_append(writer, "\n");
 }
 
+/* Tells how the number of bounces was found. */
+static sl_status plan_bounces(const sl_scene *scene, const sl_settings *asked, const sl_settings *completed,
+                              sl_plan_writer *writer, sl_error *error) {
+    sl_bounces_measured found;
+    if (asked->bounces || !sl_has_bounces(completed)) return SL_OK;
+    sl_status status = sl_measure_bounces(scene, completed, &found, error);
+    if (status == SL_OK)
+        sl_plan_pass(writer, true, "bounces", "%u: one more would add %.1f %% of the light, as a few paths tell",
+                     found.bounces, 100.0 * found.next);
+    return status;
+}
+
 sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error) {
     if (!text) return sl_fail_null(error, "a place for a plan");
     *text = NULL;
@@ -465,6 +483,14 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
     sl_plan_writer writer = {0};
     plan_append(&writer, "");
     class->plan(scene, &completed, &writer);
+    if (sl_method_has_film(class, &completed))
+        sl_plan_pass(&writer, true, "film", "4 sub-frames of all pixels, others where edges are or light differs: "
+                     "%u samples at most", completed.sub_samples);
+    status = plan_bounces(scene, settings, &completed, &writer, error);
+    if (status != SL_OK) {
+        free(writer.text);
+        return status;
+    }
     if (reduced[0]) sl_plan_pass(&writer, true, "with less memory", "%s", reduced);
     if (writer.failed) {
         free(writer.text);

@@ -18,8 +18,8 @@
       "splatting, direct-radiance, light-octree, multi-mesh, shading-cache, path, bidirectional, auto") \
     O(const char *, transport, "transport", "PATHS", 0, 0, TOLD("the method's own"), "", USER(0), \
       "path, bidirectional: direct, one-bounce, full or matched:METHOD") \
-    O(sl_pixel_filter, filter, "filter", "method|box|centre|blackman-harris", 0, 0, NOTHING, "", USER(0), \
-      "a pixel is the mean over its square, or what its centre shows") \
+    O(sl_pixel_filter, filter, "filter", "method|box|centre|blackman-harris", 0, 0, TOLD("box"), "", USER(0), \
+      "what a pixel is: a mean over its square or around it, or what its centre shows; method: as its paper") \
     O(unsigned, sub_samples, "sub-samples", "N", 1, 4096, BY(16, 64, 256), "", RESEARCH, \
       "but for filter centre: samples of a pixel, at most") \
     O(double, filter_radius, "filter-radius", "PIXELS", 0.5, 8, TOLD("1.5"), "", RESEARCH, \
@@ -40,7 +40,7 @@
 #define SL_OPTIONS_OF_GATHERING(O) \
     O(int, gather_size, "gather-size", "N", 4, 1024, TOLD("by quality"), "", RESEARCH, \
       "N x N samples a gather, N even; of multi-mesh a power of two") \
-    O(uint32_t, bounces, "bounces", "N", 1, 64, TOLD("1"), "", USER(0), \
+    O(uint32_t, bounces, "bounces", "N", 1, 64, TOLD("as many as matter"), "", USER(0), \
       "surfaces between the one that is seen and the light; multi-mesh: 1 or 2")
 
 /* Radiance cache splatting (Gautron, Krivanek, Bouatouch, Pattanaik 2005) */

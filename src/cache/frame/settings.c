@@ -121,7 +121,11 @@ static void put_value(const row *r, sl_settings *s, double value) {
 /* ---- settings as a whole ---- */
 
 sl_settings sl_settings_default(void) {
-    return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL};
+    return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL, .filter = SL_FILTER_BOX};
+}
+
+sl_settings sl_settings_of_papers(void) {
+    return (sl_settings){.method = "splatting", .quality = SL_QUALITY_NORMAL, .bounces = 1};
 }
 
 sl_status sl_settings_create(sl_settings **settings, sl_error *error) {

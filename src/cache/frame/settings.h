@@ -39,8 +39,11 @@ struct sl_settings {
 
 #undef SL_SETTINGS_FIELD
 
-/* Splatting at normal quality, everything else by quality, scene and machine. */
+/* Splatting at normal quality, everything else by quality, scene and machine; pixels are means, and light may
+ * bounce as often as it matters. */
 sl_settings sl_settings_default(void);
+/* The same, but for pictures as the papers have them: what pixels' centres show, of one bounce. */
+sl_settings sl_settings_of_papers(void);
 /* SL_ERROR_USAGE with what was expected. 0 is allowed wherever it stands for a default; width and height are
  * not 0 any more. */
 sl_status sl_settings_check(const sl_settings *settings, sl_error *error);

@@ -31,6 +31,12 @@ static bool is_for(const sl_splat_state *s, sl_sub_frame_purpose purpose) {
     return s->scene->sub_frame.purpose == purpose;
 }
 
+static bool is_on_film(const sl_splat_state *s) { return s->scene->sub_frame.share > 0; }
+
+static bool is_budget_spent(const sl_splat_state *s) {
+    return s->settings.records_per_frame && s->frame_records >= s->settings.records_per_frame;
+}
+
 /* ---- steps 2 and 3: splat what earlier views have left, and see what that covers ---- */
 
 static sl_status cover_by_old_records(sl_splat_state *s, sl_error *error) {
@@ -80,7 +86,7 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_announce_gbuffer(&s->announcer, "Algorithm 2, step 1", s->gbuffer);
     sl_splat_classify(s);
     s->direct_row = 0;
-    s->frame_records = 0;
+    if (is_for(s, SL_SUB_FRAME_BOTH)) s->frame_records = 0;
     if (!s->plan.direct) s->phase = SL_PHASE_DONE;
     else if (is_for(s, SL_SUB_FRAME_ASKS)) start_records(s, 0);
     else s->phase = SL_PHASE_DIRECT;
@@ -103,7 +109,8 @@ static sl_status light_rows(sl_splat_state *s, sl_error *error) {
 static sl_status new_records(sl_splat_state *s, sl_error *error) {
     sl_record_cache *cache = &s->cache[s->class];
     size_t before = cache->list.count, budget = s->settings.records_per_frame, pixels[SL_BATCH_MAX];
-    if (sl_splat_is_full(s)) { /* what is uncovered is filled from its neighbours */
+    /* what is uncovered is filled from its neighbours */
+    if (sl_splat_is_full(s) || (is_on_film(s) && is_budget_spent(s))) {
         start_records(s, s->class + 1);
         return SL_OK;
     }
@@ -219,11 +226,10 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
 
 static sl_status splat_update(void *state, sl_progress *progress, sl_error *error) {
     sl_splat_state *s = state;
-    const uint64_t budget = s->settings.records_per_frame;
     if (!s->raster)
         return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = SL_OK;
-    if (budget && s->frame_records >= budget) s->frame_records = 0;
+    if (!is_on_film(s) && is_budget_spent(s)) s->frame_records = 0;
     switch (s->phase) {
     case SL_PHASE_GBUFFER: status = draw_gbuffer(s, error); break;
     case SL_PHASE_DIRECT: status = light_rows(s, error); break;
@@ -234,7 +240,7 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
     }
     progress->fraction = sl_splat_fraction(s);
     progress->done = s->phase == SL_PHASE_DONE;
-    progress->frame_done = progress->done || (budget && s->frame_records >= budget);
+    progress->frame_done = progress->done || is_budget_spent(s);
     return status;
 }
 

@@ -25,7 +25,7 @@ typedef struct {
 static rendered render(const char *scene, const char *method, uint64_t batches, const sl_observer *observer) {
     rendered r;
     sl_progress progress = {0};
-    sl_settings settings = sl_settings_default();
+    sl_settings settings = sl_settings_of_papers();
     settings.method = method;
     settings.width = WIDTH;
     settings.height = HEIGHT;

@@ -108,7 +108,7 @@ static void expect_golden(const char *name, const char *path, sl_settings settin
 }
 
 static sl_settings gathered(sl_gather_kind gather) {
-    sl_settings settings = sl_settings_default();
+    sl_settings settings = sl_settings_of_papers();
     settings.gather = gather;
     return settings;
 }
@@ -130,14 +130,14 @@ static void every_pass_of_the_glossy_box_gathered_by_the_hemicube_is_golden(void
 
 static void every_pass_of_direct_radiance_mapping_is_golden(void **state) {
     (void)state;
-    sl_settings settings = sl_settings_default();
+    sl_settings settings = sl_settings_of_papers();
     settings.method = "direct-radiance";
     expect_golden("balls", "scenes/mirror-balls.json", settings, 6);
 }
 
 static void every_pass_of_the_light_octree_is_golden(void **state) {
     (void)state;
-    sl_settings settings = sl_settings_default();
+    sl_settings settings = sl_settings_of_papers();
     settings.method = "light-octree";
     settings.light_octree.photons = 20000;
     settings.light_octree.neighbours = 60;

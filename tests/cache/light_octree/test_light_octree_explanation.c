@@ -15,7 +15,7 @@
 enum { SIZE = 20 };
 
 static sl_settings small(void) {
-    sl_settings s = sl_settings_default();
+    sl_settings s = sl_settings_of_papers();
     s.method = "light-octree";
     s.width = s.height = SIZE;
     s.spp = 1;

@@ -212,7 +212,7 @@ static void begin(committing *c) {
     c->s.scene = c->h.scene;
     c->s.primitives = c->h.primitives;
     c->s.patches = c->h.patches;
-    c->s.settings = sl_settings_default();
+    c->s.settings = sl_settings_of_papers();
     c->s.settings.width = c->s.settings.height = 16;
     sl_shading_complete(&c->s.settings);
     c->s.curve.reference = 1.0f;

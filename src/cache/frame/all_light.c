@@ -1,0 +1,103 @@
+#include "cache/frame/all_light.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "cache/frame/method.h"
+#include "trace/trace.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { PIXELS = 1024, SAMPLES = 4, MOST_BOUNCES = 64 };
+static const double that_matters = 0.005;
+
+bool sl_has_bounces(const sl_settings *settings) {
+    const char *method = settings->method, *paths = settings->transport;
+    if (paths && strncmp(paths, "matched:", 8) == 0) method = paths + 8;
+    return strcmp(method, "splatting") == 0 || strcmp(method, "multi-mesh") == 0;
+}
+
+/* Paths of a small picture, of the same numbers whatever the transport: what is counted in both of two
+ * measurements is the same in both. */
+typedef struct measuring {
+    const sl_scene *scene;
+    sl_tracer *tracer;
+    sl_path_settings path;
+} measuring;
+
+static sl_status begin(measuring *m, const sl_scene *scene, const sl_settings *settings, sl_error *error) {
+    int width = settings->width, height = settings->height;
+    if (!width || !height) sl_scene_film(scene, &width, &height);
+    const double shrink = sqrt((double)PIXELS / ((double)width * (double)height));
+    *m = (measuring){.scene = scene,
+                     .path = {.width = (int)fmax(width * shrink + 0.5, 1.0),
+                              .height = (int)fmax(height * shrink + 0.5, 1.0),
+                              .threads = settings->threads,
+                              .seed = settings->seed}};
+    return sl_tracer_create(scene, settings->threads, NULL, &m->tracer, error);
+}
+
+/* *light: mean luminance. */
+static sl_status measure(measuring *m, const sl_transport *transport, double *light, sl_error *error) {
+    sl_path_tracer *path;
+    sl_counters counters = {{0}};
+    m->path.transport = *transport;
+    m->path.transport.filter = SL_FILTER_BOX;
+    m->path.transport.emission = false;
+    const size_t pixels = (size_t)m->path.width * (size_t)m->path.height;
+    float *planes = sl_allocate(3 * pixels, sizeof *planes);
+    if (!planes) return sl_fail_memory(error, "a few paths");
+    sl_status status = sl_path_tracer_create(m->scene, m->tracer, &m->path, &path, error);
+    for (uint64_t i = 0; i < SAMPLES && status == SL_OK; i++)
+        status = sl_path_tracer_sample(path, i, &counters, error);
+    if (status == SL_OK) sl_path_tracer_mean(path, -1, planes, planes + pixels, planes + 2 * pixels);
+    *light = 0.0;
+    for (size_t i = 0; i < pixels; i++)
+        *light += (double)sl_luminance((sl_rgb){planes[i], planes[pixels + i], planes[2 * pixels + i]});
+    *light /= (double)pixels;
+    sl_path_tracer_destroy(path);
+    sl_free(planes);
+    return status;
+}
+
+sl_status sl_measure_bounces(const sl_scene *scene, const sl_settings *settings, sl_bounces_measured *found,
+                             sl_error *error) {
+    sl_settings asked = *settings;
+    sl_transport transport;
+    measuring m;
+    double light = 0.0, with_next = 0.0;
+    *found = (sl_bounces_measured){0};
+    asked.bounces = MOST_BOUNCES;
+    sl_status status = sl_method_transport(&asked, &transport, error);
+    const uint32_t most = transport.bounces; /* that the method can count */
+    if (status == SL_OK) status = begin(&m, scene, settings, error);
+    if (status != SL_OK) return status;
+    for (uint32_t n = 1; n <= most + 1 && status == SL_OK; n++) {
+        transport.bounces = n;
+        light = with_next;
+        status = measure(&m, &transport, &with_next, error);
+        if (n == 1) continue;
+        found->bounces = n - 1;
+        found->next = with_next > light ? (with_next - light) / with_next : 0.0;
+        if (found->next < that_matters) break;
+    }
+    sl_tracer_destroy(m.tracer);
+    return status;
+}
+
+sl_status sl_measure_left_out(const sl_scene *scene, const sl_settings *settings, double *share,
+                              sl_error *error) {
+    sl_transport mine, full;
+    measuring m;
+    double own = 0.0, all = 0.0;
+    *share = 0.0;
+    sl_transport_named("full", &full);
+    sl_status status = sl_method_transport(settings, &mine, error);
+    if (status == SL_OK) status = begin(&m, scene, settings, error);
+    if (status != SL_OK) return status;
+    status = measure(&m, &mine, &own, error);
+    if (status == SL_OK) status = measure(&m, &full, &all, error);
+    sl_tracer_destroy(m.tracer);
+    *share = all > 0.0 && isfinite(own) && isfinite(all) ? 1.0 - own / all : 0.0;
+    return status;
+}

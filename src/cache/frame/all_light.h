@@ -1,0 +1,26 @@
+/* How much of a picture's light a method finds, measured by a few thousand paths: lamps and sky as they are
+ * seen are left out, since they are the same whatever is counted. */
+#ifndef SL_FRAME_ALL_LIGHT_H
+#define SL_FRAME_ALL_LIGHT_H
+
+#include "cache/frame/settings.h"
+#include "scene/scene.h"
+
+/* Tells whether the method, or the one whose paths a tracer takes, counts as many bounces as it is asked for.
+ */
+bool sl_has_bounces(const sl_settings *settings);
+
+typedef struct sl_bounces_measured {
+    uint32_t bounces; /* so many that one more adds less than half a per cent; 64 at most */
+    double next;      /* the share that one more adds */
+} sl_bounces_measured;
+
+/* settings->bounces is not looked at. The same numbers at any number of threads. */
+sl_status sl_measure_bounces(const sl_scene *scene, const sl_settings *settings, sl_bounces_measured *found,
+                             sl_error *error);
+/* *share: by which light of the settings' own paths is less than that of all paths; below 0 where it is more.
+ */
+sl_status sl_measure_left_out(const sl_scene *scene, const sl_settings *settings, double *share,
+                              sl_error *error);
+
+#endif
