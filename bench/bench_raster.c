@@ -1,6 +1,6 @@
 /* The simulated raster hardware beside OSMesa (Mesa's llvmpipe).
  *
- *     build/bench/bench_raster [--threads N] [--only TEXT] [--ours] [--csv] [--brief]
+ *     build/bench/bench_raster [--threads N] [--only TEXT] [--ours] [--brief]
  *
  * Every workload runs on ours and on OSMesa in turn: same triangles, matrices, resolution and number of
  * threads. OSMesa gets indexed triangles with shared vertices in static buffers, in one draw call a view. Its
@@ -67,12 +67,12 @@ static void all_tables(const options *o) {
              m.threads > 1 ? "wall time" : "processor time", missing ? missing : peer_name());
     measure_head(&m, title);
     all_rows(&m, scene, o->brief ? 1 : 3);
-    if (!m.csv) printf("%d of %d rows miss what is wanted\n", m.missed, m.rows);
+    printf("%d of %d rows miss what is wanted\n", m.missed, m.rows);
     for (int k = 0; k < 3; k++) bench_scene_close(&scene[k]);
 }
 
 static void usage(void) {
-    fprintf(stderr, "usage: bench_raster [--threads N] [--only TEXT] [--ours] [--csv] [--brief]\n");
+    fprintf(stderr, "usage: bench_raster [--threads N] [--only TEXT] [--ours] [--brief]\n");
     exit(2);
 }
 
@@ -84,8 +84,6 @@ static options parse(int argc, char **argv) {
             o.both = false;
         } else if (!strcmp(argv[i], "--only") && i + 1 < argc) {
             o.measurer.only = argv[++i];
-        } else if (!strcmp(argv[i], "--csv")) {
-            o.measurer.csv = true;
         } else if (!strcmp(argv[i], "--ours")) {
             o.ours = true;
         } else if (!strcmp(argv[i], "--brief")) {

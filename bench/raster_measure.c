@@ -88,12 +88,6 @@ static figures measure(const workload *w, unsigned threads) {
 bool measure_wants(const measurer *m, const char *name) { return !m->only || strstr(name, m->only); }
 
 void measure_head(const measurer *m, const char *title) {
-    if (m->csv) {
-        printf("workload,threads,ours ms,spread,ours on one thread ms,OSMesa ms,spread,OSMesa drawing "
-               "ms,ratio,wanted,differing,"
-               "units a second\n");
-        return;
-    }
     printf("\n%s\n%-42s %10s %5s", title, "ms a render", "ours", "+-%");
     if (m->threads > 1) printf(" %10s %8s", "one thread", "speed-up");
     printf(" %10s %5s %10s %7s %7s  %-6s %9s\n", "OSMesa", "+-%", "drawing", "ratio", "wanted", "",
@@ -102,12 +96,6 @@ void measure_head(const measurer *m, const char *title) {
 
 static double wanted_of(const measurer *m, const workload *w) {
     return m->threads == 1 ? w->wanted : w->alone ? 0.0 : wanted_speed_up;
-}
-
-static void print_csv(const measurer *m, const workload *w, const figures *f) {
-    printf("\"%s\",%u,%.5g,%.3f,%.5g,%.5g,%.3f,%.5g,%.3g,%.3g,%.3g,%.4g\n", w->name, m->threads, f->ours,
-           f->ours_spread, f->ours_one_thread, f->peer, f->peer_spread, f->peer_drawing, f->peer / f->ours,
-           wanted_of(m, w), f->differing, 1e3 * w->units / f->ours);
 }
 
 static void print_row(const measurer *m, const workload *w, const figures *f, bool missed) {
@@ -136,8 +124,7 @@ figures measure_row(measurer *m, workload *w) {
     bool missed = reached < wanted_of(m, w);
     m->rows++;
     m->missed += missed;
-    if (m->csv) print_csv(m, w, &f);
-    else print_row(m, w, &f, missed);
+    print_row(m, w, &f, missed);
     fflush(stdout);
     peer_destroy(w->peer);
     w->peer = NULL;

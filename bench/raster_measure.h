@@ -29,7 +29,6 @@ typedef struct figures {
 
 typedef struct measurer {
     unsigned threads;
-    bool csv;
     const char *only;               /* rows whose name contains it, or NULL */
     int rows, missed;
 } measurer;

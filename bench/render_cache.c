@@ -1,12 +1,12 @@
 #include "render_cache.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/error.h"
 #include "base/math.h"
+#include "base/memory.h"
 #include "base/random.h"
+#include "common.h"
 
 /* ages end there: a pixel that shows something never comes before one that shows nothing */
 enum { OLD = 127,
@@ -15,7 +15,7 @@ enum { OLD = 127,
        OLD_BY_TIME = 16,
        AGED_BY_CHANGE = 80, /* what a sample that found another colour adds to the ages around it */
        YOUNG = 8,           /* what is younger than that has most likely seen the change itself */
-       CHANGE_REACH = 3,    /* pixels */
+       CHANGE_RADIUS = 3,    /* pixels */
        GROUP = 8 };         /* slots looked at for the oldest point */
 
 static const float near_share = 0.95f;    /* a neighbour is nearer where its depth is below this share */
@@ -57,38 +57,31 @@ void render_cache_destroy(render_cache *c) {
     if (!c) return;
     void *const all[] = {c->point,    c->shown,    c->depth,  c->kept,    c->picture, c->pyramid, c->priority,
                          c->error[0], c->error[1], c->chosen, c->request, c->sample,  c->part,    c->fresh};
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) free(all[i]);
-    free(c);
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
+    sl_free(c);
 }
 
-sl_status render_cache_create(const render_cache_settings *settings, render_cache **cache, sl_error *error) {
-    render_cache *c = calloc(1, sizeof *c);
-    if (!c) return sl_fail_memory(error, "a render cache");
+render_cache *render_cache_create(const render_cache_settings *settings) {
+    render_cache *c = bench_allocate(1, sizeof *c);
     c->s = *settings;
     c->pixels = (size_t)settings->width * (size_t)settings->height;
     c->capacity = c->pixels + c->pixels / 2 + GROUP; /* one and a half points a pixel */
     size_t samples = most_samples(settings);
-    c->point = calloc(c->capacity, sizeof *c->point);
-    c->shown = calloc(c->pixels, sizeof *c->shown);
-    c->depth = calloc(c->pixels, sizeof *c->depth);
-    c->kept = calloc(c->pixels, sizeof *c->kept);
-    c->picture = calloc(3 * c->pixels, sizeof *c->picture);
-    c->pyramid =
-        calloc(8 * c->pixels + 64 * (size_t)(settings->width + settings->height), sizeof *c->pyramid);
-    c->priority = calloc(c->pixels, sizeof *c->priority);
-    for (int i = 0; i < 2; i++) c->error[i] = calloc((size_t)settings->width, sizeof **c->error);
-    c->chosen = calloc(samples, sizeof *c->chosen);
-    c->request = calloc(samples, sizeof *c->request);
-    c->sample = calloc(samples, sizeof *c->sample);
-    c->part = calloc(samples, sizeof *c->part);
-    c->fresh = calloc(samples, sizeof *c->fresh);
-    if (!c->point || !c->shown || !c->depth || !c->kept || !c->picture || !c->pyramid || !c->priority ||
-        !c->error[0] || !c->error[1] || !c->chosen || !c->request || !c->sample || !c->part || !c->fresh) {
-        render_cache_destroy(c);
-        return sl_fail_memory(error, "a render cache");
-    }
-    *cache = c;
-    return SL_OK;
+    c->point = bench_allocate(c->capacity, sizeof *c->point);
+    c->shown = bench_allocate(c->pixels, sizeof *c->shown);
+    c->depth = bench_allocate(c->pixels, sizeof *c->depth);
+    c->kept = bench_allocate(c->pixels, sizeof *c->kept);
+    c->picture = bench_allocate(3 * c->pixels, sizeof *c->picture);
+    c->pyramid = bench_allocate(8 * c->pixels + 64 * (size_t)(settings->width + settings->height),
+                                sizeof *c->pyramid);
+    c->priority = bench_allocate(c->pixels, sizeof *c->priority);
+    for (int i = 0; i < 2; i++) c->error[i] = bench_allocate((size_t)settings->width, sizeof **c->error);
+    c->chosen = bench_allocate(samples, sizeof *c->chosen);
+    c->request = bench_allocate(samples, sizeof *c->request);
+    c->sample = bench_allocate(samples, sizeof *c->sample);
+    c->part = bench_allocate(samples, sizeof *c->part);
+    c->fresh = bench_allocate(samples, sizeof *c->fresh);
+    return c;
 }
 
 void render_cache_edit(render_cache *c, unsigned changes) {
@@ -424,7 +417,7 @@ static bool looks_otherwise(const float a[3], const float b[3]) {
 }
 
 static void age_around(render_cache *c, uint32_t pixel) {
-    window w = window_around(c, pixel, CHANGE_REACH);
+    window w = window_around(c, pixel, CHANGE_RADIUS);
     for (int y = w.y0; y <= w.y1; y++) {
         for (int x = w.x0; x <= w.x1; x++) {
             uint32_t at = c->kept[(size_t)y * (size_t)c->s.width + (size_t)x];
@@ -464,27 +457,18 @@ void render_cache_frame(render_cache *c, sl_counters *counters) {
     c->frames++;
 }
 
-sl_status render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels,
-                                 float *values, sl_error *error) {
+void render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels,
+                            float *values) {
     render_cache_settings s = *settings;
     sl_counters counters = {{0}};
-    render_cache *c;
     s.samples = (int)count;
-    sl_status status = render_cache_create(&s, &c, error);
-    if (status != SL_OK) return status;
+    render_cache *c = render_cache_create(&s);
     memcpy(c->chosen, pixels, count * sizeof *pixels);
     find_points(c, count, &counters);
     shade_points(c, count, &counters);
     for (size_t i = 0; i < count; i++) memcpy(values + 3 * i, c->fresh[i].color, sizeof c->fresh[i].color);
     render_cache_destroy(c);
-    return SL_OK;
 }
 
 const float *render_cache_picture(const render_cache *c) { return c->picture; }
 uint64_t render_cache_samples(const render_cache *c) { return c->samples; }
-
-double render_cache_covered(const render_cache *c) {
-    size_t covered = 0;
-    for (size_t i = 0; i < c->pixels; i++) covered += c->kept[i] != SL_NO_INDEX;
-    return (double)covered / (double)c->pixels;
-}

@@ -24,7 +24,8 @@ typedef struct render_cache_settings {
     uint64_t seed;
 } render_cache_settings;
 
-sl_status render_cache_create(const render_cache_settings *settings, render_cache **cache, sl_error *error);
+/* Ends the program where there is no memory. */
+render_cache *render_cache_create(const render_cache_settings *settings);
 void render_cache_destroy(render_cache *cache);
 /* The scene has changed, as told to sl_method_edit(). */
 void render_cache_edit(render_cache *cache, unsigned changes);
@@ -36,12 +37,10 @@ void render_cache_frame(render_cache *cache, sl_counters *counters);
 void render_cache_show(render_cache *cache, bool wide_fill);
 /* No cache at all: what the renderers say of pixels' centres, 3 values each. Of the settings samples and
  * points do not matter. */
-sl_status render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels,
-                                 float *values, sl_error *error);
+void render_cache_reference(const render_cache_settings *settings, size_t count, const uint32_t *pixels,
+                            float *values);
 /* Radiance of the last frame: three planes, row 0 at the top. */
 const float *render_cache_picture(const render_cache *cache);
-/* Points that pixels show; 1 everywhere: no gap left. */
-double render_cache_covered(const render_cache *cache);
 /* Of all frames together. */
 uint64_t render_cache_samples(const render_cache *cache);
 

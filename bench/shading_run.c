@@ -96,14 +96,12 @@ static render_cache_settings rival_settings(const shading_world *w, int samples)
 }
 
 void shading_judge(shading_world *w, int block) {
-    sl_error error;
     forget_pixels(w);
     bench_pixels_make(w->scene, w->tracer, w->settings.width, w->settings.height, block, &w->pixels);
     size_t count = w->pixels.count;
     w->limit = bench_allocate(3 * count + 1, sizeof *w->limit);
     render_cache_settings s = rival_settings(w, 1);
-    if (render_cache_reference(&s, count, w->pixels.index, w->limit, &error) != SL_OK)
-        bench_fail("reference", &error);
+    render_cache_reference(&s, count, w->pixels.index, w->limit);
 }
 
 double shading_error(shading_world *w, const float *planes) {
@@ -168,10 +166,7 @@ double shading_run_error(shading_run *run) {
 
 render_cache *shading_rival(const shading_world *w, int samples) {
     render_cache_settings s = rival_settings(w, samples);
-    render_cache *cache;
-    sl_error error;
-    if (render_cache_create(&s, &cache, &error) != SL_OK) bench_fail("RenderCache", &error);
-    return cache;
+    return render_cache_create(&s);
 }
 
 double shading_rival_error(shading_world *w, render_cache *cache, bool wide_fill) {

@@ -44,7 +44,7 @@ static void make_cache(world *w, int samples, unsigned threads) {
                                .samples = samples,
                                .threads = threads,
                                .seed = 1};
-    assert_int_equal(render_cache_create(&s, &w->cache, NULL), SL_OK);
+    w->cache = render_cache_create(&s);
 }
 
 static void close_world(world *w) {
@@ -124,7 +124,6 @@ static void a_view_at_rest_becomes_right_in_every_pixel(void **state) {
     world w = open_world("scenes/cornell.json");
     make_cache(&w, SIZE * SIZE / 16, 1);
     run_frames(&w, 16 + 12);
-    assert_true(render_cache_covered(w.cache) == 1.0);
     assert_true(share_right(&w, SL_NO_INDEX) > 0.999); /* a ray along an edge may see either side of it */
     close_world(&w);
 }
