@@ -32,6 +32,7 @@ void sl_displayed_destroy(sl_displayed *d) {
     if (!d) return;
     sl_patches_destroy(d->mesh);
     sl_free(d->first);
+    sl_free(d->order);
     sl_free(d->heap);
     sl_free(d->heap_place);
     sl_free(d);
@@ -39,7 +40,7 @@ void sl_displayed_destroy(sl_displayed *d) {
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {
     return sizeof *d + sl_patches_memory_bytes(d->mesh)
-           + (d->patch_capacity + 2 * d->heap_capacity) * sizeof(uint32_t);
+           + (d->patch_capacity + d->order_capacity + 2 * d->heap_capacity) * sizeof(uint32_t);
 }
 
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
@@ -53,18 +54,21 @@ sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
 
 /* ---- pixels down the quadtrees ---- */
 
-/* Children have ranges of paths: the lowest two bits that the parent's level leaves open. */
+/* Each child's pixels lie together, and so do those of the whole node. */
 void sl_displayed_hand_down(sl_displayed *d, const sl_patch_place *place) {
     const sl_visible_pixels *pixels = d->pixels;
     sl_patch *node = &d->mesh->patch[place->patch], *child = &d->mesh->patch[node->child];
-    uint32_t at = d->first[place->patch], end = at + node->pixels,
-             shift = 2u * (uint32_t)(SL_PATH_LEVELS - 1 - place->depth);
-    uint32_t above = node->pixels ? pixels->path[at] >> (shift + 2) << (shift + 2) : 0;
-    for (uint32_t c = 0; c < 4; c++) {
-        uint32_t next = c == 3 ? end : sl_visible_from_path(pixels, at, end, above + ((c + 1) << shift));
-        d->first[node->child + c] = at;
-        child[c].pixels = next - at;
-        at = next;
+    uint32_t at = d->first[place->patch], end = at + node->pixels;
+    for (int c = 0; c < 4; c++) {
+        d->first[node->child + (uint32_t)c] = at;
+        for (uint32_t i = at; i < end; i++) {
+            uint32_t pixel = d->order[i];
+            double w1 = (double)pixels->w1[pixel], w2 = (double)pixels->w2[pixel];
+            if (sl_patch_child_at(place, w1, w2) != c) continue;
+            d->order[i] = d->order[at];
+            d->order[at++] = pixel;
+        }
+        child[c].pixels = at - d->first[node->child + (uint32_t)c];
     }
 }
 
@@ -99,6 +103,8 @@ static void see_share(void *context, size_t share, unsigned worker) {
         if (!sl_displayed_wants(d, e)) continue;
         sl_patch_place root = sl_patch_root_place(d->mesh, pixels->face[e].face);
         d->first[root.patch] = pixels->face[e].first;
+        for (uint32_t i = 0; i < pixels->face[e].count; i++)
+            d->order[pixels->face[e].first + i] = pixels->face[e].first + i;
         d->mesh->patch[root.patch].pixels = pixels->face[e].count;
         see_below(d, &root);
     }
@@ -107,7 +113,13 @@ static void see_share(void *context, size_t share, unsigned worker) {
 /* ---- a new view ---- */
 
 static sl_status reserve(sl_displayed *d, sl_error *error) {
-    size_t entries = d->pixels->face_count;
+    size_t entries = d->pixels->face_count, pixels = d->pixels->count;
+    if (pixels > d->order_capacity || !d->order) {
+        sl_free(d->order);
+        d->order = sl_allocate_unset(pixels, sizeof *d->order);
+        d->order_capacity = d->order ? pixels : 0;
+        if (!d->order) return sl_fail_memory(error, "displayed mesh");
+    }
     if (entries > d->heap_capacity || !d->heap) {
         sl_free(d->heap);
         sl_free(d->heap_place);
@@ -202,27 +214,18 @@ typedef struct draw_job {
     uint64_t redrawn[SL_VISIBLE_SHARES]; /* pixels */
 } draw_job;
 
-/* Values of the nearest of a leaf and its ancestors whose corners are known. */
-static bool find_fan(const sl_displayed *d, sl_patch_place *place, sl_mesh_fan *fan) {
-    while (!sl_mesh_fan_make(d->mesh, place, d->settings.hanging, fan)) {
-        uint32_t parent = sl_patch_parent(d->mesh, place->patch);
-        if (parent == SL_NO_INDEX) return false;
-        *place = sl_patch_place_of(d->mesh, parent);
-    }
-    return true;
-}
-
 static void draw_leaf(const draw_job *job, const sl_patch_place *leaf) {
     const sl_visible_pixels *pixels = job->d->pixels;
-    uint32_t first = job->d->first[leaf->patch], count = job->d->mesh->patch[leaf->patch].pixels;
+    uint32_t count = job->d->mesh->patch[leaf->patch].pixels;
     sl_patch_place shown = *leaf;
     sl_mesh_fan fan;
-    bool known = find_fan(job->d, &shown, &fan);
-    for (uint32_t i = first; i < first + count; i++) {
+    bool known = sl_mesh_fan_shown(job->d->mesh, &shown, job->d->settings.hanging, &fan);
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t i = sl_displayed_pixel(job->d, leaf->patch, k);
         float value[3] = {job->fallback.r, job->fallback.g, job->fallback.b}, w1, w2;
         sl_mesh_weights_within(&shown, pixels->w1[i], pixels->w2[i], &w1, &w2);
         if (known) sl_mesh_fan_value(&fan, w1, w2, value);
-        for (int k = 0; k < 3; k++) job->planes[k][pixels->pixel[i]] = value[k];
+        for (int c = 0; c < 3; c++) job->planes[c][pixels->pixel[i]] = value[c];
     }
 }
 

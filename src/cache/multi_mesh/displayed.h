@@ -64,9 +64,9 @@ typedef struct sl_displayed {
     sl_displayed_settings settings;
     sl_patches *mesh;                /* its own; 3 channels */
     const sl_visible_pixels *pixels; /* of the view as it stands, or NULL */
-    /* by node: its pixels are first .. first + node.pixels in pixels' arrays; */
-    uint32_t *first;
-    size_t patch_capacity;
+    uint32_t *order;              /* indices into pixels' arrays, those of a node together */
+    uint32_t *first;              /* by node: where its own begin in `order` */
+    size_t order_capacity, patch_capacity;
     /* selection */
     uint32_t *heap;               /* entries of pixels->face, highest priority on top, lower face on a tie */
     uint32_t *heap_place;         /* by entry; SL_NO_INDEX: the component does not want it */
@@ -165,6 +165,10 @@ static inline void sl_mesh_set_probed_size(sl_patch *node, float size) {
 
 /* ---- between the parts: displayed.c ---- */
 
+/* Returns the index into pixels' arrays of the k-th pixel of a node. */
+static inline uint32_t sl_displayed_pixel(const sl_displayed *d, uint32_t node, uint32_t k) {
+    return d->order[d->first[node] + k];
+}
 /* Hands a node's pixels to its children. */
 void sl_displayed_hand_down(sl_displayed *d, const sl_patch_place *place);
 /* Room for what goes with nodes, after the mesh has grown. */
@@ -250,13 +254,6 @@ bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_patch_place
 
 void sl_displayed_heap_build(sl_displayed *d);
 void sl_displayed_heap_update(sl_displayed *d, uint32_t entry);
-
-/* ---- refine.c: edges ---- */
-
-/* Tests the edge's middle and those of its parts, as far as they are known. */
-sl_edge_state sl_displayed_test_edge(const sl_displayed *d, const sl_patch_place *place, int edge);
-/* The edge's middle has become known: leaves beyond the edge are drawn again, and split if they can tell. */
-void sl_displayed_tell_neighbours(sl_displayed *d, uint32_t middle);
 
 /* A leaf's vertices or those on its edges have changed: it is drawn again. */
 static inline void sl_displayed_mark(sl_displayed *d, uint32_t leaf) {

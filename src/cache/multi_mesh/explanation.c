@@ -1,7 +1,5 @@
 /* The explanation of a pixel: image passes 3 and 4 told backwards. In each mesh the pixel lies in a leaf; the
  * leaf's corners and what lies on its edges add weight times value times what the surface reflects. */
-#include <stdlib.h>
-
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/multi_mesh/direct.h"
@@ -25,18 +23,6 @@ static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel
         }
     }
     return false;
-}
-
-/* Finds the leaf, or the nearest patch above it whose corners are sampled and one is of use, as it is drawn.
- */
-static bool find_shown(const sl_displayed *d, sl_patch_place *place) {
-    sl_mesh_fan fan;
-    while (!sl_mesh_fan_make(d->mesh, place, false, &fan)) {
-        uint32_t parent = sl_patch_parent(d->mesh, place->patch);
-        if (parent == SL_NO_INDEX) return false;
-        *place = sl_patch_place_of(d->mesh, parent);
-    }
-    return true;
 }
 
 /* Gives the ends of the piece of an edge on which a point lies; returns how far along that it is. */
@@ -114,11 +100,10 @@ static void tell_vertex(const telling *t, sl_component part, uint32_t vertex, do
     const sl_patches *mesh = t->s->part[part]->mesh;
     sl_explanation_term term = {
         .layer = layers[part], .kind = kinds[part], .index = vertex, .placed = true, .weight = weight};
-    sl_mesh_point point;
-    point = sl_mesh_point_of(mesh, vertex);
-    term.position[0] = point.position.x;
-    term.position[1] = point.position.y;
-    term.position[2] = point.position.z;
+    sl_vec3 position = sl_vertex_position(mesh, vertex);
+    term.position[0] = position.x;
+    term.position[1] = position.y;
+    term.position[2] = position.z;
     for (int k = 0; k < 3; k++) {
         term.value[k] = sl_vertex_value(mesh, vertex)[k];
         term.contribution[k] = weight * (double)term.value[k] * (double)reflectance[k];
@@ -147,7 +132,8 @@ static void tell_part(const telling *t, sl_component part) {
     reflectance_of(t, part, reflectance);
     float w1 = d->pixels->w1[at], w2 = d->pixels->w2[at];
     sl_patch_place place = sl_mesh_locate(d->mesh, face, w1, w2);
-    if (!find_shown(d, &place)) {
+    sl_mesh_fan fan;
+    if (!sl_mesh_fan_shown(d->mesh, &place, false, &fan)) {
         if (part == SL_INDIRECT) tell_ambient(t, reflectance);
         return;
     }
@@ -173,73 +159,30 @@ sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_wr
 
 /* ---- edges ---- */
 
-typedef struct edges {
-    uint64_t *pair;         /* two vertices, the lower one in the upper half */
-    size_t count, room;
-} edges;
+typedef struct marking {
+    const sl_multi_mesh_state *s;
+    const sl_patches *mesh;
+    sl_rgb light;           /* of a mesh of one channel, its light's colour */
+} marking;
 
-static void put_edge(edges *e, uint32_t a, uint32_t b) {
-    if (e->count < e->room) e->pair[e->count++] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+static bool is_in_view(const void *context, uint32_t leaf) {
+    const marking *m = context;
+    return m->s->visible->entry_of_face[sl_patch_root(m->mesh, leaf)] != SL_NO_INDEX;
 }
 
-/* Puts the edges of all leaves below a node: the middle one of four has none of its own. */
-static void put_edges_below(const sl_patches *mesh, edges *e, uint32_t node) {
-    const sl_patch *n = &mesh->patch[node];
-    if (n->child == SL_NO_INDEX) {
-        for (int c = 0; c < 3; c++)
-            put_edge(e, sl_patch_corner(mesh, node, c), sl_patch_corner(mesh, node, (c + 1) % 3));
-        return;
-    }
-    for (int c = 0; c < 4; c++)
-        if (c < 3 || !sl_patch_is_leaf(mesh, n->child + 3)) put_edges_below(mesh, e, n->child + (uint32_t)c);
-}
-
-static int by_vertices(const void *a, const void *b) {
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return x < y ? -1 : x > y;
-}
-
-/* Each edge once, though two leaves have it. */
-static void sort_edges(edges *e) {
-    size_t kept = 0;
-    qsort(e->pair, e->count, sizeof *e->pair, by_vertices);
-    for (size_t i = 0; i < e->count; i++)
-        if (i == 0 || e->pair[i] != e->pair[i - 1]) e->pair[kept++] = e->pair[i];
-    e->count = kept;
-}
-
-/* colour: of a mesh of one channel, its light's. */
-static sl_rgb value_at(const sl_patches *mesh, sl_rgb colour, uint32_t vertex) {
-    const float *v = sl_vertex_value(mesh, vertex);
-    return mesh->settings.channels == 3 ? (sl_rgb){v[0], v[1], v[2]} : sl_rgb_scale(colour, v[0]);
-}
-
-static sl_mark mark_of(const sl_patches *mesh, sl_rgb light, uint64_t pair) {
-    uint32_t a = (uint32_t)(pair >> 32), b = (uint32_t)pair;
-    sl_mesh_point from, to;
-    from = sl_mesh_point_of(mesh, a);
-    to = sl_mesh_point_of(mesh, b);
-    sl_rgb colour = sl_rgb_scale(sl_rgb_add(value_at(mesh, light, a), value_at(mesh, light, b)), 0.5f);
-    return (sl_mark){.kind = SL_MARK_SEGMENT,
-                     .at = {from.position.x, from.position.y, from.position.z},
-                     .to = {to.position.x, to.position.y, to.position.z},
-                     .colour = {colour.r, colour.g, colour.b}};
+static sl_rgb value_at(const void *context, uint32_t vertex) {
+    const marking *m = context;
+    const float *v = sl_vertex_value(m->mesh, vertex);
+    return m->mesh->settings.channels == 3 ? (sl_rgb){v[0], v[1], v[2]} : sl_rgb_scale(m->light, v[0]);
 }
 
 static void announce_mesh(sl_multi_mesh_state *s, const sl_patches *mesh, sl_rgb light, const char *name) {
-    const sl_visible_pixels *pixels = s->visible;
-    edges e = {.room = 3 * mesh->leaves_alive};
-    sl_mark *mark = pixels && e.room ? sl_allocate(e.room, sizeof *mark) : NULL;
-    e.pair = mark ? sl_allocate(e.room, sizeof *e.pair) : NULL;
-    for (size_t f = 0; e.pair && f < pixels->face_count; f++) {
-        uint32_t root = sl_patches_find_root(mesh, pixels->face[f].face);
-        if (root != SL_NO_INDEX) put_edges_below(mesh, &e, root);
-    }
-    if (e.count) sort_edges(&e);
-    for (size_t i = 0; i < e.count; i++) mark[i] = mark_of(mesh, light, e.pair[i]);
-    if (e.count) sl_announce_marks(&s->announcer, name, "multiple meshes", mark, e.count);
-    sl_free(e.pair);
-    sl_free(mark);
+    const marking m = {s, mesh, light};
+    size_t count;
+    if (!s->visible) return;
+    sl_mark *marks = sl_patches_edge_marks(mesh, &(sl_edge_marking){is_in_view, value_at, &m}, &count);
+    if (count) sl_announce_marks(&s->announcer, name, "multiple meshes", marks, count);
+    sl_free(marks);
 }
 
 void sl_multi_mesh_announce_edges(sl_multi_mesh_state *s, sl_component part) {

@@ -50,64 +50,43 @@ static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_ro
     return true;
 }
 
+typedef struct light_edge {
+    const sl_irradiance_meshes *meshes;
+    uint32_t light;
+} light_edge;
+
 /* Returns the radiance that an irradiance F of the light makes a face show: diffuse and, as bright as it can
  * be, its highlight; beside the ambient light. */
-static sl_rgb shown(const sl_irradiance_meshes *m, uint32_t light, uint32_t face, float share) {
-    const sl_scene *scene = m->settings.scene;
+static sl_rgb shown(const light_edge *e, uint32_t face, float share) {
+    const sl_irradiance_settings *settings = &e->meshes->settings;
+    const sl_scene *scene = settings->scene;
     const sl_material *material = &scene->materials[scene->material_index[face / 2]];
     sl_rgb lobe = sl_rgb_scale(material->specular, 0.5f * (material->exponent + 2.0f));
     sl_rgb reflected = sl_rgb_mul(sl_rgb_add(material->diffuse, lobe),
-                                  sl_rgb_scale(m->settings.lights->light[light].colour, share));
-    sl_rgb ambient = sl_rgb_mul(material->diffuse, m->settings.ambient);
+                                  sl_rgb_scale(settings->lights->light[e->light].colour, share));
+    sl_rgb ambient = sl_rgb_mul(material->diffuse, settings->ambient);
     return sl_rgb_scale(sl_rgb_add(reflected, ambient), (float)(1.0 / SL_PI));
 }
 
-/* Tests the value in an edge's middle against the mean of its ends. A vertex inside other geometry bounds
- * what is hidden: the edge is cut. */
-static sl_edge_state test_edge(const sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place,
-                               int edge, uint32_t middle) {
-    const sl_patches *mesh = m->mesh[light];
-    uint32_t a = sl_patch_corner(mesh, place->patch, (edge + 1) % 3),
-             b = sl_patch_corner(mesh, place->patch, (edge + 2) % 3);
-    if (sl_mesh_state(mesh, a) == SL_VERTEX_INVALID || sl_mesh_state(mesh, b) == SL_VERTEX_INVALID ||
-        sl_mesh_state(mesh, middle) == SL_VERTEX_INVALID)
-        return SL_EDGE_SPLIT;
-    float mean = 0.5f * (*sl_vertex_value(mesh, a) + *sl_vertex_value(mesh, b));
-    sl_rgb interpolated = shown(m, light, place->root, mean),
-           computed = shown(m, light, place->root, *sl_vertex_value(mesh, middle));
-    return sl_display_contrast(&m->settings.perception, interpolated, computed) > TOLERANCE ? SL_EDGE_SPLIT
-                                                                                            : SL_EDGE_CLOSED;
+static bool differs(const void *context, uint32_t face, float w1, float w2, const float *mean,
+                    const float *value) {
+    (void)w1;
+    (void)w2;
+    const light_edge *e = context;
+    if (*mean == *value) return false;
+    return sl_display_contrast(&e->meshes->settings.perception, shown(e, face, *mean),
+                               shown(e, face, *value)) > TOLERANCE;
 }
 
-/* Tells whether all that is known on a closed edge agrees with its ends. An edge is closed with the one that
- * it is half of, or has been tested by its middle; since then someone may have asked for more of it. */
-static bool still_agrees(const sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place,
-                         int edge) {
-    const sl_patches *mesh = m->mesh[light];
-    uint32_t a = sl_patch_corner(mesh, place->patch, (edge + 1) % 3),
-             b = sl_patch_corner(mesh, place->patch, (edge + 2) % 3);
-    sl_edge_vertices on;
-    sl_mesh_edge_vertices(mesh, place, edge, &on);
-    for (int i = 0; i < on.count; i++) {
-        float along = (float)on.at[i] / (float)(1 << SL_FAN_LEVELS),
-              linear =
-                  *sl_vertex_value(mesh, a) + along * (*sl_vertex_value(mesh, b) - *sl_vertex_value(mesh, a));
-        float value = *sl_vertex_value(mesh, on.vertex[i]);
-        if (value == linear) continue;
-        if (sl_display_contrast(&m->settings.perception, shown(m, light, place->root, linear),
-                                shown(m, light, place->root, value)) > TOLERANCE)
-            return false;
-    }
-    return true;
-}
-
-/* Tells whether all three edges are closed, and nothing has been found on them since. */
+/* Tells whether all three edges are closed, and nothing has been found on them since: an edge is closed with
+ * the one that it is half of, or has been tested by its middle, and then someone may have asked for more of
+ * it. */
 static bool is_confident(const sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place) {
     const sl_patches *mesh = m->mesh[light];
+    const light_edge edge = {m, light};
+    if (!sl_all_edges_closed(&mesh->patch[place->patch])) return false;
     for (int i = 0; i < 3; i++)
-        if (sl_edge_of(&mesh->patch[place->patch], i) != SL_EDGE_CLOSED) return false;
-    for (int i = 0; i < 3; i++)
-        if (!still_agrees(m, light, place, i)) return false;
+        if (sl_mesh_edge_differs(mesh, place, i, SL_NO_INDEX, &(sl_edge_test){differs, &edge})) return false;
     return true;
 }
 
@@ -135,10 +114,11 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_p
         complete = false;
     }
     if (!complete) return FETCH_PENDING;
+    const light_edge edge = {m, light};
     for (int i = 0; i < 3; i++) {
         if (sl_edge_of(&mesh->patch[place->patch], i) == SL_EDGE_UNTESTED)
             sl_set_edge(&mesh->patch[place->patch], i,
-                           test_edge(m, light, place, i, sl_mesh_find_middle(mesh, place, i)));
+                        sl_mesh_test_edge(mesh, place, i, &(sl_edge_test){differs, &edge}));
     }
     return FETCH_READY;
 }

@@ -20,45 +20,34 @@ typedef struct resolving {
     sl_materials_seen *out;
 } resolving;
 
-/* Tells whether the eye sees the front: at all of a triangle's points it sees the same side. */
-static bool front_is_seen(const sl_scene *scene, uint32_t triangle, sl_vec3 eye) {
+/* At all of a triangle's points the eye sees the same side. */
+static sl_rgb emission_seen(const resolving *r, size_t row, size_t column, uint32_t triangle) {
+    const sl_scene *scene = r->scene;
+    if (triangle == SL_NO_INDEX)
+        return sl_environment_radiance(
+            &scene->environment, sl_view_direction(r->view, (double)column + 0.5, (double)row + 0.5));
     sl_vec3 corner = sl_scene_position(scene, scene->vertex[0][triangle]);
-    return sl_dot(sl_scene_geometric_normal(scene, triangle), sl_sub(eye, corner)) > 0.0f;
+    return sl_scene_emission(scene, triangle, sl_sub(r->view->origin, corner));
 }
 
-static sl_rgb emission_seen(const sl_scene *scene, const sl_view *view, uint32_t pixel, uint32_t triangle) {
-    if (triangle == SL_NO_INDEX) {
-        int x = (int)(pixel % (uint32_t)view->width), y = (int)(pixel / (uint32_t)view->width);
-        return scene->environment.present
-                   ? sl_environment_radiance(&scene->environment, sl_view_direction(view, x, y))
-                   : sl_grey(0.0f);
-    }
-    const sl_material *material = &scene->materials[scene->material_index[triangle]];
-    if (!sl_material_is_emitter(material)) return sl_grey(0.0f);
-    return material->emission_two_sided || front_is_seen(scene, triangle, view->origin) ? material->emission
-                                                                                        : sl_grey(0.0f);
+static void put(float *const planes[3], size_t pixel, sl_rgb colour) {
+    planes[0][pixel] = colour.r;
+    planes[1][pixel] = colour.g;
+    planes[2][pixel] = colour.b;
 }
 
 static void resolve_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const resolving *r = context;
     size_t width = (size_t)r->out->width;
-    for (size_t i = row * width; i < (row + 1) * width; i++) {
-        uint32_t triangle = r->id[i];
-        if (r->out->specular[0]) {
-            sl_rgb ks = triangle == SL_NO_INDEX
-                            ? sl_grey(0.0f)
-                            : r->scene->materials[r->scene->material_index[triangle]].specular;
-            r->out->specular[0][i] = ks.r;
-            r->out->specular[1][i] = ks.g;
-            r->out->specular[2][i] = ks.b;
-        }
-        if (r->out->emission[0]) {
-            sl_rgb e = emission_seen(r->scene, r->view, (uint32_t)i, triangle);
-            r->out->emission[0][i] = e.r;
-            r->out->emission[1][i] = e.g;
-            r->out->emission[2][i] = e.b;
-        }
+    for (size_t column = 0; column < width; column++) {
+        size_t pixel = row * width + column;
+        uint32_t triangle = r->id[pixel];
+        bool none = triangle == SL_NO_INDEX;
+        if (r->out->specular[0])
+            put(r->out->specular, pixel,
+                none ? sl_grey(0.0f) : r->scene->materials[r->scene->material_index[triangle]].specular);
+        if (r->out->emission[0]) put(r->out->emission, pixel, emission_seen(r, row, column, triangle));
     }
 }
 

@@ -1,8 +1,6 @@
-/* Visible sizes (image pass 1): a counting sort of the id map's pixels by the faces that they show, and
- * within a face by the way down its quadtree. */
+/* Visible sizes (image pass 1): a counting sort of the id map's pixels by the faces that they show. */
 #include "cache/multi_mesh/pixels.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/counters.h"
@@ -11,17 +9,14 @@
 #include "base/parallel.h"
 #include "scene/surface_rules.h"
 
-enum { PATH_SHIFT = 32 };
-
 typedef struct sort_job {
     const sl_scene *scene;
     const sl_view *view;
     const uint32_t *id;
     size_t pixels;
     float *weight[2];          /* by pixel of the screen: of the triangle's corners 1 and 2, */
-    uint32_t *face, *path;     /* ... SL_NO_INDEX: none; the way down its quadtree */
-    uint32_t *next;            /* by face: how many pixels show it; then where its next key goes */
-    uint64_t *key;             /* path above pixel; by face */
+    uint32_t *face;            /* ... SL_NO_INDEX: none */
+    uint32_t *next;            /* by face: how many pixels show it; then where its next one goes */
     sl_visible_pixels *out;
 } sort_job;
 
@@ -39,41 +34,14 @@ static uint32_t side_of(const sort_job *j, uint32_t triangle, float w1, float w2
     return sl_side_seen(sl_scene_geometric_normal(s, triangle), sl_sub(j->view->origin, p)) < 0.0f;
 }
 
-enum { ONE = 1 << 24 };
-
-/* In [0, 1], 0 for NaN. */
-static int32_t whole(float weight) {
-    float clamped = weight > 0.0f ? weight : 0.0f;
-    return (int32_t)((clamped < 1.0f ? clamped : 1.0f) * (float)ONE);
-}
-
-/* Returns a point's way down a quadtree of triangles, two bits a level, the first in the highest ones. A
- * child that keeps corner i holds the points whose weight of it is above one half, and all their weights
- * double there, i's less one. Child 3, turned by half a turn, holds the rest: weights w become 1 - 2 w. In
- * whole numbers nothing is rounded on the way. */
-static uint32_t path_of(float w1, float w2) {
-    int32_t w[3] = {0, whole(w1), whole(w2)};
-    uint32_t path = 0;
-    w[0] = ONE - w[1] - w[2] > 0 ? ONE - w[1] - w[2] : 0;
-    for (int level = 0; level < SL_PATH_LEVELS; level++) {
-        for (int c = 0; c < 3; c++) w[c] *= 2;
-        uint32_t child = w[1] > ONE ? 1 : w[2] > ONE ? 2 : w[0] > ONE ? 0 : 3;
-        path = path << 2 | child;
-        for (int c = 0; c < 3 && child == 3; c++) w[c] = ONE - w[c];
-        if (child < 3) w[child] -= ONE;
-    }
-    return path;
-}
-
 static void look_at_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const sort_job *j = context;
     size_t width = (size_t)j->view->width;
     for (size_t i = row * width; i < (row + 1) * width; i++) {
-        float w1 = j->weight[0][i], w2 = j->weight[1][i];
         bool shows = j->id[i] != SL_NO_INDEX;
-        j->face[i] = shows ? 2 * j->id[i] + side_of(j, j->id[i], w1, w2) : SL_NO_INDEX;
-        j->path[i] = shows ? path_of(w1, w2) : 0;
+        j->face[i] = shows ? 2 * j->id[i] + side_of(j, j->id[i], j->weight[0][i], j->weight[1][i])
+                           : SL_NO_INDEX;
     }
 }
 
@@ -96,34 +64,14 @@ static sl_status list_faces(sort_job *j, sl_error *error) {
         first += count;
     }
     out->count = first;
-    for (uint32_t i = 0; i < j->pixels; i++)
-        if (j->face[i] != SL_NO_INDEX)
-            j->key[j->next[j->face[i]]++] = (uint64_t)j->path[i] << PATH_SHIFT | i;
-    return SL_OK;
-}
-
-/* By path, of one path by index: no two keys are equal. */
-static int by_key(const void *a, const void *b) {
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return x < y ? -1 : x > y;
-}
-
-static void sort_share(void *context, size_t share, unsigned worker) {
-    (void)worker;
-    sort_job *j = context;
-    sl_visible_pixels *out = j->out;
-    size_t begin, end;
-    sl_visible_share(out, share, &begin, &end);
-    for (size_t e = begin; e < end; e++) {
-        sl_visible_face f = out->face[e];
-        qsort(j->key + f.first, f.count, sizeof *j->key, by_key);
-        for (size_t i = f.first; i < f.first + f.count; i++) {
-            uint32_t pixel = out->pixel[i] = (uint32_t)j->key[i];
-            out->path[i] = (uint32_t)(j->key[i] >> PATH_SHIFT);
-            out->w1[i] = j->weight[0][pixel];
-            out->w2[i] = j->weight[1][pixel];
-        }
+    for (uint32_t i = 0; i < j->pixels; i++) {
+        if (j->face[i] == SL_NO_INDEX) continue;
+        uint32_t at = j->next[j->face[i]]++;
+        out->pixel[at] = i;
+        out->w1[at] = j->weight[0][i];
+        out->w2[at] = j->weight[1][i];
     }
+    return SL_OK;
 }
 
 static bool allocate(sort_job *j) {
@@ -131,16 +79,13 @@ static bool allocate(sort_job *j) {
     sl_visible_pixels *out = j->out;
     j->weight[0] = sl_allocate_unset(2 * n, sizeof *j->weight[0]);
     j->face = sl_allocate_unset(n, sizeof *j->face);
-    j->path = sl_allocate_unset(n, sizeof *j->path);
-    j->key = sl_allocate_unset(n, sizeof *j->key);
     j->next = sl_allocate(faces, sizeof *j->next);
     out->entry_of_face = sl_allocate_unset(faces, sizeof *out->entry_of_face);
     out->pixel = sl_allocate_unset(n, sizeof *out->pixel);
-    out->path = sl_allocate_unset(n, sizeof *out->path);
     out->w1 = sl_allocate_unset(n, sizeof *out->w1);
     out->w2 = sl_allocate_unset(n, sizeof *out->w2);
-    return j->weight[0] && j->face && j->path && j->key && j->next && out->entry_of_face &&
-           out->pixel && out->path && out->w1 && out->w2;
+    return j->weight[0] && j->face && j->next && out->entry_of_face &&
+           out->pixel && out->w1 && out->w2;
 }
 
 /* Writes what the Gouraud pass interpolates: a place in a triangle, told by its weights of corners 1 and
@@ -159,9 +104,7 @@ static sl_status sort(sort_job *j, const sl_raster *raster, unsigned threads, sl
     j->weight[1] = j->weight[0] + j->pixels;
     sl_raster_gouraud(raster, j->view, threads, j->id, &pass, counters);
     sl_parallel_for(threads, (size_t)j->view->height, look_at_row, j);
-    sl_status status = list_faces(j, error);
-    if (status == SL_OK) sl_parallel_for(threads, SL_VISIBLE_SHARES, sort_share, j);
-    return status;
+    return list_faces(j, error);
 }
 
 sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
@@ -178,7 +121,7 @@ sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster,
                     .pixels = (size_t)view->width * (size_t)view->height,
                     .out = out};
     sl_status status = sort(&job, raster, sl_thread_count(threads), counters, error);
-    void *const work[] = {job.weight[0], job.face, job.path, job.next, job.key};
+    void *const work[] = {job.weight[0], job.face, job.next};
     for (size_t i = 0; i < sizeof work / sizeof work[0]; i++) sl_free(work[i]);
     if (status == SL_OK) *pixels = out;
     else sl_visible_pixels_destroy(out);
@@ -190,7 +133,6 @@ void sl_visible_pixels_destroy(sl_visible_pixels *pixels) {
     sl_free(pixels->face);
     sl_free(pixels->entry_of_face);
     sl_free(pixels->pixel);
-    sl_free(pixels->path);
     sl_free(pixels->w1);
     sl_free(pixels->w2);
     sl_free(pixels);
@@ -211,13 +153,4 @@ void sl_visible_share(const sl_visible_pixels *pixels, size_t share, size_t *beg
     *end = share + 1 == SL_VISIBLE_SHARES
                ? pixels->face_count
                : entry_from(pixels, pixels->count * (share + 1) / SL_VISIBLE_SHARES);
-}
-
-uint32_t sl_visible_from_path(const sl_visible_pixels *pixels, uint32_t first, uint32_t end, uint32_t path) {
-    while (first < end) {
-        uint32_t middle = first + (end - first) / 2;
-        if (pixels->path[middle] < path) first = middle + 1;
-        else end = middle;
-    }
-    return first;
 }

@@ -1,9 +1,5 @@
 /* The id map's pixels in the order of the faces that they show: what "visible sizes" (image pass 1) come to,
- * and what a mesh hands down its quadtrees to know exactly which pixels show which leaf.
- *
- * Within a face, pixels are in the order of their way down a quadtree of triangles (mesh.h): those of any
- * node of any mesh lie together, and its children's are found by bisection. So one sort serves all meshes of
- * a view, whatever their splits. */
+ * and what each mesh deals down its quadtrees to know exactly which pixels show which leaf. */
 #ifndef SL_MULTI_MESH_PIXELS_H
 #define SL_MULTI_MESH_PIXELS_H
 
@@ -21,14 +17,11 @@ typedef struct sl_visible_pixels {
     sl_visible_face *face;
     uint32_t *entry_of_face;   /* 2 x triangles: index into face, or SL_NO_INDEX */
     size_t count;              /* pixels that show something */
-    /* by face, by path within one, ascending where paths agree: bottom row first */
-    uint32_t *pixel;
-    /* two bits a level, the root's children in bits 23 and 22: which child of four holds the pixel */
-    uint32_t *path;
+    uint32_t *pixel;           /* by face, bottom row first within one */
     float *w1, *w2;            /* perspective-correct weights of the triangle's corners 1 and 2 there */
 } sl_visible_pixels;
 
-enum { SL_PATH_LEVELS = 12, SL_VISIBLE_SHARES = 64 };
+enum { SL_VISIBLE_SHARES = 64 };
 
 /* From an id plane. Pixels of mirrors and of alpha masks are as the id map has them. The same at any number
  * of threads. */
@@ -38,7 +31,5 @@ sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster,
 void sl_visible_pixels_destroy(sl_visible_pixels *pixels);
 /* Faces in view, dealt into SL_VISIBLE_SHARES tasks by their pixels: entries begin .. end of one. */
 void sl_visible_share(const sl_visible_pixels *pixels, size_t share, size_t *begin, size_t *end);
-/* Returns the first of pixels first .. end whose path is not below the given one. */
-uint32_t sl_visible_from_path(const sl_visible_pixels *pixels, uint32_t first, uint32_t end, uint32_t path);
 
 #endif

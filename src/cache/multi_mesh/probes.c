@@ -141,7 +141,7 @@ static bool is_probe(const probed_leaf *leaf, uint32_t i) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
     if (leaf->part == SL_DIRECT_SPECULAR && i == leaf->d->mesh->patch[leaf->place->patch].pixels / 2)
         return true;
-    uint32_t at = pixels->pixel[leaf->d->first[leaf->place->patch] + i], width = (uint32_t)pixels->width;
+    uint32_t at = pixels->pixel[sl_displayed_pixel(leaf->d, leaf->place->patch, i)], width = (uint32_t)pixels->width;
     return at % width % SPACING == SPACING / 2 && at / width % SPACING == SPACING / 2;
 }
 
@@ -154,7 +154,7 @@ static bool is_contradicted_by(const probed_leaf *leaf, size_t light) {
     uint32_t count = leaf->d->mesh->patch[leaf->place->patch].pixels;
     for (uint32_t i = 0; i < count; i++) {
         if (is_probe(leaf, i) && differs(leaf, light, share, corners == CORNERS_SEE_ALL,
-                                         leaf->d->first[leaf->place->patch] + i))
+                                         sl_displayed_pixel(leaf->d, leaf->place->patch, i)))
             return true;
     }
     return false;

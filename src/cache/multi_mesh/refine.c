@@ -1,5 +1,5 @@
 /* The test of a leaf. Each edge's middle is sampled and compared, at the final pixel, with the mean of its
- * ends (edge_tests.c): a difference that an eye can tell splits the edge, and with it the leaf; else the edge
+ * ends (sl_mesh_test_edge()): a difference that an eye can tell splits the edge, and with it the leaf; else the edge
  * is closed, its halves included. A leaf above the size criterion is split whatever its edges say, so that
  * small features are found. What was split for its size in vain is undone: four closed leaves under a parent
  * whose own edges are closed go, and the parent stays closed until it is twice as large on the screen.
@@ -42,7 +42,50 @@ sl_status sl_displayed_request(sl_displayed *d, const sl_patch_place *leaf, uint
     return SL_OK;
 }
 
-/* ---- edges ---- */
+/* ---- edges: what an eye can tell ---- */
+
+static bool differs(const void *context, uint32_t face, float w1, float w2, const float *mean,
+                    const float *value) {
+    const sl_displayed *d = context;
+    const sl_shown_radiance *shown = &d->settings.shown;
+    sl_rgb interpolated = shown->radiance(shown->context, d->settings.component, face, w1, w2,
+                                          (sl_rgb){mean[0], mean[1], mean[2]});
+    sl_rgb computed = shown->radiance(shown->context, d->settings.component, face, w1, w2,
+                                      (sl_rgb){value[0], value[1], value[2]});
+    return sl_display_contrast(&d->settings.perception, computed, interpolated) > 1.0f;
+}
+
+static sl_edge_state test_edge(const sl_displayed *d, const sl_patch_place *place, int edge) {
+    return sl_mesh_test_edge(d->mesh, place, edge, &(sl_edge_test){differs, d});
+}
+
+typedef struct news {
+    sl_displayed *d;
+    uint32_t middle;
+} news;
+
+/* Opens a neighbour's closed edge if the new middle, a part's of it, differs there. */
+static void tell(sl_patches *mesh, const sl_patch_place *leaf, void *context) {
+    const news *n = context;
+    sl_displayed *d = n->d;
+    sl_patch *node = &mesh->patch[leaf->patch];
+    if (d->settings.hanging) sl_displayed_mark(d, leaf->patch);
+    if (!node->pixels || !(node->flags & SL_PATCH_EDGES)) return;
+    for (int e = 0; e < 3; e++) {
+        if (sl_edge_of(node, e) != SL_EDGE_CLOSED) continue;
+        if (!sl_mesh_edge_differs(mesh, leaf, e, n->middle, &(sl_edge_test){differs, d})) continue;
+        sl_set_edge(node, e, SL_EDGE_SPLIT);
+        sl_mesh_set_tested_size(node, 0.0f); /* it is not what it was when it was tested */
+        node->priority = sl_displayed_leaf_priority(d, leaf);
+        sl_displayed_raise(d, leaf->root, leaf->patch);
+    }
+}
+
+/* An edge's middle has become known: leaves beyond the edge are drawn again, and split if they can tell. */
+static void tell_neighbours(sl_displayed *d, uint32_t middle) {
+    news n = {d, middle};
+    sl_patches_visit_around(d->mesh, d->mesh->vertex[middle].place, tell, &n);
+}
 
 /* Tests what is untested, and tells neighbours of middles that they may not know. Whether all three have a
  * value. */
@@ -54,8 +97,8 @@ static bool test_edges(sl_displayed *d, const sl_patch_place *leaf) {
         bool settled = sl_mesh_is_sampled(d->mesh, middle);
         complete &= settled && sl_mesh_is_sampled(d->mesh, sl_patch_corner(d->mesh, leaf->patch, e));
         if (sl_edge_of(node, e) == SL_EDGE_UNTESTED)
-            sl_set_edge(node, e, sl_displayed_test_edge(d, leaf, e));
-        if (settled) sl_displayed_tell_neighbours(d, middle);
+            sl_set_edge(node, e, test_edge(d, leaf, e));
+        if (settled) tell_neighbours(d, middle);
     }
     return complete;
 }
@@ -103,7 +146,7 @@ static bool undo(sl_displayed *d, const sl_patch_place *place) {
         if (!is_closed(d, &child)) return false;
     }
     for (int e = 0; e < 3; e++) { /* neighbours may have seen more on it by now */
-        if (sl_displayed_test_edge(d, place, e) == SL_EDGE_SPLIT) return false;
+        if (test_edge(d, place, e) == SL_EDGE_SPLIT) return false;
     }
     sl_patch_drop_children(mesh, place->patch);
     sl_mesh_set_tested_size(node, sl_displayed_size(d, place).edge);
@@ -157,99 +200,4 @@ sl_status sl_displayed_commit(sl_displayed *d, const sl_patch_place *leaf, sl_co
     sl_count(counters, SL_COUNT_SPLITS, 1);
     settle_above(d, *leaf, mesh->patch[leaf->patch].child, counters);
     return SL_OK;
-}
-
-/* Tests whether an eye can tell an edge's values from those between its ends. The middle is compared, at the
- * final pixel, with the mean of the ends; and so is every middle of a part of the edge that has a value
- * already, since someone on the other side asked for it: an edge is tested once, for both its sides.
- * Otherwise a large leaf beside a small shadow would draw the shadow's vertex on its edge as a spike to its
- * own centre. */
-
-typedef struct edge_point {
-    uint32_t vertex;
-    uint16_t u, v;         /* weights of the face's corners 1 and 2 */
-} edge_point;
-
-static edge_point end_of(const sl_patches *mesh, const sl_patch_place *place, int corner) {
-    return (edge_point){sl_patch_corner(mesh, place->patch, corner), place->u[corner], place->v[corner]};
-}
-
-static edge_point middle_of(const sl_patches *mesh, uint32_t face, edge_point a, edge_point b) {
-    sl_patch_place ends = {.root = face, .u = {a.u, b.u}, .v = {a.v, b.v}};
-    sl_root_place at;
-    bool is_there = sl_middle_place(&ends, 0, 1, &at);
-    return (edge_point){is_there ? sl_vertex_find(mesh, at) : SL_NO_INDEX, at.u, at.v};
-}
-
-static sl_rgb value_of(const sl_patches *mesh, uint32_t vertex) {
-    const float *v = sl_vertex_value(mesh, vertex);
-    return (sl_rgb){v[0], v[1], v[2]};
-}
-
-/* Ends and middle are settled. */
-static bool differs(const sl_displayed *d, uint32_t face, edge_point a, edge_point b, edge_point middle) {
-    const sl_patches *mesh = d->mesh;
-    if (sl_mesh_state(mesh, a.vertex) != SL_VERTEX_KNOWN ||
-        sl_mesh_state(mesh, b.vertex) != SL_VERTEX_KNOWN ||
-        sl_mesh_state(mesh, middle.vertex) != SL_VERTEX_KNOWN) {
-        return true; /* inside other geometry: light ends somewhere along the edge */
-    }
-    const float unit = 1.0f / (float)SL_PATCH_DYADIC;
-    float w1 = (float)middle.u * unit, w2 = (float)middle.v * unit;
-    const sl_shown_radiance *shown = &d->settings.shown;
-    sl_rgb mean = sl_rgb_scale(sl_rgb_add(value_of(mesh, a.vertex), value_of(mesh, b.vertex)), 0.5f);
-    sl_rgb computed =
-        shown->radiance(shown->context, d->settings.component, face, w1, w2, value_of(mesh, middle.vertex));
-    sl_rgb interpolated = shown->radiance(shown->context, d->settings.component, face, w1, w2, mean);
-    return sl_display_contrast(&d->settings.perception, computed, interpolated) > 1.0f;
-}
-
-/* ---- an edge and its parts ---- */
-
-/* Tells whether any middle of the edge or of its parts differs; `only` that vertex, or SL_NO_INDEX: all. */
-static bool any_differs(const sl_displayed *d, uint32_t face, edge_point a, edge_point b, uint32_t only) {
-    edge_point middle = middle_of(d->mesh, face, a, b);
-    if (!sl_mesh_is_sampled(d->mesh, middle.vertex)) return false;
-    if ((only == SL_NO_INDEX || only == middle.vertex) && differs(d, face, a, b, middle)) return true;
-    if (only == middle.vertex || sl_mesh_state(d->mesh, middle.vertex) != SL_VERTEX_KNOWN ||
-        !d->mesh->vertex[middle.vertex].halved)
-        return false;
-    return any_differs(d, face, a, middle, only) || any_differs(d, face, middle, b, only);
-}
-
-sl_edge_state sl_displayed_test_edge(const sl_displayed *d, const sl_patch_place *place, int edge) {
-    edge_point a = end_of(d->mesh, place, (edge + 1) % 3), b = end_of(d->mesh, place, (edge + 2) % 3);
-    bool settled = sl_mesh_is_sampled(d->mesh, a.vertex) && sl_mesh_is_sampled(d->mesh, b.vertex);
-    if (!settled || !sl_mesh_is_sampled(d->mesh, middle_of(d->mesh, place->root, a, b).vertex))
-        return SL_EDGE_UNTESTED;
-    return any_differs(d, place->root, a, b, SL_NO_INDEX) ? SL_EDGE_SPLIT : SL_EDGE_CLOSED;
-}
-
-typedef struct news {
-    sl_displayed *d;
-    uint32_t middle;
-} news;
-
-/* Opens a neighbour's closed edge if the new middle, a part's of it, differs there. */
-static void tell(sl_patches *mesh, const sl_patch_place *leaf, void *context) {
-    const news *n = context;
-    sl_displayed *d = n->d;
-    sl_patch *node = &mesh->patch[leaf->patch];
-    if (d->settings.hanging) sl_displayed_mark(d, leaf->patch);
-    if (!node->pixels || !(node->flags & SL_PATCH_EDGES)) return;
-    for (int e = 0; e < 3; e++) {
-        if (sl_edge_of(node, e) != SL_EDGE_CLOSED) continue;
-        if (!any_differs(d, leaf->root, end_of(mesh, leaf, (e + 1) % 3), end_of(mesh, leaf, (e + 2) % 3),
-                         n->middle))
-            continue;
-        sl_set_edge(node, e, SL_EDGE_SPLIT);
-        sl_mesh_set_tested_size(node, 0.0f); /* it is not what it was when it was tested */
-        node->priority = sl_displayed_leaf_priority(d, leaf);
-        sl_displayed_raise(d, leaf->root, leaf->patch);
-    }
-}
-
-void sl_displayed_tell_neighbours(sl_displayed *d, uint32_t middle) {
-    news n = {d, middle};
-    sl_patches_visit_around(d->mesh, d->mesh->vertex[middle].place, tell, &n);
 }

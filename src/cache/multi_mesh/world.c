@@ -42,8 +42,7 @@ static sl_rgb shown_radiance(const void *context, sl_component part, uint32_t fa
         sl_rgb_add(parts[SL_DIRECT_DIFFUSE], sl_rgb_scale(parts[SL_INDIRECT], (float)(1.0 / SL_PI)));
     sl_rgb reflected = sl_rgb_add(sl_rgb_mul(material->diffuse, received),
                                   sl_rgb_mul(material->specular, parts[SL_DIRECT_SPECULAR]));
-    bool shines = face % 2 == 0 || material->emission_two_sided;
-    return shines ? sl_rgb_add(reflected, material->emission) : reflected;
+    return sl_rgb_add(reflected, sl_root_emission(material, face));
 }
 
 /* ---- what there is, and its end ---- */

@@ -66,6 +66,64 @@ sl_mesh_point sl_mesh_point_nudged(const sl_patches *mesh, uint32_t vertex, sl_r
                            middle.root / 2, middle.root};
 }
 
+/* ---- edges ----------------------------------------------------------------------------------- */
+
+typedef struct edge_point {
+    uint32_t vertex;
+    uint16_t u, v;
+} edge_point;
+
+static edge_point end_of(const sl_patches *mesh, const sl_patch_place *place, int corner) {
+    corner %= 3;
+    return (edge_point){sl_patch_corner(mesh, place->patch, corner), place->u[corner], place->v[corner]};
+}
+
+static edge_point middle_of(const sl_patches *mesh, uint32_t face, edge_point a, edge_point b) {
+    sl_patch_place ends = {.root = face, .u = {a.u, b.u}, .v = {a.v, b.v}};
+    sl_root_place at;
+    bool is_there = sl_middle_place(&ends, 0, 1, &at);
+    return (edge_point){is_there ? sl_vertex_find(mesh, at) : SL_NO_INDEX, at.u, at.v};
+}
+
+static bool is_known(const sl_patches *mesh, edge_point at) {
+    return sl_mesh_state(mesh, at.vertex) == SL_VERTEX_KNOWN;
+}
+
+static bool middle_differs(const sl_patches *mesh, uint32_t face, edge_point a, edge_point b,
+                           edge_point middle, const sl_edge_test *test) {
+    const float unit = 1.0f / (float)SL_PATCH_DYADIC;
+    float mean[3];
+    if (!is_known(mesh, a) || !is_known(mesh, b) || !is_known(mesh, middle)) return true;
+    for (int i = 0; i < mesh->settings.channels; i++)
+        mean[i] = 0.5f * (sl_vertex_value(mesh, a.vertex)[i] + sl_vertex_value(mesh, b.vertex)[i]);
+    return test->differs(test->context, face, (float)middle.u * unit, (float)middle.v * unit, mean,
+                         sl_vertex_value(mesh, middle.vertex));
+}
+
+static bool any_differs(const sl_patches *mesh, uint32_t face, edge_point a, edge_point b, uint32_t only,
+                        const sl_edge_test *test) {
+    edge_point middle = middle_of(mesh, face, a, b);
+    if (!sl_mesh_is_sampled(mesh, middle.vertex)) return false;
+    if ((only == SL_NO_INDEX || only == middle.vertex) && middle_differs(mesh, face, a, b, middle, test))
+        return true;
+    if (only == middle.vertex || !is_known(mesh, middle) || !mesh->vertex[middle.vertex].halved) return false;
+    return any_differs(mesh, face, a, middle, only, test) || any_differs(mesh, face, middle, b, only, test);
+}
+
+bool sl_mesh_edge_differs(const sl_patches *mesh, const sl_patch_place *leaf, int edge, uint32_t only,
+                          const sl_edge_test *test) {
+    return any_differs(mesh, leaf->root, end_of(mesh, leaf, edge + 1), end_of(mesh, leaf, edge + 2), only,
+                       test);
+}
+
+sl_edge_state sl_mesh_test_edge(const sl_patches *mesh, const sl_patch_place *leaf, int edge,
+                                const sl_edge_test *test) {
+    for (int k = 1; k < 3; k++)
+        if (!sl_mesh_is_sampled(mesh, end_of(mesh, leaf, edge + k).vertex)) return SL_EDGE_UNTESTED;
+    if (!sl_mesh_is_sampled(mesh, sl_mesh_find_middle(mesh, leaf, edge))) return SL_EDGE_UNTESTED;
+    return sl_mesh_edge_differs(mesh, leaf, edge, SL_NO_INDEX, test) ? SL_EDGE_SPLIT : SL_EDGE_CLOSED;
+}
+
 /* ---- fans ------------------------------------------------------------------------------------ */
 
 /* The values of the leaf's corners; the mean of the known ones at those that are of no use. */
@@ -116,6 +174,15 @@ bool sl_mesh_fan_make(const sl_patches *mesh, const sl_patch_place *leaf, bool h
         for (int i = 0; i < list.count; i++)
             append(fan, edge, list.at[i], sl_vertex_value(mesh, list.vertex[i]));
         append(fan, edge, SL_FAN_EDGE - 1, fan->corner[(edge + 2) % 3]);
+    }
+    return true;
+}
+
+bool sl_mesh_fan_shown(const sl_patches *mesh, sl_patch_place *place, bool hanging, sl_mesh_fan *fan) {
+    while (!sl_mesh_fan_make(mesh, place, hanging, fan)) {
+        uint32_t parent = sl_patch_parent(mesh, place->patch);
+        if (parent == SL_NO_INDEX) return false;
+        *place = sl_patch_place_of(mesh, parent);
     }
     return true;
 }

@@ -56,6 +56,23 @@ static inline uint32_t sl_mesh_find_middle(const sl_patches *mesh, const sl_patc
 /* Cuts a leaf in four. Children's edges are untested, but halves of closed ones are closed. */
 sl_status sl_mesh_split(sl_patches *mesh, const sl_patch_place *place, sl_error *error);
 
+/* The test of an edge: `differs` tells whether an eye can tell the value at a point of a face from the mean of
+ * what lies on either side of it. It is asked of the middle of the edge and its ends, and of the middles of
+ * the edge's parts that have a value already since someone on the other side asked for it: an edge is tested
+ * once, for both its sides. Otherwise a large leaf beside a small shadow would draw the shadow's vertex on its
+ * edge as a spike to its own centre. Where one of the three is INVALID light ends somewhere along the edge. */
+typedef struct sl_edge_test {
+    bool (*differs)(const void *context, uint32_t face, float w1, float w2, const float *mean,
+                    const float *value);
+    const void *context;
+} sl_edge_test;
+/* SL_EDGE_UNTESTED: an end or the middle was not sampled. */
+sl_edge_state sl_mesh_test_edge(const sl_patches *mesh, const sl_patch_place *leaf, int edge,
+                                const sl_edge_test *test);
+/* Tells whether anything that was sampled on the edge differs. only: that middle alone; SL_NO_INDEX: all. */
+bool sl_mesh_edge_differs(const sl_patches *mesh, const sl_patch_place *leaf, int edge, uint32_t only,
+                          const sl_edge_test *test);
+
 /* Returns the leaf that holds a point of a face, told by its weights of corners 1 and 2: those outside the
  * face are first moved onto it (NaN: 0). */
 sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, float w2);
@@ -113,6 +130,8 @@ void sl_mesh_edge_vertices(const sl_patches *mesh, const sl_patch_place *leaf, i
                            sl_edge_vertices *list);
 /* hanging: false ignores what lies on edges. Where a corner is not known yet, or all are invalid: false. */
 bool sl_mesh_fan_make(const sl_patches *mesh, const sl_patch_place *leaf, bool hanging, sl_mesh_fan *fan);
+/* The same of the nearest of a patch and its ancestors that has one, as it is shown. */
+bool sl_mesh_fan_shown(const sl_patches *mesh, sl_patch_place *place, bool hanging, sl_mesh_fan *fan);
 void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value);
 /* The same for one point, by weights of the leaf's own corners. */
 bool sl_mesh_interpolate(const sl_patches *mesh, const sl_patch_place *leaf, float w1, float w2, bool hanging,

@@ -1,6 +1,8 @@
 /* Eviction: children go that were not seen within the window, or whose parent covers less than a pixel; those
  * first that have not been seen for longest, and from the leaves up, so that what remains is always a tree.
  */
+#include <stdlib.h>
+
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -11,32 +13,10 @@ typedef struct candidate {
     uint32_t seen, patch;
 } candidate;
 
-typedef struct heap {
-    candidate *entry;
-    size_t count;
-} heap;
-
-static bool goes_before(candidate a, candidate b) {
-    return a.seen != b.seen ? a.seen < b.seen : a.patch < b.patch;
-}
-
-static void put(heap *h, candidate new) {
-    size_t at = h->count++;
-    for (; at > 0 && goes_before(new, h->entry[(at - 1) / 2]); at = (at - 1) / 2)
-        h->entry[at] = h->entry[(at - 1) / 2];
-    h->entry[at] = new;
-}
-
-static candidate take_first(heap *h) {
-    candidate first = h->entry[0], last = h->entry[--h->count];
-    size_t at = 0;
-    for (size_t child; (child = 2 * at + 1) < h->count; at = child) {
-        if (child + 1 < h->count && goes_before(h->entry[child + 1], h->entry[child])) child++;
-        if (!goes_before(h->entry[child], last)) break;
-        h->entry[at] = h->entry[child];
-    }
-    h->entry[at] = last;
-    return first;
+static int oldest_first(const void *a, const void *b) {
+    const candidate *x = a, *y = b;
+    if (x->seen != y->seen) return x->seen < y->seen ? -1 : 1;
+    return x->patch < y->patch ? -1 : x->patch > y->patch;
 }
 
 /* Tells whether a patch has four leaves for children that may go. Pixels are those of the children seen last.
@@ -55,23 +35,32 @@ static bool may_lose_children(const sl_patches *p, uint32_t patch, uint32_t sinc
     return latest < since || (double)pixels < small;
 }
 
+/* Drops its children, and those of the patches above it that are as old by then. */
+static void drop_upwards(sl_patches *p, candidate from, uint32_t since, double small, size_t wanted) {
+    candidate next = from;
+    do {
+        sl_patch_drop_children(p, next.patch);
+        next.patch = sl_patch_parent(p, next.patch);
+    } while (next.patch != SL_NO_INDEX && p->patches_alive > wanted &&
+             may_lose_children(p, next.patch, since, small, &next) && next.seen == from.seen);
+}
+
 sl_status sl_patches_evict(sl_patches *p, size_t limit, uint32_t since, double small, sl_counters *counters,
                            sl_error *error) {
     if (p->patches_alive <= limit) return SL_OK;
-    size_t wanted = limit - limit / 10, before = p->patches_alive;
+    size_t wanted = limit - limit / 10, before = p->patches_alive, count;
     /* no more than there are blocks of children */
-    heap h = {sl_allocate_unset(p->patch_count / 4 + 1, sizeof *h.entry), 0};
-    if (!h.entry) return sl_fail_memory(error, "eviction");
-    candidate found;
-    for (uint32_t i = 0; i < p->patch_count; i++) {
-        if (sl_patch_is_alive(p, i) && may_lose_children(p, i, since, small, &found)) put(&h, found);
-    }
-    while (h.count && p->patches_alive > wanted) {
-        uint32_t patch = take_first(&h).patch, parent = sl_patch_parent(p, patch);
-        sl_patch_drop_children(p, patch);
-        if (parent != SL_NO_INDEX && may_lose_children(p, parent, since, small, &found)) put(&h, found);
-    }
-    sl_free(h.entry);
+    candidate *oldest = sl_allocate_unset(p->patch_count / 4 + 1, sizeof *oldest);
+    if (!oldest) return sl_fail_memory(error, "eviction");
+    do {
+        count = 0;
+        for (uint32_t i = 0; i < p->patch_count; i++)
+            count += sl_patch_is_alive(p, i) && may_lose_children(p, i, since, small, &oldest[count]);
+        qsort(oldest, count, sizeof *oldest, oldest_first);
+        for (size_t i = 0; i < count && p->patches_alive > wanted; i++)
+            drop_upwards(p, oldest[i], since, small, wanted);
+    } while (count > 0 && p->patches_alive > wanted);
+    sl_free(oldest);
     sl_count(counters, SL_COUNT_PATCHES_EVICTED, before - p->patches_alive);
     return SL_OK;
 }

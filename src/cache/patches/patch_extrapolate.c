@@ -22,8 +22,7 @@ typedef struct estimate {
 static void add_vertex(const sl_patches *p, estimate *to, uint32_t other_vertex) {
     const sl_patch_vertex *v = &p->vertex[other_vertex];
     if (v->evaluated == SL_VERTEX_NEVER || v->extrapolated || other_vertex == to->vertex) return;
-    sl_vec3d apart = sl_subd(sl_to_double(sl_root_position(p->primitives, v->root, v->u, v->v)),
-                             sl_to_double(to->position));
+    sl_vec3d apart = sl_subd(sl_to_double(sl_vertex_position(p, other_vertex)), sl_to_double(to->position));
     double weight = 1.0 / fmax(sl_dotd(apart, apart), 1e-30);
     to->weight += weight;
     for (int c = 0; c < p->settings.channels; c++)
@@ -44,7 +43,7 @@ static void extrapolate(sl_patches *p, uint32_t vertex) {
     float *value = sl_vertex_value(p, vertex);
     bool other = false;
     if (!v->extrapolated) return;
-    estimate l = {.vertex = vertex, .position = sl_root_position(p->primitives, v->root, v->u, v->v)};
+    estimate l = {.vertex = vertex, .position = sl_vertex_position(p, vertex)};
     for (; !(l.weight > 0.0) && l.above <= SL_PATCH_DEPTH_MAX; l.above++)
         sl_patches_visit_around(p, v->place, add_patch, &l);
     for (int c = 0; c < p->settings.channels && l.weight > 0.0; c++) {

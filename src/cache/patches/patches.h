@@ -20,6 +20,7 @@
  *   patch_around.c     leaves around a vertex, vertices along a leaf's edge
  *   patch_extrapolate.c     vertices without light of their own
  *   patch_evict.c      children that nobody has seen for long, or that are below a pixel
+ *   patch_marks.c      edges as those who look on are shown them
  *   screen_size.c      sizes in the picture
  *   mesh.h             values between vertices, for multi-mesh caching */
 #ifndef SL_PATCHES_PATCHES_H
@@ -187,6 +188,10 @@ static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) {
 static inline float *sl_vertex_value(const sl_patches *p, uint32_t vertex) {
     return p->value + (size_t)vertex * (size_t)p->settings.channels;
 }
+static inline sl_vec3 sl_vertex_position(const sl_patches *p, uint32_t vertex) {
+    const sl_patch_vertex *v = &p->vertex[vertex];
+    return sl_root_position(p->primitives, v->root, v->u, v->v);
+}
 /* Returns L_s of a vertex, towards the eye; NULL: none is kept. */
 static inline float *sl_vertex_lobe(const sl_patches *p, uint32_t vertex) {
     return p->settings.channels > 3 ? sl_vertex_value(p, vertex) + 3 : NULL;
@@ -289,5 +294,14 @@ void sl_patches_extrapolate(sl_patches *patches);
  * tie, from the leaves up. */
 sl_status sl_patches_evict(sl_patches *patches, size_t limit, uint32_t since, double small,
                            sl_counters *counters, sl_error *error);
+
+/* Returns the edges of the leaves that `shows` holds for as marks, each once, their colour the mean of what
+ * `colour` gives to their ends; the caller's to free. NULL: there are none, or memory ended. */
+typedef struct sl_edge_marking {
+    bool (*shows)(const void *context, uint32_t leaf);
+    sl_rgb (*colour)(const void *context, uint32_t vertex);
+    const void *context;
+} sl_edge_marking;
+sl_mark *sl_patches_edge_marks(const sl_patches *patches, const sl_edge_marking *how, size_t *count);
 
 #endif

@@ -78,6 +78,11 @@ void sl_root_parameters(const sl_primitives *primitives, uint32_t triangle, floa
 static inline const sl_material *sl_root_material(const sl_primitives *p, uint32_t root) {
     return &p->scene->materials[p->scene->material_index[p->first_triangle[root / 2]]];
 }
+/* Returns the radiance that a material sends to the side of a root: from its front, unless it shines on both.
+ */
+static inline sl_rgb sl_root_emission(const sl_material *material, uint32_t root) {
+    return root % 2 == 0 || material->emission_two_sided ? material->emission : sl_grey(0.0f);
+}
 /* Not only diffuse: it looks otherwise from elsewhere, so radiance towards the eye is kept beside irradiance.
  */
 static inline bool sl_material_has_lobe(const sl_material *material) {

@@ -115,7 +115,7 @@ static void begin_run(const frame_job *job, uint32_t id, bool curved, triangle_r
     run->leaf = sl_leaf_begin(run->wanted, p->kind[primitive] == SL_PRIMITIVE_TRIANGLE);
     const sl_material *material = sl_root_material(p, run->root);
     run->lobe = job->copy->channels > 3 && sl_material_has_lobe(material);
-    run->emission = run->root % 2 == 0 || material->emission_two_sided ? material->emission : sl_grey(0.0f);
+    run->emission = sl_root_emission(material, run->root);
     run->diffuse = material->diffuse;
     run->texture = material->texture == SL_NO_INDEX ? NULL : &s->textures[material->texture];
 }
@@ -133,7 +133,6 @@ static float as_parameter(int32_t place) { return (float)place * (1.0f / (float)
 
 static sl_rgb background(const frame_job *job, size_t pixel) {
     const sl_environment *environment = &job->window->scene->environment;
-    if (!environment->present) return sl_grey(0.0f);
     size_t width = (size_t)job->view.width;
     return sl_environment_radiance(environment, sl_view_direction(&job->view, (double)(pixel % width) + 0.5,
                                                                   (double)(pixel / width) + 0.5));

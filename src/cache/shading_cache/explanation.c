@@ -65,11 +65,6 @@ static void tell_colour(sl_explanation_writer *writer, const char *layer, const 
     add_term(writer, &term, value, factor);
 }
 
-static sl_vec3 place_of(const sl_shading_state *s, uint32_t vertex) {
-    const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    return sl_root_position(s->primitives, v->root, v->u, v->v);
-}
-
 static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint32_t vertex, double weight,
                         const double reflectance[3], sl_explanation_writer *writer) {
     float value[6] = {0};
@@ -81,7 +76,7 @@ static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint
                                      : "vertex with samples";
     sl_explanation_term term = {
         .layer = "irradiance", .kind = kind, .index = vertex, .placed = true, .weight = weight};
-    put_place(term.position, place_of(s, vertex));
+    put_place(term.position, sl_vertex_position(s->patches, vertex));
     const double diffuse[3] = {weight * reflectance[0], weight * reflectance[1], weight * reflectance[2]},
                  lobe[3] = {weight, weight, weight};
     add_term(writer, &term, value, diffuse);
@@ -131,30 +126,21 @@ void sl_shading_announce_choices(sl_shading_state *s, size_t choices) {
     sl_free(marks);
 }
 
-static bool was_seen(const sl_shading_state *s, uint32_t patch) {
-    return sl_patch_is_alive(s->patches, patch) && sl_patch_is_leaf(s->patches, patch) &&
-           s->patches->patch[patch].seen == s->now && s->now > 0;
+static bool was_seen(const void *context, uint32_t leaf) {
+    const sl_shading_state *s = context;
+    return s->patches->patch[leaf].seen == s->now && s->now > 0;
 }
 
-static size_t mark_edges(const sl_shading_state *s, uint32_t patch, sl_mark *marks) {
-    int corners = sl_patch_corners(s->patches, patch);
-    for (int c = 0; c < corners; c++) {
-        marks[c].kind = SL_MARK_SEGMENT;
-        put_place(marks[c].at, place_of(s, sl_patch_corner(s->patches, patch, c)));
-        put_place(marks[c].to, place_of(s, sl_patch_corner(s->patches, patch, (c + 1) % corners)));
-        for (int k = 0; k < 3; k++) marks[c].colour[k] = 1.0f;
-    }
-    return (size_t)corners;
+static sl_rgb white(const void *context, uint32_t vertex) {
+    (void)context;
+    (void)vertex;
+    return sl_grey(1.0f);
 }
 
 static void announce_edges(sl_shading_state *s) {
-    size_t leaves = 0, made = 0;
-    for (uint32_t p = 0; p < s->patches->patch_count; p++) leaves += was_seen(s, p);
-    sl_mark *marks = leaves ? sl_allocate(4 * leaves, sizeof *marks) : NULL;
-    for (uint32_t p = 0; marks && p < s->patches->patch_count; p++) {
-        if (was_seen(s, p)) made += mark_edges(s, p, marks + made);
-    }
-    if (made) sl_announce_marks(&s->announcer, "patches", "patch hierarchy", marks, made);
+    size_t count;
+    sl_mark *marks = sl_patches_edge_marks(s->patches, &(sl_edge_marking){was_seen, white, s}, &count);
+    if (count) sl_announce_marks(&s->announcer, "patches", "patch hierarchy", marks, count);
     sl_free(marks);
 }
 
@@ -165,7 +151,7 @@ static void announce_vertices(sl_shading_state *s) {
         const sl_patch_vertex *v = &s->patches->vertex[i];
         if (!v->references || v->evaluated == SL_VERTEX_NEVER) continue;
         marks[made].kind = SL_MARK_POINT;
-        put_place(marks[made].at, place_of(s, i));
+        put_place(marks[made].at, sl_vertex_position(s->patches, i));
         for (int c = 0; c < 3; c++) marks[made].colour[c] = sl_vertex_value(s->patches, i)[c];
         made++;
     }

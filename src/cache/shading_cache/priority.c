@@ -34,9 +34,8 @@ typedef struct exitance {
 
 static exitance exitance_of(const sl_primitives *primitives, uint32_t root) {
     const sl_material *material = sl_root_material(primitives, root);
-    exitance e = {.reflected = sl_rgb_scale(sl_root_mean_diffuse(primitives, root), (float)(1.0 / SL_PI))};
-    if (root % 2 == 0 || material->emission_two_sided) e.emission = material->emission;
-    return e;
+    return (exitance){sl_root_emission(material, root),
+                      sl_rgb_scale(sl_root_mean_diffuse(primitives, root), (float)(1.0 / SL_PI))};
 }
 
 static sl_rgb radiance_at(const sl_patches *p, const exitance *e, uint32_t vertex) {

@@ -76,7 +76,7 @@ static void check_leaf(void *context, const sl_patch_place *leaf) {
     c->pixels += node->pixels;
     c->deepest = leaf->depth > c->deepest ? leaf->depth : c->deepest;
     for (uint32_t n = 0; n < node->pixels; n++) {
-        uint32_t i = d->first[leaf->patch] + n;
+        uint32_t i = sl_displayed_pixel(d, leaf->patch, n);
         assert_int_equal(d->pixels->face[d->pixels->entry_of_face[leaf->root]].face, leaf->root);
         float a, b;
         sl_mesh_weights_within(leaf, d->pixels->w1[i], d->pixels->w2[i], &a, &b);

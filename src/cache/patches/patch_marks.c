@@ -1,0 +1,50 @@
+/* The edges of leaves as marks, for those who look on. */
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "cache/patches/patches.h"
+
+/* Two vertices, the lower one in the upper half: two leaves have the same. */
+static uint64_t pair_of(uint32_t a, uint32_t b) {
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+static int ascending(const void *a, const void *b) {
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+static size_t list_edges(const sl_patches *p, const sl_edge_marking *how, uint64_t *pair) {
+    size_t count = 0;
+    for (uint32_t i = 0; i < p->patch_count; i++) {
+        if (!sl_patch_is_alive(p, i) || !sl_patch_is_leaf(p, i) || !how->shows(how->context, i)) continue;
+        int corners = sl_patch_corners(p, i);
+        for (int c = 0; c < corners; c++)
+            pair[count++] = pair_of(sl_patch_corner(p, i, c), sl_patch_corner(p, i, (c + 1) % corners));
+    }
+    qsort(pair, count, sizeof *pair, ascending);
+    return count;
+}
+
+static void put(float to[3], sl_vec3 p) { to[0] = p.x, to[1] = p.y, to[2] = p.z; }
+
+static sl_mark mark_of(const sl_patches *p, const sl_edge_marking *how, uint64_t pair) {
+    uint32_t a = (uint32_t)(pair >> 32), b = (uint32_t)pair;
+    sl_mark mark = {.kind = SL_MARK_SEGMENT};
+    put(mark.at, sl_vertex_position(p, a));
+    put(mark.to, sl_vertex_position(p, b));
+    sl_rgb sum = sl_rgb_add(how->colour(how->context, a), how->colour(how->context, b));
+    put(mark.colour, sl_v3(0.5f * sum.r, 0.5f * sum.g, 0.5f * sum.b));
+    return mark;
+}
+
+sl_mark *sl_patches_edge_marks(const sl_patches *p, const sl_edge_marking *how, size_t *count) {
+    uint64_t *pair = sl_allocate_unset(4 * p->leaves_alive, sizeof *pair);
+    size_t edges = pair ? list_edges(p, how, pair) : 0;
+    sl_mark *marks = edges ? sl_allocate(edges, sizeof *marks) : NULL;
+    *count = 0;
+    for (size_t i = 0; marks && i < edges; i++)
+        if (i == 0 || pair[i] != pair[i - 1]) marks[(*count)++] = mark_of(p, how, pair[i]);
+    sl_free(pair);
+    return marks;
+}
