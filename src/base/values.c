@@ -99,6 +99,13 @@ sl_status sl_value_vector(const char *text, double vector[3], sl_error *error) {
 enum { LONGEST_WORD = 64 };
 
 static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
+bool sl_ends_with(const char *text, const char *ending) {
+    size_t at = strlen(text), left = strlen(ending);
+    if (at < left) return false;
+    while (left > 0 && lower(text[at - 1]) == lower(ending[left - 1])) at--, left--;
+    return left == 0;
+}
+
 static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
 
 static size_t length_of(const char *word) { return smaller(strlen(word), LONGEST_WORD); }

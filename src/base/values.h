@@ -22,6 +22,8 @@ sl_status sl_value_choice(const char *text, const char *choices, int *index, sl_
 /* Writes choice number `index`; "" past the end. */
 void sl_value_choice_name(const char *choices, int index, char *text, size_t room);
 
+/* Tells whether a text ends so, as file names do: upper and lower case are the same. */
+bool sl_ends_with(const char *text, const char *ending);
 /* Returns the candidate nearest to a misspelt word: one that begins with it, or it with that, or by edit
  * distance, upper and lower case being the same; NULL if none is near. */
 const char *sl_nearest_word(const char *word, const char *const *candidates, size_t count);

@@ -6,7 +6,7 @@
  * infinity itself. */
 float sl_srgb_encode(float linear);
 float sl_srgb_decode(float encoded);
-/* table[i] = sl_srgb_decode(i / 255), for decoding whole 8-bit pictures. */
-void sl_srgb_decode_table(float table[256]);
+/* What a byte of an 8-bit picture means. */
+extern const float sl_srgb_to_linear[256];
 
 #endif

@@ -7,12 +7,12 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/print.h"
+#include "base/values.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -76,19 +76,12 @@ sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t he
 sl_status sl_decode_texels(const char *path, const void *memory, size_t size, int *width, int *height,
                            bool *has_alpha, uint8_t **rgba, sl_error *error) {
     *rgba = NULL;
-    sl_bytes bytes = {path, NULL, size};
-    if (memory) {
-        bytes.data = sl_allocate(size, 1);
-        if (!bytes.data) return sl_fail_memory(error, path);
-        if (size) memcpy(bytes.data, memory, size);
-    } else {
-        sl_status status = sl_bytes_read(path, SIZE_MAX - 1, &bytes, error);
-        if (status != SL_OK) return status;
-    }
-    sl_status status = sl_png_recognise(&bytes)
-                           ? sl_png_decode(&bytes, width, height, has_alpha, rgba, error)
-                           : sl_stb_decode(&bytes, width, height, has_alpha, rgba, error);
-    sl_free(bytes.data);
+    sl_bytes bytes = {path, (uint8_t *)(uintptr_t)memory, size}; /* which is not written to */
+    sl_status status = memory ? SL_OK : sl_bytes_read(path, SIZE_MAX - 1, &bytes, error);
+    if (status == SL_OK)
+        status = sl_png_recognise(&bytes) ? sl_png_decode(&bytes, width, height, has_alpha, rgba, error)
+                                          : sl_stb_decode(&bytes, width, height, has_alpha, rgba, error);
+    if (!memory) sl_free(bytes.data);
     return status;
 }
 
@@ -102,11 +95,9 @@ static sl_status read_texels(const sl_bytes *bytes, sl_image **image, sl_error *
     if (status != SL_OK) return status;
     status = sl_image_create(width, height, has_alpha ? 4 : 3, names, image, error);
     if (status == SL_OK) {
-        float linear[256];
-        sl_srgb_decode_table(linear);
         size_t pixels = (size_t)width * (size_t)height;
         for (size_t i = 0; i < pixels; i++) {
-            for (size_t c = 0; c < 3; c++) (*image)->planes[c * pixels + i] = linear[rgba[4 * i + c]];
+            for (size_t c = 0; c < 3; c++) (*image)->planes[c * pixels + i] = sl_srgb_to_linear[rgba[4 * i + c]];
             if (has_alpha) (*image)->planes[3 * pixels + i] = (float)rgba[4 * i + 3] / 255.0f;
         }
     }
@@ -186,16 +177,11 @@ static sl_status write_with(write_function *write_image, const sl_image *image, 
     return status;
 }
 
-static bool ends_with(const char *text, const char *ending) {
-    size_t length = strlen(text), ending_length = strlen(ending);
-    return length > ending_length && strcasecmp(text + length - ending_length, ending) == 0;
-}
-
 sl_status sl_image_write(const sl_image *image, const char *path, sl_error *error) {
     if (!image || !path) return sl_fail_null(error, "an image and the name of a file");
-    if (ends_with(path, ".exr")) return write_with(sl_exr_write, image, path, error);
-    if (ends_with(path, ".pfm")) return write_with(sl_pfm_write, image, path, error);
-    if (ends_with(path, ".png"))
+    if (sl_ends_with(path, ".exr")) return write_with(sl_exr_write, image, path, error);
+    if (sl_ends_with(path, ".pfm")) return write_with(sl_pfm_write, image, path, error);
+    if (sl_ends_with(path, ".png"))
         return sl_image_write_png(image, path, (sl_tone){SL_TONE_CLIP, 0.0f, false}, error);
     return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: the name must end in .exr, .pfm or .png", path);
 }

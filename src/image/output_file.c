@@ -145,32 +145,28 @@ static sl_status keep(sl_output_file *file, const void *data, size_t bytes, sl_e
     return SL_OK;
 }
 
-sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error) {
-    const char *from = data;
-    if (file->in_memory) return keep(file, data, bytes, error);
-    while (bytes > 0) {
-        ssize_t written = write(file->descriptor, from, bytes);
+/* At an offset, or in sequence where it is NULL: a pipe has no other way. */
+static sl_status write_all(const sl_output_file *file, const char *from, size_t bytes, const uint64_t *offset,
+                           sl_error *error) {
+    for (size_t done = 0; done < bytes;) {
+        const ssize_t written =
+            offset ? pwrite(file->descriptor, from + done, bytes - done, (off_t)(*offset + done))
+                   : write(file->descriptor, from + done, bytes - done);
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) return fail_writing(file->name, written < 0 ? errno : EIO, error);
-        from += written;
-        bytes -= (size_t)written;
-        file->size += (uint64_t)written;
+        done += (size_t)written;
     }
     return SL_OK;
 }
 
+sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, sl_error *error) {
+    if (file->in_memory) return keep(file, data, bytes, error);
+    return write_all(file, data, bytes, NULL, error);
+}
+
 sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t bytes, uint64_t offset,
                              sl_error *error) {
-    const char *from = data;
-    while (bytes > 0) {
-        ssize_t written = pwrite(file->descriptor, from, bytes, (off_t)offset);
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) return fail_writing(file->name, written < 0 ? errno : EIO, error);
-        from += written;
-        bytes -= (size_t)written;
-        offset += (uint64_t)written;
-    }
-    return SL_OK;
+    return write_all(file, data, bytes, &offset, error);
 }
 
 /* A name that is taken cannot be given: then by way of another. */

@@ -10,15 +10,14 @@
 
 typedef struct sl_output_file {
     int descriptor;
-    uint64_t size;    /* bytes written in sequence */
     char *name;       /* as the caller wrote it, for messages */
     char *target;     /* with symbolic links resolved */
     bool unnamed;     /* it has no name yet */
     /* the name it has until it takes the target's, or NULL; devices and pipes are written directly */
     char *temporary;
     bool in_memory;   /* no file at all: the bytes stay here */
-    uint8_t *memory;  /* size of them */
-    uint64_t room;
+    uint8_t *memory;
+    uint64_t size, room;
 } sl_output_file;
 
 /* All failures are SL_ERROR_OUTPUT (or SL_ERROR_RESOURCES for want of memory), "cannot write PATH: reason".

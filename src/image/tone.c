@@ -128,10 +128,8 @@ sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_err
 static void show(const sl_image *image, const float *const planes[3], double exposure, sl_tone_curve curve,
                  uint8_t *codes, float *linear) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
-    float table[256];
-    sl_srgb_decode_table(table);
     map_planes(planes, pixels, exposure, curve, codes);
-    for (size_t i = 0; i < 3 * pixels; i++) linear[i % 3 * pixels + i / 3] = table[codes[i]];
+    for (size_t i = 0; i < 3 * pixels; i++) linear[i % 3 * pixels + i / 3] = sl_srgb_to_linear[codes[i]];
 }
 
 sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double stops, sl_image **displayed,

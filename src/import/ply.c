@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/values.h"
 #include "image/formats.h"
 #include "import/assimp.h"
 #include "scene/file.h"
@@ -74,7 +75,7 @@ sl_status sl_ply_check(const char *path, sl_error *error) {
     sl_bytes bytes;
     sl_status status = sl_bytes_read(path, SL_FILE_BYTES, &bytes, error);
     if (status != SL_OK) return status;
-    if (sl_file_has_extension(path, ".ply") || begins_with_line(&bytes, "ply")) status = check(&bytes, error);
+    if (sl_ends_with(path, ".ply") || begins_with_line(&bytes, "ply")) status = check(&bytes, error);
     sl_free(bytes.data);
     return status;
 }

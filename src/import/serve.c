@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/sanitized.h"
+#include "base/values.h"
 #include "import/assimp.h"
 #include "import/files.h"
 #include "scene/file.h"
@@ -78,7 +79,7 @@ static sl_status import(const char *path, const cJSON *gltf, const sl_affine *pl
 
 static sl_status read_file(const char *path, const sl_affine *placement, sl_model *model, sl_error *error) {
     cJSON *gltf;
-    if (!sl_file_has_extension(path, ".gltf") && !sl_file_has_extension(path, ".glb")) {
+    if (!sl_ends_with(path, ".gltf") && !sl_ends_with(path, ".glb")) {
         sl_status status = sl_ply_check(path, error);
         return status == SL_OK ? import(path, NULL, placement, model, error) : status;
     }

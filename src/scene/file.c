@@ -55,17 +55,6 @@ bool sl_file_is_below(const char *folder, const char *path) {
     return strncmp(real, folder, length) == 0 && real[length] == '/';
 }
 
-static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
-
-bool sl_file_has_extension(const char *path, const char *extension) {
-    size_t length = strlen(path), wanted = strlen(extension);
-    if (length < wanted) return false;
-    for (size_t i = 0; i < wanted; i++) {
-        if (lower(path[length - wanted + i]) != extension[i]) return false;
-    }
-    return true;
-}
-
 /* Returns the first place in the alphabet that does not come before this name's. */
 static size_t find_place(const sl_names *n, const char *name) {
     size_t low = 0, high = n->count;

@@ -23,8 +23,6 @@ char *sl_file_folder(const char *path);
 /* Tells whether a file lies below a folder given by its real path, symbolic links followed. Where there is no
  * such file, or the folder is NULL: true. */
 bool sl_file_is_below(const char *folder, const char *path);
-/* ".obj" and the like, letter case ignored. */
-bool sl_file_has_extension(const char *path, const char *extension);
 /* Names that are told apart by the order in which they were added; zeroed: none. They are not copied. */
 typedef struct sl_names {
     const char **name;

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/print.h"
+#include "base/values.h"
 #include "scene/file.h"
 #include "scene/mesh_file.h"
 #include "scene/scene_file.h"
@@ -38,8 +39,8 @@ static sl_status load_mesh_alone(const char *path, const sl_load_options *option
 
 /* JSON by name or by its first character; glTF, which is JSON too, by name. */
 static bool is_scene_file(const char *path) {
-    if (sl_file_has_extension(path, ".json")) return true;
-    if (sl_file_has_extension(path, ".gltf") || !sl_file_exists(path)) return false;
+    if (sl_ends_with(path, ".json")) return true;
+    if (sl_ends_with(path, ".gltf") || !sl_file_exists(path)) return false;
     FILE *file = fopen(path, "rb");
     if (!file) return false;
     int first = fgetc(file);

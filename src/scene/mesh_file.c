@@ -1,6 +1,7 @@
 #include "scene/mesh_file.h"
 
 #include "base/memory.h"
+#include "base/values.h"
 #include "scene/file.h"
 #include "scene/import_process.h"
 #include "scene/import_reply.h"
@@ -25,7 +26,7 @@ sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_mod
                    {".off", sl_off_file_load},
                    {"", import}};
     size_t i = 0;
-    while (!sl_file_has_extension(path, formats[i].extension)) i++;
+    while (!sl_ends_with(path, formats[i].extension)) i++;
     sl_status status = sl_model_note_file(model, path, error);
     return status == SL_OK ? formats[i].load(path, placement, model, error) : status;
 }

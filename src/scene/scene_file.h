@@ -19,7 +19,8 @@ typedef struct sl_scene_file {
     sl_affine turn;          /* from the file's world to ours */
 } sl_scene_file;
 
-sl_vec3 sl_scene_file_point(const sl_scene_file *file, sl_vec3d p);  /* turned to y up */
+/* sl_json_vec3(), turned to y up. */
+bool sl_scene_file_vector(sl_scene_file *file, const cJSON *item, sl_vec3d *vector);
 double sl_scene_file_radians(double degrees);
 
 /* "transform" of a mesh: 16 numbers by columns, or {translate, rotate_deg, scale}. */

@@ -19,21 +19,19 @@ static const cJSON *one_of(sl_json *json, const cJSON *object, const char *a, co
     return first ? first : second;
 }
 
-static bool read_direction(sl_scene_file *file, const cJSON *object, sl_vec3 *direction) {
+static void read_direction(sl_scene_file *file, const cJSON *object, sl_vec3 *direction) {
     const cJSON *item = sl_json_need(&file->json, object, "direction");
     sl_vec3d v;
-    if (!sl_json_vec3(&file->json, item, &v)) return false;
-    *direction = sl_normalize_or(sl_scene_file_point(file, v), sl_v3(0, 0, 0));
-    if (sl_dot(*direction, *direction) > 0.5f) return true;
-    sl_json_fail(&file->json, item, "expected 'direction' to be other than 0");
-    return false;
+    if (!sl_scene_file_vector(file, item, &v)) return;
+    *direction = sl_normalize_or(sl_to_float(v), sl_v3(0, 0, 0));
+    if (!(sl_dot(*direction, *direction) > 0.5f))
+        sl_json_fail(&file->json, item, "expected 'direction' to be other than 0");
 }
 
-static bool read_position(sl_scene_file *file, const cJSON *object, sl_vec3 *position) {
+static void read_position(sl_scene_file *file, const cJSON *object, sl_vec3 *position) {
     sl_vec3d v;
-    if (!sl_json_vec3(&file->json, sl_json_need(&file->json, object, "position"), &v)) return false;
-    *position = sl_scene_file_point(file, v);
-    return true;
+    if (sl_scene_file_vector(file, sl_json_need(&file->json, object, "position"), &v))
+        *position = sl_to_float(v);
 }
 
 /* ---- lights without extent ------------------------------------------------------------------- */

@@ -10,8 +10,10 @@
 
 double sl_scene_file_radians(double degrees) { return degrees * (SL_PI / 180.0); }
 
-sl_vec3 sl_scene_file_point(const sl_scene_file *file, sl_vec3d p) {
-    return sl_to_float(sl_affine_vector(&file->turn, p));
+bool sl_scene_file_vector(sl_scene_file *file, const cJSON *item, sl_vec3d *vector) {
+    if (!sl_json_vec3(&file->json, item, vector)) return false;
+    *vector = sl_affine_vector(&file->turn, *vector);
+    return true;
 }
 
 /* ---- transforms ------------------------------------------------------------------------------ */
@@ -120,11 +122,10 @@ static void read_light_key(sl_scene_file *file, const cJSON *item, sl_key *key) 
     sl_json *json = &file->json;
     const cJSON *direction = sl_json_get(item, "direction");
     sl_vec3d v;
-    if (sl_json_vec3(json, sl_json_get(item, "position"), &v))
-        key->position = sl_affine_vector(&file->turn, v);
-    if (!sl_json_vec3(json, direction, &v)) return;
+    sl_scene_file_vector(file, sl_json_get(item, "position"), &key->position);
+    if (!sl_scene_file_vector(file, direction, &v)) return;
     const double length = sl_lengthd(v);
-    if (length > 0.0) key->direction = sl_affine_vector(&file->turn, sl_scaled(v, 1.0 / length));
+    if (length > 0.0) key->direction = sl_scaled(v, 1.0 / length);
     else sl_json_fail(json, direction, "expected 'direction' to be other than 0");
 }
 
@@ -142,11 +143,10 @@ void sl_scene_file_light_keys(sl_scene_file *file, const cJSON *list, uint32_t l
 
 static void read_camera(sl_scene_file *file, const cJSON *item, sl_key *key) {
     sl_json *json = &file->json;
-    sl_vec3d v;
     double degrees;
-    if (sl_json_vec3(json, sl_json_get(item, "eye"), &v)) key->position = sl_affine_vector(&file->turn, v);
-    if (sl_json_vec3(json, sl_json_get(item, "target"), &v)) key->target = sl_affine_vector(&file->turn, v);
-    if (sl_json_vec3(json, sl_json_get(item, "up"), &v)) key->up = sl_affine_vector(&file->turn, v);
+    sl_scene_file_vector(file, sl_json_get(item, "eye"), &key->position);
+    sl_scene_file_vector(file, sl_json_get(item, "target"), &key->target);
+    sl_scene_file_vector(file, sl_json_get(item, "up"), &key->up);
     if (sl_json_number(json, sl_json_get(item, "fov_deg"), 0.01, 179.0, &degrees))
         key->vertical_fov = sl_scene_file_radians(degrees);
     sl_camera check;

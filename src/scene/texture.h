@@ -2,10 +2,8 @@
 #ifndef SL_SCENE_TEXTURE_H
 #define SL_SCENE_TEXTURE_H
 
+#include "image/color.h"
 #include "scene/scene.h"
-
-/* What a byte of a colour texture means. */
-extern const float sl_srgb_to_linear[256];
 
 /* Linear colour: texels are decoded from sRGB before they are filtered. */
 sl_rgb sl_texture_color(const sl_texture *texture, float u, float v);

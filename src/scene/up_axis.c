@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "base/math.h"
-#include "scene/file.h"
+#include "base/values.h"
 
 /* Of the height, how much counts as lowest; of the ground, how much that covers at least; how many times the
  * same for y that is. */
@@ -17,8 +17,8 @@ static const double flat = 0.05;
 static const double level = 0.95;
 
 bool sl_up_axis_is_unsaid(const char *path) {
-    return sl_file_has_extension(path, ".obj") || sl_file_has_extension(path, ".stl") ||
-           sl_file_has_extension(path, ".ply") || sl_file_has_extension(path, ".off");
+    return sl_ends_with(path, ".obj") || sl_ends_with(path, ".stl") ||
+           sl_ends_with(path, ".ply") || sl_ends_with(path, ".off");
 }
 
 typedef struct shape {
