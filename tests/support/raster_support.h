@@ -55,17 +55,6 @@ static inline sl_counters render(const sl_raster *raster, const sl_view *view, u
     return counters;
 }
 
-static inline sl_counters render_small(const sl_raster *raster, const sl_view *view, uint32_t *id,
-                                       float *depth) {
-    sl_counters counters = {{0}};
-    sl_target target = {view->width, view->height, id, depth};
-    sl_raster_scratch *scratch = NULL;
-    assert_int_equal(sl_raster_scratch_create(raster, view->width, view->height, &scratch, NULL), SL_OK);
-    sl_raster_id_small(raster, view, &target, scratch, &counters);
-    sl_raster_scratch_destroy(scratch);
-    return counters;
-}
-
 static inline float random_between(uint64_t key, uint64_t index, float low, float high) {
     return low + (high - low) * sl_random_unit(key, index);
 }
