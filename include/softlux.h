@@ -36,7 +36,13 @@
  *
  * Processes: one that forks while no call is under way may go on with every handle in the child, to the same
  * bits at any number of threads; but a show that plays (sl_live) is the parent's alone, and must not be
- * touched, not even stopped, in the child. */
+ * touched, not even stopped, in the child.
+ *
+ * Versions: a program that was linked with the library goes on with every later one of the same soname. No
+ * struct that a caller makes room for changes its size: what is added is taken from `reserved`, which is 0
+ * (begin what you fill with {0}). Those that the library alone makes, sl_image, sl_pass, sl_setting and
+ * sl_explanation, and enumerations, grow at their end; sl_error, sl_tone, sl_observer and what stands in
+ * arrays (sl_metadatum, sl_mark, sl_explanation_term) stay as they are. */
 #ifndef SOFTLUX_H
 #define SOFTLUX_H
 
@@ -48,10 +54,12 @@
 extern "C" {
 #endif
 
-/** The version of this header; pictures carry the library's in their metadata. */
+/** The version of this header. */
 #define SL_VERSION "0.1.0"
 /** Marks what the shared library exports. */
 #define SL_API __attribute__((visibility("default")))
+/** The version of the library, which pictures carry in their metadata; a constant string. */
+SL_API const char *sl_version(void);
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
@@ -141,9 +149,11 @@ typedef enum sl_counter {
     SL_COUNTERS
 } sl_counter;
 
+enum { SL_COUNTERS_ROOM = 96 };
+
 /** One number for each sl_counter. */
 typedef struct sl_counters {
-    uint64_t value[SL_COUNTERS]; /**< by sl_counter */
+    uint64_t value[SL_COUNTERS_ROOM]; /**< by sl_counter; 0 from SL_COUNTERS on */
 } sl_counters;
 
 /** "rays", "fragments_shaded" and so on; a constant string; "unknown" where there is no such counter. */
@@ -253,12 +263,14 @@ typedef struct sl_comparison {
     double flip;          /**< mean LDR-FLIP at 67 pixels per degree, in [0,1]; 0 where equal */
     double mean_image;     /**< mean(x) */
     double mean_reference; /**< mean(r) */
+    double reserved[8];    /**< 0 */
 } sl_comparison;
 
 /** {0}: all pixels, exposure as it is. */
 typedef struct sl_compare_options {
     const sl_image *mask;  /**< first channel, same size; or NULL */
     float exposure_stops;  /**< for ssim and flip: both images * 2^stops, clipped to [0,1], sRGB */
+    uint64_t reserved[8];  /**< 0 */
 } sl_compare_options;
 
 /** Tells how far a picture is from a reference. options may be NULL. INPUT: the sizes differ, a picture has
@@ -295,6 +307,7 @@ typedef struct sl_viewpoint {
     float target[3];        /**< likewise */
     float up[3];            /**< need not be perpendicular to the view */
     float vertical_fov_rad; /**< between 0 and pi */
+    uint32_t reserved[8];   /**< 0 */
 } sl_viewpoint;
 /** Which axis of a mesh file points up. */
 typedef enum sl_up_axis {
@@ -314,6 +327,7 @@ typedef struct sl_load_options {
     sl_up_axis up_axis;
     /** or NULL; read while loading alone. USAGE: an eye at its target, an up vector along the view */
     const sl_viewpoint *view;
+    uint64_t reserved[8]; /**< 0 */
 } sl_load_options;
 /** The same as it is told to; options must not be NULL. */
 SL_API sl_status sl_scene_load_with(const char *path, const sl_load_options *options, sl_scene **scene,
@@ -439,6 +453,7 @@ typedef struct sl_progress {
      * refining */
     bool frame_done;
     bool done;         /**< nothing left to refine; until an edit, updating again changes nothing */
+    uint64_t reserved[4]; /**< 0 */
 } sl_progress;
 
 /** Prepares a method for a scene: checks and completes the settings (which are copied), and computes no pixel
@@ -557,6 +572,7 @@ typedef struct sl_live_state {
     uint64_t change_frames;
     bool held;            /**< a move waits for shading-cache.hold */
     bool done;            /**< nothing is left to refine: updates rest until something moves */
+    uint64_t reserved[8]; /**< 0 */
 } sl_live_state;
 
 /** Makes a method and starts to update it, with workers of its own. Until sl_live_stop() the scene is the
@@ -604,6 +620,7 @@ typedef struct sl_error_estimate {
     uint64_t nonfinite;
     bool blind; /**< light of lights without extent by way of mirrors would count, but no path from an eye
                    finds it: the converged picture meant here is without it */
+    uint64_t reserved[8]; /**< 0 */
 } sl_error_estimate;
 
 /** Probes: pixels of which two independent estimates p and q are path traced. E[(x - p)(x - q)] is the

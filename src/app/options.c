@@ -42,7 +42,9 @@ static void take_reading(sl_reading *r) {
     to_floats(r->up, v->up);
     v->vertical_fov_rad = (float)(r->fov_degrees * degree);
     bool any = v->has_eye || v->has_target || v->has_up || v->has_fov;
-    r->load = (sl_load_options){r->allow_outside, (sl_up_axis)r->up_axis, any ? v : NULL};
+    r->load = (sl_load_options){.allow_outside = r->allow_outside,
+                                .up_axis = (sl_up_axis)r->up_axis,
+                                .view = any ? v : NULL};
 }
 
 /* ---- help ---- */

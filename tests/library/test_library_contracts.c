@@ -94,6 +94,26 @@ static void nothing_can_be_destroyed(void **state) {
     assert_true(all_zero(&counters, sizeof counters));
 }
 
+/* A program that was built with an earlier header made room for just this. */
+static void structs_that_callers_make_room_for_keep_their_sizes(void **state) {
+    (void)state;
+    assert_string_equal(sl_version(), SL_VERSION);
+    assert_int_equal(sizeof(sl_error), 1028);
+    assert_int_equal(sizeof(sl_counters), 768);
+    assert_int_equal(sizeof(sl_metadatum), 72);
+    assert_int_equal(sizeof(sl_tone), 12);
+    assert_int_equal(sizeof(sl_comparison), 184);
+    assert_int_equal(sizeof(sl_compare_options), 80);
+    assert_int_equal(sizeof(sl_viewpoint), 76);
+    assert_int_equal(sizeof(sl_load_options), 80);
+    assert_int_equal(sizeof(sl_mark), 44);
+    assert_int_equal(sizeof(sl_observer), 16);
+    assert_int_equal(sizeof(sl_progress), 56);
+    assert_int_equal(sizeof(sl_explanation_term), 88);
+    assert_int_equal(sizeof(sl_live_state), 136);
+    assert_int_equal(sizeof(sl_error_estimate), 152);
+}
+
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
 static const char moving[] =
@@ -598,6 +618,7 @@ static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_can_be_destroyed),
+        cmocka_unit_test(structs_that_callers_make_room_for_keep_their_sizes),
         cmocka_unit_test(a_scene_moves_to_times_at_which_it_can_be_seen),
         cmocka_unit_test(a_camera_has_a_frame_and_a_field_of_view),
         cmocka_unit_test(every_camera_that_is_taken_gives_numbers),

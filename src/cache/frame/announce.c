@@ -7,7 +7,7 @@
 
 /* Returns how far the counters have grown since the last pass. */
 static sl_counters cost_since(sl_announcer *a) {
-    sl_counters cost;
+    sl_counters cost = {0};
     for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = a->counters->value[i] - a->told.value[i];
     a->told = *a->counters;
     return cost;

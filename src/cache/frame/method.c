@@ -26,6 +26,8 @@ static const sl_method_class *const classes[] = {&sl_splatting_method,     &sl_d
                                                  &sl_bidirectional_method};
 enum { CLASSES = sizeof classes / sizeof classes[0] };
 
+const char *sl_version(void) { return SL_VERSION; }
+
 const char *sl_method_name(size_t index) { return index < CLASSES ? classes[index]->name : NULL; }
 
 static const sl_method_class *find_class(const char *name) {
