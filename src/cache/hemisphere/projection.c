@@ -111,10 +111,11 @@ static void set_wall_images(const quadrant *q, size_t i) {
 
 /* ---- integrals of the functions -------------------------------------------------------------- */
 
-/* H_lm are spherical harmonics of the directions with 2 cos theta - 1 in place of cos theta, which keeps ratios
- * of solid angles: hemisphere and sphere. There cells and walls are halved until no side is longer than this
- * angle. Functions hardly vary within one, and it counts by its value in the middle. */
-static const double longest_side = 0.04;
+/* H_lm are spherical harmonics of the directions with 2 cos theta - 1 in place of cos theta, which keeps
+ * ratios of solid angles: hemisphere and sphere. There cells are halved until no side is longer than this
+ * angle, and walls, which count by the functions in the middle of each part, until none is longer than half
+ * of it. */
+static const double longest_side = 0.08;
 
 /* Of a cell or wall that an axis cuts, only what lies in the quadrant. */
 static double in_quadrant(const sl_gather_tables *t, int x) {
@@ -123,10 +124,11 @@ static double in_quadrant(const sl_gather_tables *t, int x) {
 }
 
 /* Returns the direction of a point of a cell (s to the right, r upwards), or of its border extension: s along
- * the edge, r from there down to the horizon. All in [0,1]; in units of depth. */
+ * the edge (clockwise), r from there down to the horizon. All in [0,1]; in units of depth. */
 static sl_vec3d place_in(const sl_gather_tables *t, entry cell, double s, double r) {
     double x = in_quadrant(t, cell.x), y = in_quadrant(t, cell.y);
-    double right = x + s * (cell.x + 1 - x), up = y + (cell.type == BORDER_ROW ? s : r) * (cell.y + 1 - y);
+    double along_y = cell.type == BORDER_ROW ? 1.0 - s : r;
+    double right = x + s * (cell.x + 1 - x), up = y + along_y * (cell.y + 1 - y);
     if (cell.type != BORDER_ROW && cell.type != BORDER_COLUMN) return sl_gather_direction(t, right, up);
     sl_vec3d edge = cell.type == BORDER_ROW ? sl_gather_direction(t, t->width, up)
                                             : sl_gather_direction(t, right, t->width);
@@ -153,34 +155,62 @@ static void add_functions(const quadrant *q, sl_vec3d direction, double weight, 
     for (size_t i = 0; i < stride; i++) sums[i] += weight * values[i];
 }
 
-/* Of a spherical triangle with unit corners (van Oosterom and Strackee 1983). */
-static double solid_angle(sl_vec3d a, sl_vec3d b, sl_vec3d c) {
-    double volume = sl_dotd(a, sl_crossd(b, c));
-    return 2.0 * sl_atan2(fabs(volume), 1.0 + sl_dotd(a, b) + sl_dotd(b, c) + sl_dotd(c, a));
+typedef struct range {
+    double from, to;
+} range;
+
+static double middle_of(range whole) { return 0.5 * (whole.from + whole.to); }
+static range half_of(range whole, int half) {
+    return half ? (range){middle_of(whole), whole.to} : (range){whole.from, middle_of(whole)};
 }
 
-/* Adds the integral of every function over s[0] to s[1], r[0] to r[1] of a cell, in solid angle. */
-static void add_part(const quadrant *q, entry cell, const double s[2], const double r[2], double *sums) {
-    sl_vec3d c[4], middle = {0.0, 0.0, 0.0};
-    for (int k = 0; k < 4; k++) { /* counter-clockwise */
-        c[k] = to_sphere(place_in(q->tables, cell, s[k == 1 || k == 2], r[k >= 2]));
-        middle = sl_addd(middle, c[k]);
+/* A patch on the sphere through 3 x 3 points, quadratic in both parameters, so that patches of different
+ * sizes leave no gap at a curved line. */
+typedef sl_vec3d patch[3][3];
+
+static sl_vec3d on_patch(const patch points, const double across[3], const double along[3]) {
+    sl_vec3d sum = {0.0, 0.0, 0.0};
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++) sum = sl_addd(sum, sl_scaled(points[j][i], across[j] * along[i]));
+    return sum;
+}
+
+/* Adds the integral of every function over a patch, in solid angle: Gauss's rule of 2 x 2 points, which are
+ * at (3 -+ sqrt 3) / 6. There parabolas through values at 0, 1/2 and 1 have these weights, and slopes. */
+static void add_patch(const quadrant *q, const patch points, double *sums) {
+    static const double value[2][3] = {{0.45534180126147955, 2.0 / 3.0, -0.12200846792814621},
+                                       {-0.12200846792814621, 2.0 / 3.0, 0.45534180126147955}};
+    static const double slope[2][3] = {{-2.1547005383792515, 2.3094010767585031, -0.15470053837925153},
+                                       {0.15470053837925153, -2.3094010767585031, 2.1547005383792515}};
+    for (int k = 0; k < 4; k++) {
+        const double *u = value[k & 1], *v = value[k >> 1];
+        sl_vec3d p = on_patch(points, v, u), turn = sl_crossd(on_patch(points, v, slope[k & 1]),
+                                                               on_patch(points, slope[k >> 1], u));
+        double length = sl_lengthd(p), angle = sl_dotd(p, turn) / (4.0 * length * length * length);
+        add_functions(q, from_sphere(p), 0.5 * q->tables->scale * angle, sums);
     }
-    double along = fmax(length_between(c[0], c[1]), length_between(c[3], c[2])),
-           across = fmax(length_between(c[0], c[3]), length_between(c[1], c[2]));
-    if (!(fmax(along, across) > longest_side)) {
-        double angle = solid_angle(c[0], c[1], c[2]) + solid_angle(c[0], c[2], c[3]);
-        add_functions(q, from_sphere(middle), 0.5 * q->tables->scale * angle, sums);
+}
+
+/* Adds the integral of every function over a part of a cell. Directions are halved each by its own sides'
+ * length, so that the disc's diagonals, where its grid has kinks, only pass through corners of parts. */
+static void add_part(const quadrant *q, entry cell, range s, range r, double *sums) {
+    const double columns[3] = {s.from, middle_of(s), s.to}, rows[3] = {r.from, middle_of(r), r.to};
+    patch p;
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++) p[j][i] = to_sphere(place_in(q->tables, cell, columns[i], rows[j]));
+    bool wide = fmax(length_between(p[0][0], p[0][2]), length_between(p[2][0], p[2][2])) > longest_side,
+         high = fmax(length_between(p[0][0], p[2][0]), length_between(p[0][2], p[2][2])) > longest_side;
+    if (!wide && !high) {
+        add_patch(q, p, sums);
         return;
     }
-    const double *longer = along > across ? s : r, half = 0.5 * (longer[0] + longer[1]);
-    const double low[2] = {longer[0], half}, high[2] = {half, longer[1]};
-    add_part(q, cell, along > across ? low : s, along > across ? r : low, sums);
-    add_part(q, cell, along > across ? high : s, along > across ? r : high, sums);
+    for (int i = 0; i <= wide; i++)
+        for (int j = 0; j <= high; j++)
+            add_part(q, cell, wide ? half_of(s, i) : s, high ? half_of(r, j) : r, sums);
 }
 
 static void integrate_cell(const quadrant *q, entry cell, double *sums) {
-    const double all[2] = {0.0, 1.0};
+    const range all = {0.0, 1.0};
     const int last = q->tables->width - 1;
     memset(sums, 0, sl_hsh_stride(q->projection->order) * sizeof *sums);
     add_part(q, cell, all, all, sums);
@@ -196,7 +226,7 @@ static sl_vec3d wall_point(const sl_gather_tables *t, entry wall, double s) {
     case COLUMN:
     case BORDER_COLUMN: return place_in(t, wall, 0.0, s);
     case ROW: return place_in(t, wall, 1.0 - s, 0.0);
-    default: return place_in(t, wall, 0.0, 1.0 - s);
+    default: return place_in(t, wall, 1.0, 1.0 - s);
     }
 }
 
@@ -205,11 +235,11 @@ typedef struct wall_sums {
 } wall_sums;
 
 /* A wall is made by surfaces at depth 1. Displacing the receiver by delta in the surface gives the solid
- * angle (x, y) . delta to the cell beyond it, taken from the one before it: a piece e of it at the direction d
- * gives (e x d) . delta / |d|^3. Functions are weighted by that motion. */
+ * angle (x, y) . delta to the cell beyond it, taken from the one before it: a piece e of it at the direction
+ * d gives (e x d) . delta / |d|^3. Functions are weighted by that motion. */
 static void add_wall_part(const quadrant *q, entry wall, double from, double to, wall_sums *sums) {
     sl_vec3d a = wall_point(q->tables, wall, from), b = wall_point(q->tables, wall, to);
-    if (length_between(to_sphere(a), to_sphere(b)) > longest_side) {
+    if (length_between(to_sphere(a), to_sphere(b)) > 0.5 * longest_side) {
         double half = 0.5 * (from + to);
         add_wall_part(q, wall, from, half, sums);
         add_wall_part(q, wall, half, to, sums);

@@ -63,7 +63,7 @@ static void white_room_has_one_coefficient_and_no_gradient(void **state) {
             for (size_t j = 0; j < stride; j++) {
                 double radiance = v < 3 && j == 0 ? (double)(1 << v) : 0;
                 assert_near((double)c[v * stride + j], sqrt(2 * SL_PI) * radiance,
-                            v < 3 ? 4e-3 * (1 << v) : 0);
+                            v < 3 ? 4e-4 * (1 << v) : 0);
             }
         }
         gatherer_free(&g);
@@ -88,7 +88,7 @@ static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, doubl
         double tx = (double)sl_dot(e->translational[v], frame.x),
                ty = (double)sl_dot(e->translational[v], frame.y);
         double eps = gradient_eps * (fabs(tx) + fabs(ty)) + 0.1 * gradient_eps * (double)value[v];
-        assert_near(got[0], (double)value[v], 4e-3 * (double)value[v]);
+        assert_near(got[0], (double)value[v], 1e-4 * (double)value[v]);
         assert_near(got[1], tx, eps);
         assert_near(got[2], ty, eps);
     }
@@ -100,7 +100,7 @@ static void irradiance_is_two_coefficients(void **state) {
     (void)state;
     const sl_gather_kind of[5] = {SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_HEMICUBE,
                                   SL_GATHER_RAYS};
-    const double eps[5] = {3e-3, 3e-3, 0.3, 3e-3, 0.05};
+    const double eps[5] = {1e-3, 1e-3, 0.3, 1e-3, 0.05};
     world *w = world_room(true);
     for (int i = 0; i < 10; i++) {
         sl_gather_settings s = settings_of(of[i % 5], i < 5 ? 64 : 37, 6);
