@@ -26,18 +26,6 @@ static sl_atlas_chart chart_at(const making *m, size_t id, double density) {
                                    (float)((m->place[id].y + density * sl_dotd(from, p->up)) / size)}};
 }
 
-/* Returns the mean over the area of 1 / cosine between a face and its plane. */
-static double mean_stretch(const making *m) {
-    double sum = 0.0, all = 0.0;
-    for (size_t f = 0; f < m->faces.count; f++) {
-        const sl_atlas_plane *p = &m->charts.plane[m->charts.of_face[f]];
-        double cosine = sl_dotd(m->faces.normal[f], sl_crossd(p->right, p->up));
-        sum += m->faces.area[f] / (cosine > 0.0 ? cosine : 1.0); /* slivers have no normal */
-        all += m->faces.area[f];
-    }
-    return all > 0.0 ? sum / all : 1.0;
-}
-
 /* ---- the atlas ---- */
 
 static sl_status check(const sl_scene *scene, const sl_atlas_settings *s, sl_error *error) {
@@ -72,8 +60,6 @@ static sl_status make(making *m, const sl_scene *scene, sl_atlas *a, sl_error *e
     a->chart_count = m->charts.count;
     for (size_t c = 0; c < a->chart_count; c++) a->chart[c] = chart_at(m, c, a->texels_per_unit);
     memcpy(a->chart_of, m->charts.of_face, a->triangle_count * sizeof *a->chart_of);
-    a->stretch = mean_stretch(m);
-    for (size_t c = 0; c < a->chart_count; c++) a->single += m->charts.plane[c].count == 1;
     return SL_OK;
 }
 

@@ -2,7 +2,7 @@
  * flat by projection onto its mean plane, so that one affine map takes all of its points to the atlas.
  *
  *   faces.c      which triangles share an edge
- *   charts.c     which go together, each chart's plane, and what leaves charts again; overlap.c
+ *   charts.c     which go together, each chart's plane, and what leaves charts again
  *   pack.c       shelves of charts in one square
  *   atlas.c      all of that in order
  *   texels.c     which surface point each texel holds, so that filtering finds no seams
@@ -36,8 +36,6 @@ typedef struct sl_atlas {
     uint32_t *chart_of;     /* of each triangle */
     sl_atlas_chart *chart;
     double texels_per_unit; /* the common density: texels for a length of 1 in a chart's plane */
-    double stretch;         /* mean over the area of (largest / smallest singular value) of the projections */
-    size_t single;          /* charts of one triangle */
 } sl_atlas;
 
 /* Every triangle lies in one chart, and no two of a chart overlap. Deterministic. Where all cannot fit the
@@ -56,10 +54,9 @@ static inline void sl_atlas_point(const sl_atlas_chart *chart, sl_vec3 p, float 
 
 /* Finds which triangle each texel holds a point of, and where (barycentric weights of corners 1 and 2);
  * SL_NO_INDEX where there is none. A texel whose centre lies outside all charts, but less than a texel away
- * in x and in y, takes the nearest point. Arrays of size*size, row 0 at the bottom; *covered: how many
- * centres lie in a chart. */
+ * in x and in y, takes the nearest point. Arrays of size*size, row 0 at the bottom. */
 sl_status sl_atlas_texels(const sl_atlas *atlas, const sl_scene *scene, unsigned threads, uint32_t *triangle,
-                          float *w1, float *w2, size_t *covered, sl_error *error);
+                          float *w1, float *w2, sl_error *error);
 
 /* ---- light in it (bake.c) ----
  *
@@ -83,7 +80,6 @@ typedef struct sl_atlas_canvas {
     sl_atlas *atlas;
     /* of texels that hold a surface point: those in a chart, and those around it that filtering reads */
     size_t count;
-    size_t covered;             /* of them, those whose centres lie in a chart */
     uint32_t *texel, *triangle; /* ascending; row * size + column */
     float *w1, *w2;
     sl_texture_image *side[2];  /* RGBA, alpha 1 where there is something; NULL: never filled */

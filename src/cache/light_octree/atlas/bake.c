@@ -37,7 +37,7 @@ sl_status sl_atlas_canvas_create(sl_atlas *atlas, const sl_scene *scene, unsigne
     uint32_t *triangle = sl_allocate(texels, sizeof *triangle);
     float *w = sl_allocate(texels, 2 * sizeof *w);
     sl_status status = c && triangle && w ? sl_atlas_texels(atlas, scene, threads, triangle, w, w + texels,
-                                                            &c->covered, error)
+                                                            error)
                                           : sl_fail_memory(error, "the canvas of an atlas");
     if (c) c->atlas = atlas;
     else sl_atlas_destroy(atlas);

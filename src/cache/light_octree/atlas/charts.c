@@ -143,44 +143,73 @@ static void lay_out(const growing *g, sl_atlas_plane *p, sl_vec3d axis) {
 
 /* ---- overlaps ---- */
 
-/* What is far finer than a texel may be rounded. */
-static const double grid = 0x1p27;
+/* A grid over a chart's plane: its cells are taken by the face that covers their middles. */
+typedef struct cell_grid {
+    int columns, rows;
+    double cell;
+    uint8_t *taken;
+} cell_grid;
 
-static void snap(const growing *g, const sl_atlas_plane *p, uint32_t face, int64_t corner[6]) {
-    double scale = grid / fmax(p->width, p->height);
-    for (size_t k = 0; k < 3; k++) {
-        sl_vec3d at = sl_subd(sl_atlas_corner(g->faces, 3 * (size_t)face + k), p->origin);
-        corner[2 * k] = (int64_t)floor(sl_dotd(at, p->right) * scale + 0.5);
-        corner[2 * k + 1] = (int64_t)floor(sl_dotd(at, p->up) * scale + 0.5);
+enum { CELLS_A_FACE = 64, SIDE_MOST = 1024 };
+
+/* Tells whether a point lies inside a triangle, and not on its border. */
+static bool covers(const double corner[3][2], double x, double y) {
+    bool inside = true;
+    for (int k = 0; k < 3; k++) {
+        const double *a = corner[k], *b = corner[(k + 1) % 3];
+        inside = inside && (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) > 1e-6;
     }
+    return inside;
 }
 
-/* Removes faces that overlap earlier ones, never the first. Slivers cover nothing. False: no memory. */
+/* Takes the cells that a face covers, or tells that one of them is taken; free: takes none. */
+static bool take_cells(const growing *g, const sl_atlas_plane *p, cell_grid *grid, uint32_t face, bool take) {
+    double corner[3][2], low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    for (size_t k = 0; k < 3; k++) {
+        sl_vec3d at = sl_subd(sl_atlas_corner(g->faces, 3 * (size_t)face + k), p->origin);
+        corner[k][0] = sl_dotd(at, p->right) / grid->cell;
+        corner[k][1] = sl_dotd(at, p->up) / grid->cell;
+        for (int d = 0; d < 2; d++) {
+            low[d] = fmin(low[d], corner[k][d]);
+            high[d] = fmax(high[d], corner[k][d]);
+        }
+    }
+    for (int y = (int)fmax(low[1], 0.0); y < grid->rows && y < high[1]; y++) {
+        for (int x = (int)fmax(low[0], 0.0); x < grid->columns && x < high[0]; x++) {
+            uint8_t *cell = &grid->taken[(size_t)y * (size_t)grid->columns + (size_t)x];
+            if (!covers(corner, x + 0.5, y + 0.5)) continue;
+            if (*cell && !take) return false;
+            *cell |= take;
+        }
+    }
+    return true;
+}
+
+/* Removes faces that overlap earlier ones, never the first, as far as some cells for each face can tell.
+ * Slivers cover nothing. False: no memory. */
 static bool drop_overlaps(growing *g, sl_atlas_plane *p) {
     uint32_t *face = g->charts->face + p->first;
-    size_t count = 0, kept = 0;
-    if (p->count == 1 || !(p->width > 0.0)) return true;
-    int64_t *corner = sl_allocate(p->count, 6 * sizeof *corner);
-    uint8_t *bad = sl_allocate(p->count, sizeof *bad);
-    bool good = corner && bad;
-    for (size_t i = 0; good && i < p->count; i++) {
-        if (sl_dotd(g->faces->normal[face[i]], g->faces->normal[face[i]]) > 0.0)
-            snap(g, p, face[i], corner + 6 * count++);
-    }
-    good = good && sl_atlas_overlap(corner, count, bad);
-    for (size_t i = 0, at = 0; good && i < p->count; i++) {
+    size_t kept = 0;
+    if (p->count == 1 || !(p->height > 0.0)) return true;
+    cell_grid grid = {.cell = fmax(sqrt(p->width * p->height / (CELLS_A_FACE * (double)p->count)),
+                                   p->width / SIDE_MOST)};
+    grid.columns = (int)(p->width / grid.cell) + 1;
+    grid.rows = (int)(p->height / grid.cell) + 1;
+    grid.taken = sl_allocate((size_t)grid.columns * (size_t)grid.rows, sizeof *grid.taken);
+    if (!grid.taken) return false;
+    for (size_t i = 0; i < p->count; i++) {
         bool sliver = sl_dotd(g->faces->normal[face[i]], g->faces->normal[face[i]]) == 0.0;
-        if (i == 0 || sliver || !bad[at]) face[kept++] = face[i];
-        else g->charts->of_face[face[i]] = SL_NO_INDEX;
-        at += !sliver;
+        if (sliver || take_cells(g, p, &grid, face[i], false)) {
+            if (!sliver) take_cells(g, p, &grid, face[i], true);
+            face[kept++] = face[i];
+        } else {
+            g->charts->of_face[face[i]] = SL_NO_INDEX;
+        }
     }
-    if (good) {
-        p->count = kept;
-        g->listed = p->first + kept;
-    }
-    sl_free(corner);
-    sl_free(bad);
-    return good;
+    p->count = kept;
+    g->listed = p->first + kept;
+    sl_free(grid.taken);
+    return true;
 }
 
 /* ---- all charts ---- */

@@ -1,9 +1,8 @@
-/* Faces that share an edge. Along an edge of two faces that run opposite ways these are glued; where more
- * meet, the flattest such pairs; all else is a border. */
+/* Faces that share an edge. Along it those that run opposite ways are glued, each to the flattest; all else
+ * is a border. */
 #include "cache/light_octree/atlas/parts.h"
 
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "scene/edges.h"
 
@@ -11,27 +10,23 @@
 #define SLIVER 1e-4
 /* Faces that fold back on each other as sharply as this are two sides of a sheet, and never in one chart. */
 #define FOLD (-0.9)
-
 /* ---- edges ---- */
 
-/* Glues the flattest pair of faces at an edge that run opposite ways, then the flattest of the rest. */
-static void glue_flattest(sl_atlas_faces *f, const sl_half_edge *e, size_t count) {
-    enum { MOST = 64 }; /* a fan of more pages than this stays open */
-    for (bool glued = count <= MOST; glued;) {
-        double best = FOLD;
-        uint32_t left = SL_NO_INDEX, right = SL_NO_INDEX;
-        for (size_t i = 0; i < count; i++)
-            for (size_t j = i + 1; j < count; j++) {
-                uint32_t a = e[i].index, b = e[j].index;
-                if (f->opposite[a] != SL_NO_INDEX || f->opposite[b] != SL_NO_INDEX ||
-                    e[i].upwards == e[j].upwards)
-                    continue;
-                double flatness = sl_dotd(f->normal[a / 3], f->normal[b / 3]);
-                if (flatness > best) best = flatness, left = a, right = b;
-            }
-        glued = left != SL_NO_INDEX;
-        if (glued) f->opposite[left] = right, f->opposite[right] = left;
+/* Glues a half-edge to the one that goes on from it most evenly, of those at the same place. */
+static void glue(sl_atlas_faces *f, const sl_half_edge *e, size_t count) {
+    enum { MOST = 64 }; /* of a fan of more pages some stay open */
+    double best = FOLD;
+    uint32_t found = SL_NO_INDEX;
+    for (size_t k = 1; k < count && k < MOST; k++) {
+        double flatness = sl_dotd(f->normal[e[0].index / 3], f->normal[e[k].index / 3]);
+        if (e[k].upwards == e[0].upwards || f->opposite[e[k].index] != SL_NO_INDEX || !(flatness > best))
+            continue;
+        best = flatness;
+        found = e[k].index;
     }
+    if (found == SL_NO_INDEX) return;
+    f->opposite[e[0].index] = found;
+    f->opposite[found] = e[0].index;
 }
 
 static void glue_all(sl_atlas_faces *f, const sl_half_edge *edges) {
@@ -39,7 +34,9 @@ static void glue_all(sl_atlas_faces *f, const sl_half_edge *edges) {
     for (size_t h = 0; h < count; h++) f->opposite[h] = SL_NO_INDEX;
     for (size_t i = 0, end; i < count; i = end) {
         end = sl_half_edges_of_one(edges, i, count);
-        if (end - i > 1) glue_flattest(f, edges + i, end - i);
+        for (size_t k = i; k < end; k++) {
+            if (f->opposite[edges[k].index] == SL_NO_INDEX) glue(f, edges + k, end - k);
+        }
     }
 }
 
@@ -62,15 +59,13 @@ static void measure(sl_atlas_faces *f, uint32_t face) {
 sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_error *error) {
     size_t count = scene->triangle_count;
     *f = (sl_atlas_faces){.scene = scene, .count = count};
-    f->point = sl_allocate(3 * count, sizeof *f->point);
     f->opposite = sl_allocate(3 * count, sizeof *f->opposite);
     f->normal = sl_allocate(count, sizeof *f->normal);
     f->area = sl_allocate(count, sizeof *f->area);
     uint32_t *places = sl_scene_places(scene);
     sl_half_edge *edges = places ? sl_scene_half_edges(scene, places) : NULL;
-    const bool good = f->point && f->opposite && f->normal && f->area && edges;
+    const bool good = f->opposite && f->normal && f->area && edges;
     if (good) {
-        for (size_t c = 0; c < 3 * count; c++) f->point[c] = places[scene->vertex[c % 3][c / 3]];
         for (uint32_t face = 0; face < count; face++) measure(f, face);
         glue_all(f, edges);
     }
@@ -82,7 +77,6 @@ sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_err
 }
 
 void sl_atlas_faces_release(sl_atlas_faces *f) {
-    sl_free(f->point);
     sl_free(f->opposite);
     sl_free(f->normal);
     sl_free(f->area);

@@ -10,7 +10,6 @@
 typedef struct sl_atlas_faces {
     const sl_scene *scene;
     size_t count;
-    uint32_t *point;     /* of each corner; corners with the same bits of position are the same point */
     uint32_t *opposite;  /* of each half-edge: the one that runs the other way; SL_NO_INDEX at borders */
     sl_vec3d *normal;    /* unit; (0,0,0) for slivers, whose own normal says nothing */
     double *area;
@@ -45,12 +44,6 @@ typedef struct sl_atlas_charts {
 sl_status sl_atlas_charts_create(const sl_atlas_faces *faces, double bend, sl_atlas_charts *charts,
                                  sl_error *error);
 void sl_atlas_charts_release(sl_atlas_charts *charts);
-
-/* ---- overlap.c ---- */
-
-/* corner: 6 whole numbers a triangle, below 2^29. bad[i] is set for the later one of two triangles whose
- * insides meet, and for those that turn clockwise. False: no memory. */
-bool sl_atlas_overlap(const int64_t *corner, size_t count, uint8_t *bad);
 
 /* ---- pack.c ---- */
 

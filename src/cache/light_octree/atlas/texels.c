@@ -20,7 +20,6 @@ typedef struct texel_map {
     uint32_t *triangle;
     float *w1, *w2;
     float *distance;        /* squared: from the centre to the point */
-    size_t *covered;        /* of each band */
 } texel_map;
 
 /* ---- triangles in the atlas ---- */
@@ -122,8 +121,6 @@ static void map_band(void *context, size_t band, unsigned worker) {
             }
         }
     }
-    for (size_t i = (size_t)begin * (size_t)size; i < (size_t)end * (size_t)size; i++)
-        m->covered[band] += m->triangle[i] != SL_NO_INDEX && m->distance[i] == 0.0f;
 }
 
 /* Lists the triangles of each band: counts, sums, and then their numbers. */
@@ -145,7 +142,7 @@ static bool list_triangles(texel_map *m, size_t bands) {
 }
 
 sl_status sl_atlas_texels(const sl_atlas *atlas, const sl_scene *scene, unsigned threads, uint32_t *triangle,
-                          float *w1, float *w2, size_t *covered, sl_error *error) {
+                          float *w1, float *w2, sl_error *error) {
     size_t texels = (size_t)atlas->size * (size_t)atlas->size,
            bands = ((size_t)atlas->size + BAND - 1) / BAND;
     texel_map m = {.atlas = atlas,
@@ -153,18 +150,14 @@ sl_status sl_atlas_texels(const sl_atlas *atlas, const sl_scene *scene, unsigned
                    .triangle = triangle,
                    .w1 = w1,
                    .w2 = w2,
-                   .distance = sl_allocate(texels, sizeof *m.distance),
-                   .covered = sl_allocate(bands, sizeof *m.covered)};
+                   .distance = sl_allocate(texels, sizeof *m.distance)};
     memset(triangle, 0xff, texels * sizeof *triangle);
     memset(w1, 0, texels * sizeof *w1);
     memset(w2, 0, texels * sizeof *w2);
-    bool good = m.distance && m.covered && list_triangles(&m, bands);
+    bool good = m.distance && list_triangles(&m, bands);
     if (good) sl_parallel_for(sl_thread_count(threads), bands, map_band, &m);
-    *covered = 0;
-    for (size_t b = 0; good && b < bands; b++) *covered += m.covered[b];
     sl_free(m.first);
     sl_free(m.listed);
     sl_free(m.distance);
-    sl_free(m.covered);
     return good ? SL_OK : sl_fail_memory(error, "the texels of an atlas");
 }
