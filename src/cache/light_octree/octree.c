@@ -37,15 +37,14 @@ sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t tri
                                place(space, vertex[2][triangle]));
 }
 
-/* Does it lie in a face of the cell? Both voxels there have it. */
+/* Tells whether it lies in a face of the cell: both voxels there have it. */
 static bool in_face(const sl_triangle_part *part, sl_vec3d low, double face) {
     for (int axis = 0; axis < 3; axis++) {
         double lower = INFINITY, upper = -INFINITY;
         for (int k = 0; k < part->count; k++) {
-            sl_vec3d p = sl_subd(part->corner[k], low);
-            double x = axis == 0 ? p.x : axis == 1 ? p.y : p.z;
-            lower = x < lower ? x : lower;
-            upper = x > upper ? x : upper;
+            double x = sl_along(part->corner[k], axis) - sl_along(low, axis);
+            lower = fmin(lower, x);
+            upper = fmax(upper, x);
         }
         if (upper <= face || lower >= 1.0 - face) return true;
     }
@@ -104,23 +103,18 @@ typedef struct cell_range {
 /* Closed boxes: cell i reaches from i - grown to i + 1 + grown. */
 static cell_range range_of(const builder *b, const sl_cell_triangle *t) {
     cell_range range;
+    const double end = (double)(b->cells - 1);
     for (int axis = 0; axis < 3; axis++) {
-        double lower = INFINITY, upper = -INFINITY;
-        for (int k = 0; k < 3; k++) {
-            double x = axis == 0 ? t->corner[k].x : axis == 1 ? t->corner[k].y : t->corner[k].z;
-            lower = x < lower ? x : lower;
-            upper = x > upper ? x : upper;
-        }
-        double first = ceil(lower - b->grown - 1.0), last = floor(upper + b->grown),
-               end = (double)(b->cells - 1);
-        range.low[axis] = (uint32_t)(first > 0.0 ? (first < end ? first : end) : 0.0);
-        range.high[axis] = (uint32_t)(last > 0.0 ? (last < end ? last : end) : 0.0);
+        double p = sl_along(t->corner[0], axis), q = sl_along(t->corner[1], axis),
+               r = sl_along(t->corner[2], axis);
+        range.low[axis] = (uint32_t)fmax(fmin(ceil(fmin(fmin(p, q), r) - b->grown - 1.0), end), 0.0);
+        range.high[axis] = (uint32_t)fmax(fmin(floor(fmax(fmax(p, q), r) + b->grown), end), 0.0);
     }
     return range;
 }
 
-/* Halves a range of cells along its longest side as long as its box meets the triangle. */
-static void visit_range(const builder *b, const sl_cell_triangle *t, cell_range range, uint32_t triangle,
+/* Halves a range of cells along its longest side as long as something of the triangle lies in it. */
+static void visit_range(const builder *b, const sl_triangle_part *part, cell_range range, uint32_t triangle,
                         pair_list *list) {
     int axis = 0;
     uint32_t side = 0;
@@ -130,33 +124,35 @@ static void visit_range(const builder *b, const sl_cell_triangle *t, cell_range 
             axis = k;
         }
     }
-    double g = b->grown;
-    sl_vec3d low = sl_v3d(range.low[0] - g, range.low[1] - g, range.low[2] - g);
-    sl_vec3d high = sl_v3d(range.high[0] + 1.0 + g, range.high[1] + 1.0 + g, range.high[2] + 1.0 + g);
-    if (!sl_triangle_meets_box(t, low, high)) return;
+    if (part->count == 0) return;
     if (side == 0) {
         emit(list, range.low[0], range.low[1], range.low[2], triangle);
         return;
     }
     cell_range lower = range, upper = range;
+    sl_triangle_part half;
     lower.high[axis] = range.low[axis] + side / 2;
     upper.low[axis] = lower.high[axis] + 1;
-    visit_range(b, t, lower, triangle, list);
-    visit_range(b, t, upper, triangle, list);
+    sl_triangle_part_below(part, axis, lower.high[axis] + 1.0 + b->grown, 1.0, &half);
+    visit_range(b, &half, lower, triangle, list);
+    sl_triangle_part_below(part, axis, upper.low[axis] - b->grown, -1.0, &half);
+    visit_range(b, &half, upper, triangle, list);
 }
 
 static void visit_chunk(void *context, size_t index, unsigned worker) {
     (void)worker;
     builder *b = context;
-    pair_list *list = &b->chunk[index];
     size_t first = index * CHUNK, end = first + CHUNK;
     if (end > b->space.scene->triangle_count) end = b->space.scene->triangle_count;
     for (size_t i = first; i < end; i++) {
         sl_cell_triangle t = sl_cell_space_triangle(&b->space, (uint32_t)i);
         cell_range range = range_of(b, &t);
-        if (memcmp(range.low, range.high, sizeof range.low) == 0)
-            emit(list, range.low[0], range.low[1], range.low[2], (uint32_t)i);
-        else visit_range(b, &t, range, (uint32_t)i, list);
+        double g = b->grown;
+        sl_triangle_part part;
+        sl_triangle_in_box(&t, sl_v3d(range.low[0] - g, range.low[1] - g, range.low[2] - g),
+                           sl_v3d(range.high[0] + 1.0 + g, range.high[1] + 1.0 + g, range.high[2] + 1.0 + g),
+                           &part);
+        visit_range(b, &part, range, (uint32_t)i, &b->chunk[index]);
     }
 }
 
