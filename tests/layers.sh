@@ -28,7 +28,7 @@ allow cache/direct_radiance "($below|cache/(direct_radiance|reflect|light|frame/
 allow cache/photons "($below|cache/photons)/"
 allow cache/light_octree "($below|cache/(light_octree|photons|reflect|light|frame/))"
 allow cache/patches "($below|cache/patches)/"
-allow cache/multi_mesh "($below|cache/(patches|multi_mesh|light|hemisphere/mesh_gather|frame/))"
+allow cache/multi_mesh "($below|cache/(patches|multi_mesh|light|hemisphere/gather|frame/))"
 allow cache/shading_cache "($below|cache/(patches|shading_cache|photons|light|frame/))"
 allow cache/reference "($below|cache/(reference|frame/))"
 # What judges pictures knows no method, only what light paths each declares.

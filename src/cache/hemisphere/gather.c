@@ -69,10 +69,13 @@ static sl_status make_light(sl_gather *gather, unsigned threads, sl_counters *co
 
 static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
     sl_gather_settings *s = &gather->settings;
-    sl_status status = make_light(gather, threads, counters, error);
+    sl_status status = s->colours ? sl_known_colours_create(gather->scene, s->colours,
+                                                            2.0 * (double)gather->half_tangent / s->size,
+                                                            &gather->colours, error)
+                                  : make_light(gather, threads, counters, error);
     if (status != SL_OK) return status;
     status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border,
-                                     &gather->tables, error);
+                                     !s->colours, &gather->tables, error);
     if (status != SL_OK || s->harmonics_order == 0) return status;
     return sl_projection_create(gather->tables, s->harmonics_order, threads, &gather->projection, error);
 }
@@ -110,6 +113,7 @@ void sl_gather_destroy(sl_gather *gather) {
     sl_gather_tables_destroy(gather->tables);
     sl_projection_destroy(gather->projection);
     sl_shadow_maps_destroy(gather->own_maps);
+    sl_known_colours_destroy(gather->colours);
     sl_light_sides_release(&gather->sides);
     sl_free(gather->strength);
     sl_light_sampler_destroy(gather->sampler);
@@ -122,6 +126,7 @@ size_t sl_gather_memory_bytes(const sl_gather *gather) {
     return sizeof *gather + sl_gather_tables_bytes(gather->tables) +
            (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
            (gather->projection ? sl_projection_bytes(gather->projection) : 0) +
+           (gather->colours ? sl_known_colours_bytes(gather->colours) : 0) +
            gather->sides.count * (sizeof *gather->sides.polygon + (SL_SIDE_VALUES + 3) * sizeof(float));
 }
 
@@ -153,12 +158,8 @@ static bool allocate_planes(sl_gather_scratch *s, size_t lead, size_t stride) {
     return true;
 }
 
-sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **out, sl_error *error) {
+static bool allocate_slots(const sl_gather *gather, sl_gather_scratch *s) {
     const sl_gather_tables *t = gather->tables;
-    *out = NULL;
-    sl_gather_scratch *s = sl_allocate(1, sizeof *s);
-    if (!s) return sl_fail_memory(error, "a gather's buffers");
-    s->gather = gather;
     size_t lead = ((size_t)t->width + 16) / 16 * 16; /* the row below the first, and the cell before it */
     bool more = t->kind == SL_GATHER_RAYS && gather->settings.jitter;
     s->slots_max = t->used + (more ? (size_t)(gather->settings.more_rays * (float)t->used) : 0);
@@ -166,20 +167,39 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
            stride = lead + (slots + 15) / 16 * 16;
     s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
     s->texel = sl_allocate(slots, sizeof *s->texel);
-    sl_status status = allocate_planes(s, lead, stride) && s->pixels && s->texel
-                           ? SL_OK
-                           : sl_fail_memory(error, "a gather's buffers");
-    if (status == SL_OK && gather->sources)
-        status = sl_light_scratch_create(gather, slots, &s->light, error);
-    if (status == SL_OK && t->kind != SL_GATHER_RAYS) {
+    if (!allocate_planes(s, lead, stride) || !s->pixels || !s->texel) return false;
+    for (size_t i = 0; i < t->cells; i++) s->pixels[i] = (uint32_t)i;
+    for (size_t k = 0; k < t->used; k++) s->slot_cell[k] = t->order[k];
+    return !gather->sources || sl_light_scratch_create(gather, slots, &s->light, NULL) == SL_OK;
+}
+
+/* Of known colours: the picture, the same times weights, halves of that, and what is left. */
+static bool allocate_coloured(sl_gather_scratch *s, size_t cells) {
+    float *block = sl_allocate(7 * cells + 3 * SL_GATHER_REDUCED * SL_GATHER_REDUCED, sizeof *block);
+    s->block = block;
+    s->cell_id = s->ids = sl_allocate(cells, sizeof *s->ids);
+    if (!block || !s->ids) return false;
+    s->planes = (sl_gather_planes){.r = block, .g = block + cells, .b = block + 2 * cells};
+    s->weighted = block + 3 * cells;
+    s->halved = block + 6 * cells;
+    s->reduced = block + 7 * cells;
+    return true;
+}
+
+sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **out, sl_error *error) {
+    const sl_gather_tables *t = gather->tables;
+    *out = NULL;
+    sl_gather_scratch *s = sl_allocate(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "a gather's buffers");
+    s->gather = gather;
+    bool room = gather->colours ? allocate_coloured(s, t->cells) : allocate_slots(gather, s);
+    sl_status status = room ? SL_OK : sl_fail_memory(error, "a gather's buffers");
+    if (status == SL_OK && t->kind != SL_GATHER_RAYS)
         status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
-    }
     if (status != SL_OK) {
         sl_gather_scratch_destroy(s);
         return status;
     }
-    for (size_t i = 0; i < t->cells; i++) s->pixels[i] = (uint32_t)i;
-    for (size_t k = 0; k < t->used; k++) s->slot_cell[k] = t->order[k];
     *out = s;
     return SL_OK;
 }
@@ -204,8 +224,8 @@ sl_gather_picture sl_gather_last_picture(const sl_gather_scratch *s) {
 /* ---- one gather ------------------------------------------------------------------------------ */
 
 /* The picture's plane stands on the shading normal; the eye lies off the surface along the geometric one. */
-static sl_gather_view make_view(const sl_gather *gather, const sl_gather_point *point,
-                                sl_gather_scratch *scratch) {
+sl_gather_view sl_gather_view_of(const sl_gather *gather, const sl_gather_point *point,
+                                 sl_gather_scratch *scratch) {
     sl_vec3 normal =
         sl_normalize_or(point->normal, sl_normalize_or(point->geometric_normal, sl_v3(0.0f, 0.0f, 1.0f)));
     float offset = sl_scene_offset_at(gather->scene, gather->offset, point->position);
@@ -218,7 +238,7 @@ static sl_gather_view make_view(const sl_gather *gather, const sl_gather_point *
 
 sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point,
                              sl_gather_scratch *scratch, sl_counters *counters) {
-    sl_gather_view view = make_view(gather, point, scratch);
+    sl_gather_view view = sl_gather_view_of(gather, point, scratch);
     scratch->slots = gather->tables->used;
     for (size_t k = 0; k < scratch->slots; k++) scratch->slot_share[k] = 1.0f;
     switch (gather->settings.kind) {

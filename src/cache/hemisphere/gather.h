@@ -12,6 +12,7 @@
 #define SL_CACHE_GATHER_H
 
 #include "raster/raster.h"
+#include "cache/hemisphere/known_colours.h"
 #include "cache/light/shadow_maps.h"
 #include "trace/trace.h"
 
@@ -51,6 +52,9 @@ typedef struct sl_gather_settings {
     const sl_shadow_maps *maps;
     const sl_second_light *second; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
+    /* plane, N a power of two from SL_GATHER_COLOURED_LEAST on: the colours of all surfaces, to be summed as
+     * they are by sl_gather_known_colours(); or NULL. Both tables must outlive the gather */
+    const sl_lattice_colours *colours;
     /* n: gathers also yield n^2 coefficients of incoming radiance; 0: irradiance alone */
     int harmonics_order;
 } sl_gather_settings;
@@ -108,6 +112,12 @@ void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point,
 size_t sl_gather_coefficient_count(const sl_gather *gather); /* 0 where the order is 0 */
 void sl_gather_radiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
                         sl_irradiance *irradiance, float *coefficients, sl_counters *counters);
+
+/* Returns irradiance alone, by the colours that the gather was made with: a pure function of the point and
+ * the colours. The picture's frame is that of sl_known_colours_frame(). */
+enum { SL_GATHER_COLOURED_LEAST = 8 };
+sl_rgb sl_gather_known_colours(const sl_gather *gather, const sl_gather_point *point,
+                               sl_gather_scratch *scratch, sl_counters *counters);
 
 /* The picture of the last gather: N x N (plane, rays) or 2N x 2N with the side faces around the top
  * (hemicube), for observers and tests; radiance and distance planes owned by the scratch, bottom row first.

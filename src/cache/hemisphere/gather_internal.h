@@ -10,6 +10,7 @@
 
 #include "cache/hemisphere/gather_kernels.h"
 #include "cache/hemisphere/gather_tables.h"
+#include "cache/hemisphere/known_colours.h"
 #include "cache/hemisphere/projection.h"
 #include "cache/light/shadow_maps.h"
 
@@ -44,6 +45,7 @@ struct sl_gather {
     sl_gather_kernels kernels;
     sl_projection *projection;   /* onto hemispherical harmonics, or NULL */
     sl_isa isa;
+    sl_known_colours *colours;   /* in place of all that follows, or NULL */
 
     const sl_shadow_maps *maps;  /* direct light by shadow maps, or NULL */
     sl_shadow_maps *own_maps;    /* the same, where nobody gave them; or NULL */
@@ -88,7 +90,10 @@ struct sl_gather_scratch {
     const uint8_t **texel; /* by slot: of the surface's texture, or NULL */
     uint32_t *cell_id;
     float *cell_depth, *cell_w1, *cell_w2;
+    float *weighted, *halved, *reduced; /* known colours: three planes times weights, and their sums */
 };
+
+enum { SL_GATHER_REDUCED = 16 }; /* pixels a side of what is read back of those */
 
 /* The gather under way. */
 typedef struct sl_gather_view {
@@ -103,9 +108,12 @@ typedef struct sl_gather_view {
  * a sheet that the point touches. */
 static inline float sl_gather_near(const sl_gather *gather) { return 1e-3f * gather->offset; }
 
+sl_gather_view sl_gather_view_of(const sl_gather *gather, const sl_gather_point *point,
+                                 sl_gather_scratch *scratch);
 /* Visibility alone, by the instrument chosen. */
 sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point,
                              sl_gather_scratch *scratch, sl_counters *counters);
+void sl_gather_see_triangles(const sl_gather_view *view, sl_counters *counters); /* ids of the plane */
 void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);

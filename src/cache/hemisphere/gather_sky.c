@@ -4,7 +4,7 @@
  * as wide as that pixel: then neighbouring pixels share the sun in proportion to how near they are to it, and
  * its light is kept, within 6 % (root mean square, a sun of 3 degrees under 128 x 128 pixels): narrower it
  * falls between pixels, wider it moves to the texel's middle. */
-#include "cache/hemisphere/mesh_gather.h"
+#include "cache/hemisphere/known_colours.h"
 
 #include "base/error.h"
 #include "base/math.h"
@@ -94,7 +94,7 @@ typedef struct batch {
     float x[BLOCK], y[BLOCK], z[BLOCK], lod[BLOCK], r[BLOCK], g[BLOCK], b[BLOCK];
 } batch;
 
-static void flush(const sl_gather_sky *sky, const sl_mesh_gather_pixels *p, batch *b) {
+static void flush(const sl_gather_sky *sky, const sl_colour_pixels *p, batch *b) {
     sl_cube_map_sample_many(sky->cube, b->count, b->x, b->y, b->z, b->lod,
                             (float *const[4]){b->r, b->g, b->b, NULL});
     const float *rgb[3] = {b->r, b->g, b->b};
@@ -108,12 +108,12 @@ static void flush(const sl_gather_sky *sky, const sl_mesh_gather_pixels *p, batc
     b->count = 0;
 }
 
-void sl_gather_sky_add(const sl_gather_sky *sky, const sl_mesh_gather_pixels *p) {
+void sl_gather_sky_add(const sl_gather_sky *sky, const sl_colour_pixels *p) {
     if (!sky) return;
     batch b;
     b.count = 0;
     for (int row = 0; row < p->height; row++) {
-        sl_vec3 middle = sl_mad(p->frame.z, p->y[row], p->frame.y);
+        sl_vec3 middle = sl_mad(p->frame.z, p->y[row * p->width], p->frame.y);
         for (int column = 0; column < p->width; column++) {
             size_t pixel = (size_t)row * (size_t)p->width + (size_t)column;
             if (p->id[pixel] != SL_NO_INDEX) continue;

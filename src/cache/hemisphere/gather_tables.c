@@ -171,13 +171,13 @@ static void fill_walls(sl_gather_tables *t, size_t i, int x, int y) {
     set_curvature(&t->vertex_xx[i], &t->vertex_xy[i], &t->vertex_yy[i], k);
 }
 
-static void fill(sl_gather_tables *t) {
+static void fill(sl_gather_tables *t, bool walls) {
     for (int y = 0; y < t->height; y++) {
         for (int x = 0; x < t->width; x++) {
             size_t i = (size_t)y * (size_t)t->width + (size_t)x;
             if (is_blank(t, x, y)) continue;
             fill_cell(t, i, x, y);
-            fill_walls(t, i, x, y);
+            if (walls) fill_walls(t, i, x, y);
         }
     }
 }
@@ -197,7 +197,7 @@ static void divide_by_coverage(sl_gather_tables *t) {
 /* ---- creation -------------------------------------------------------------------------------- */
 
 sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tangent, sl_border border,
-                                  sl_gather_tables **tables, sl_error *error) {
+                                  bool walls, sl_gather_tables **tables, sl_error *error) {
     *tables = NULL;
     sl_gather_tables *t = sl_allocate(1, sizeof *t);
     if (!t) return sl_fail_memory(error, "the gather's tables");
@@ -214,7 +214,7 @@ sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tan
         sl_gather_tables_destroy(t);
         return status;
     }
-    fill(t);
+    fill(t, walls);
     if (kind == SL_GATHER_PLANE && border == SL_BORDER_LC04) divide_by_coverage(t);
     order_cells(t);
     *tables = t;

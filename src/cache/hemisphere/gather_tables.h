@@ -48,9 +48,10 @@ typedef struct sl_gather_tables {
     float *slot_a, *slot_b;
 } sl_gather_tables;
 
-/* size: 4 to 1024, even for the hemicube (rounded up). half_tangent = tan(fov / 2), for the plane. */
+/* size: 4 to 1024, even for the hemicube (rounded up). half_tangent = tan(fov / 2), for the plane. Without
+ * walls: for those who want no derivatives. */
 sl_status sl_gather_tables_create(sl_gather_kind kind, int size, double half_tangent, sl_border border,
-                                  sl_gather_tables **tables, sl_error *error);
+                                  bool walls, sl_gather_tables **tables, sl_error *error);
 void sl_gather_tables_destroy(sl_gather_tables *tables);
 size_t sl_gather_tables_bytes(const sl_gather_tables *tables);
 

@@ -2,26 +2,6 @@
 
 #include "base/math.h"
 
-/* ---- closed forms for pixels of the plane at unit distance ----------------------------------- */
-
-/* A primitive is a function F(u, v); the integral over a pixel is the sum of F over its corners with
- * alternating signs. */
-typedef double primitive(double u, double v);
-
-static double box(primitive *f, double u0, double u1, double v0, double v1) {
-    return f(u1, v1) - f(u0, v1) - f(u1, v0) + f(u0, v0);
-}
-
-/* cos theta d omega = du dv / l^4, l^2 = 1 + u^2 + v^2. */
-static double cosine_primitive(double u, double v) {
-    double pu = sqrt(1.0 + u * u), pv = sqrt(1.0 + v * v);
-    return 0.5 * (u / pu * sl_atan(v / pu) + v / pv * sl_atan(u / pv));
-}
-
-double sl_plane_cosine_weight(double u0, double u1, double v0, double v1) {
-    return box(cosine_primitive, u0, u1, v0, v1);
-}
-
 /* ---- any cell bounded by great circles ------------------------------------------------------- */
 
 /* The integral of omega over a spherical polygon is a sum over its edges: half the angle along the normal of

@@ -4,15 +4,6 @@
 
 #include "base/vec.h"
 
-/* Closed forms, cell [u0,u1] x [v0,v1] of the plane at unit distance. A point (u, v) of it is the direction
- * omega = (u, v, 1) / l, l^2 = 1 + u^2 + v^2, and d omega = du dv / l^3. Each integral is a sum of a function
- * F over the cell's four corners,
- *
- *     box F = F(u1, v1) - F(u0, v1) - F(u1, v0) + F(u0, v0)
- *
- * Cosine weight, of du dv / l^4: box C, with p(u) = sqrt(1 + u^2):
- *     C(u, v) = (u / p(u) atan(v / p(u)) + v / p(v) atan(u / p(v))) / 2. */
-double sl_plane_cosine_weight(double u0, double u1, double v0, double v1);
 /* Any cell bounded by great circles, corners a_i counter-clockwise seen from outside, of any length. Integral
  * of omega d omega, of which the z component is the cosine weight (Lambert's formula), theta_i being the
  * angle between a_i and a_i+1: V = sum over edges of theta_i (a_i x a_i+1) / (2 |a_i x a_i+1|). */

@@ -2,10 +2,10 @@
  * there are more than eight, they are drawn from as the others are), emitters and environment are sampled
  * (hit_samples.c).
  *
- * Of more than SL_HIT_SIDES_MAX sides of emitters, or of masked ones,, and where lights without extent are many, the light sampler
- * chooses one for each sample (emitters by place: trace/light_tree.h); the numbers that do so are one
- * three-dimensional Kronecker sequence over the hits of the gather (Roberts' R3), rotated by the point's key,
- * so that all hits together are spread evenly over the lights. */
+ * Of more than SL_HIT_SIDES_MAX sides of emitters, or of masked ones, and where lights without extent are
+ * many, the light sampler chooses one for each sample (emitters by place: trace/light_tree.h); the numbers
+ * that do so are one three-dimensional Kronecker sequence over the hits of the gather (Roberts' R3), rotated
+ * by the point's key, so that all hits together are spread evenly over the lights. */
 #include "cache/hemisphere/hit_light.h"
 
 #include "base/math.h"
@@ -88,8 +88,8 @@ static void light_by_one_of_many(const sl_gather_view *view, sl_shadow_queue *q,
     float cosine = sl_hit_cosine(h, k, sample.to_light);
     if (!(cosine > 0.0f)) return;
     bool far_away = isinf(sample.distance);
-    sl_push_shadow_ray(q, k, far_away ? sample.to_light : sl_scale(sample.to_light, sample.distance), far_away,
-                       sl_rgb_scale(sample.radiance, share * cosine * bounded(&sample)));
+    sl_push_shadow_ray(q, k, far_away ? sample.to_light : sl_scale(sample.to_light, sample.distance),
+                       far_away, sl_rgb_scale(sample.radiance, share * cosine * bounded(&sample)));
 }
 
 /* Steps of the R3 sequence: powers of 1/g, g^4 = g + 1, as fractions of 2^32. */

@@ -32,7 +32,8 @@ static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
 /* Irradiance on the six planes, each texel by its middle. */
 static void find_sky(const sl_environment *e, double irradiance[6]) {
-    for (int d = 0; d < 6; d++) irradiance[d] = e->width > 0 ? 0.0 : SL_PI * (double)sl_luminance(e->constant);
+    for (int d = 0; d < 6; d++)
+        irradiance[d] = e->width > 0 ? 0.0 : SL_PI * (double)sl_luminance(e->constant);
     for (int row = 0; row < e->height; row++) {
         for (int column = 0; column < e->width; column++) {
             sl_rgb radiance;

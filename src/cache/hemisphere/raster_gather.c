@@ -26,15 +26,25 @@ static void hits_of_cells(const sl_gather_view *view) {
     }
 }
 
-void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters) {
+static sl_view render_plane(const sl_gather_view *view, float *depth, sl_counters *counters) {
     const sl_gather *gather = view->gather;
-    sl_gather_scratch *s = view->scratch;
     int n = gather->tables->size;
     float t = gather->half_tangent;
     sl_view pyramid = sl_view_pyramid(&view->frame, view->eye, -t, t, -t, t, n, n, sl_gather_near(gather));
     pyramid.skip_triangle = view->point->triangle;
-    sl_target target = {.width = n, .height = n, .id = s->cell_id, .depth = s->cell_depth};
-    sl_raster_id_small(gather->raster, &pyramid, &target, s->raster, counters);
+    sl_target target = {.width = n, .height = n, .id = view->scratch->cell_id, .depth = depth};
+    sl_raster_id_small(gather->raster, &pyramid, &target, view->scratch->raster, counters);
+    return pyramid;
+}
+
+void sl_gather_see_triangles(const sl_gather_view *view, sl_counters *counters) {
+    render_plane(view, NULL, counters);
+}
+
+void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters) {
+    const sl_gather *gather = view->gather;
+    const sl_gather_scratch *s = view->scratch;
+    sl_view pyramid = render_plane(view, s->cell_depth, counters);
     sl_raster_barycentrics(gather->raster, &pyramid, gather->tables->cells, s->pixels, s->cell_id, s->cell_w1,
                            s->cell_w2);
     /* radiance and depth of the paper's pixel */

@@ -17,7 +17,7 @@
 #ifndef SL_MULTI_MESH_COARSE_H
 #define SL_MULTI_MESH_COARSE_H
 
-#include "cache/hemisphere/mesh_gather.h"
+#include "cache/hemisphere/gather.h"
 #include "cache/multi_mesh/irradiance.h"
 
 typedef struct sl_coarse_settings {
@@ -80,5 +80,10 @@ uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i,
 sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
                                const sl_coarse_vertex *vertex, sl_rgb *radiance, sl_counters *counters,
                                sl_error *error);
+
+/* Returns E_i in W/m^2 at a point of a face, or in free space: what it sees of the coarse mesh's colours,
+ * with which the gather was made; 0 where position or normals are no numbers. */
+sl_rgb sl_coarse_gather(const sl_scene *scene, const sl_gather *gather, const sl_mesh_point *at,
+                        sl_gather_scratch *scratch, sl_counters *counters);
 
 #endif

@@ -133,6 +133,49 @@ enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
 
 /* ---- gathers ---- */
 
+/* A point on a crease lies in the plane of the faces beyond: it would see them edge-on, and half of what is
+ * behind them. What is meant is the limit from within its own face, so the eye moves towards that face's
+ * middle by a little. Where the face falls below the tangent plane (a bulge) the eye stays in the plane, so
+ * as not to dive. Where it rises above it (a hollow) it is raised off the face and sees it: else it would
+ * look out through it. On a flat face and a bulge it must not see its own, which it lies in. */
+static void look_from_within(const sl_scene *scene, uint32_t face, sl_gather_point *point) {
+    uint32_t triangle = face / 2;
+    if (point->triangle == SL_NO_INDEX) point->triangle = triangle;
+    if (triangle >= scene->triangle_count) return;
+    sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(point->position),
+             n = sl_to_double(point->geometric_normal);
+    for (int k = 0; k < 3; k++)
+        middle = sl_addd(middle, sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])));
+    sl_vec3d way = sl_subd(sl_scaled(middle, 1.0 / 3.0), p);
+    double length = sl_lengthd(way), step = 4e-4 * (double)scene->scale;
+    if (!(length > 0.0)) return;
+    step = step < 0.25 * length ? step : 0.25 * length;
+    way = sl_scaled(way, step / length);
+    double rise = sl_dotd(way, n);
+    if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
+    if (rise > 0.02 * step) {
+        point->triangle = SL_NO_INDEX;
+        way = sl_addd(way, sl_scaled(sl_to_double(sl_scene_geometric_normal(scene, triangle)),
+                                      (face % 2 ? -0.25 : 0.25) * step));
+    }
+    point->position = sl_to_float(sl_addd(p, way));
+}
+
+sl_rgb sl_coarse_gather(const sl_scene *scene, const sl_gather *gather, const sl_mesh_point *at,
+                        sl_gather_scratch *scratch, sl_counters *counters) {
+    sl_vec3 normal = sl_normalize_or(at->normal, at->geometric_normal);
+    sl_gather_point point = {.position = at->position,
+                             .geometric_normal = sl_normalize_or(at->geometric_normal, normal),
+                             .normal = normal,
+                             .triangle = at->triangle};
+    if (!sl_is_finite(at->position) || !(sl_dot(normal, normal) > 0.5f)) { /* no number, no direction */
+        sl_count(counters, SL_COUNT_NONFINITE, 1);
+        return sl_grey(0.0f);
+    }
+    look_from_within(scene, at->face, &point);
+    return sl_gather_known_colours(gather, &point, scratch, counters);
+}
+
 typedef struct gathering {
     const sl_multi_mesh_state *s;
     const sl_mesh_point *point;
@@ -140,9 +183,9 @@ typedef struct gathering {
 
 static void gather_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
     const gathering *g = context;
-    sl_lit_point point = sl_lit_point_of(&g->point[i]);
+    sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     *(sl_rgb *)result =
-        sl_mesh_gather_take(g->s->gather, &point, g->point[i].face, g->s->gatherer[worker], counters);
+        sl_coarse_gather(g->s->scene, g->s->gather, &g->point[i], g->s->gatherer[worker], counters);
 }
 
 void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points,
@@ -154,14 +197,18 @@ void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_po
 
 static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
-    sl_mesh_gather_settings gather = {.size = s->settings.gather_size,
-                                      .fov = (float)m->gather_fov};
     sl_lattice_colours colours = {s->coarse->face, s->coarse->colour};
-    sl_status status = sl_mesh_gather_create(s->scene, s->raster, &colours, &gather, &s->gather, error);
-    s->gatherer = sl_allocate(s->settings.threads, sizeof(sl_mesh_gather_scratch *));
+    sl_gather_settings gather = {.kind = SL_GATHER_PLANE,
+                                 .size = s->settings.gather_size,
+                                 .plane_fov = (float)m->gather_fov,
+                                 .border = SL_BORDER_LC04,
+                                 .colours = &colours};
+    sl_status status = sl_gather_create(s->scene, s->raster, NULL, &gather, s->settings.threads, &s->gather,
+                                        &s->counters, error);
+    s->gatherer = sl_allocate(s->settings.threads, sizeof *s->gatherer);
     if (status == SL_OK && !s->gatherer) status = sl_fail_memory(error, "gathers");
     for (unsigned t = 0; t < s->settings.threads && status == SL_OK; t++)
-        status = sl_mesh_gather_scratch_create(s->gather, &s->gatherer[t], error);
+        status = sl_gather_scratch_create(s->gather, &s->gatherer[t], error);
     return status;
 }
 

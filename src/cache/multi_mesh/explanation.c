@@ -236,12 +236,10 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     sl_root_place middle = sl_mesh_face_middle(pixels->face[widest].face);
     sl_mesh_point point = sl_mesh_point_at(s->primitives, middle);
     sl_counters nobodys = {{0}}; /* no sample of the picture's */
-    sl_lit_point lit = sl_lit_point_of(&point);
-    sl_mesh_gather_take(s->gather, &lit, point.face, s->gatherer[0], &nobodys);
-    const float *planes[3];
-    int size;
-    sl_mesh_gather_picture(s->gatherer[0], &size, planes);
-    sl_announce_planes(&s->announcer, "one gather", "equation (7)", size, size, planes);
+    sl_coarse_gather(s->scene, s->gather, &point, s->gatherer[0], &nobodys);
+    sl_gather_picture picture = sl_gather_last_picture(s->gatherer[0]);
+    const float *planes[3] = {picture.r, picture.g, picture.b};
+    sl_announce_planes(&s->announcer, "one gather", "equation (7)", picture.width, picture.height, planes);
 }
 
 /* Returns how near a vertex of a light's mesh is to seeing just half of the light: at most 1/2. */

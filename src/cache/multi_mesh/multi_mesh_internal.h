@@ -45,8 +45,8 @@ typedef struct sl_multi_mesh_state {
     sl_irradiance_settings light;   /* of these and of the coarse mesh */
     sl_irradiance_meshes *irradiance;
     sl_coarse *coarse;
-    sl_mesh_gather *gather;
-    sl_mesh_gather_scratch **gatherer; /* one a thread */
+    sl_gather *gather;
+    sl_gather_scratch **gatherer; /* one a thread */
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
     size_t coarse_done;             /* vertices of the coarse mesh that are there, */
     sl_rgb *coarse_direct;          /* U_dd of lamps at the coarse mesh's vertices, and ... */

@@ -1,7 +1,7 @@
 #include "cache/multi_mesh/plan.h"
 
 #include "base/math.h"
-#include "cache/hemisphere/mesh_gather.h"
+#include "cache/hemisphere/gather.h"
 #include "cache/patches/mesh.h"
 #include "scene/features.h"
 
@@ -48,7 +48,7 @@ void sl_multi_mesh_complete(sl_settings *settings) {
     settings->multi_mesh.light_size = power_of_two(settings->multi_mesh.light_size);
     if (!settings->gather_size) settings->gather_size = qualities[settings->quality].gather_size;
     settings->gather_size = power_of_two(settings->gather_size);
-    if (settings->gather_size < SL_MESH_GATHER_LEAST) settings->gather_size = SL_MESH_GATHER_LEAST;
+    if (settings->gather_size < SL_GATHER_COLOURED_LEAST) settings->gather_size = SL_GATHER_COLOURED_LEAST;
     settings->bounces = bounces_of(settings);
 }
 

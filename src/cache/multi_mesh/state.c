@@ -261,7 +261,7 @@ static size_t multi_mesh_bytes(const void *state) {
     if (s->sampling) bytes += sl_light_sampling_memory_bytes(s->sampling);
     if (s->irradiance) bytes += sl_irradiance_meshes_bytes(s->irradiance);
     if (s->coarse) bytes += sl_coarse_memory_bytes(s->coarse);
-    if (s->gather) bytes += sl_mesh_gather_memory_bytes(s->gather);
+    if (s->gather) bytes += sl_gather_memory_bytes(s->gather);
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);
     return bytes;

@@ -53,11 +53,11 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
         s->part[i] = NULL;
     }
     for (unsigned t = 0; s->gatherer && t < s->settings.threads; t++)
-        sl_mesh_gather_scratch_destroy(s->gatherer[t]);
+        sl_gather_scratch_destroy(s->gatherer[t]);
     sl_free(s->gatherer);
     sl_free(s->coarse_direct);
     sl_free(s->coarse_indirect);
-    sl_mesh_gather_destroy(s->gather);
+    sl_gather_destroy(s->gather);
     sl_coarse_destroy(s->coarse);
     sl_irradiance_meshes_destroy(s->irradiance);
     sl_light_sampling_destroy(s->sampling);

@@ -63,7 +63,8 @@ static void every_instrument_weighs_pi(void **state) {
     const int sizes[] = {4, 20, 37, 64};
     for (size_t k = 0; k < 12; k++) {
         sl_gather_tables *t;
-        assert_int_equal(sl_gather_tables_create(kinds[k % 3], sizes[k / 3], 2.7, SL_BORDER_RADIAL, &t, NULL),
+        assert_int_equal(sl_gather_tables_create(kinds[k % 3], sizes[k / 3], 2.7, SL_BORDER_RADIAL, true, &t,
+                                                 NULL),
                          SL_OK);
         assert_near(t->weight_sum, SL_PI, 1e-12);
         assert_near(total(t->weight, t->padded), SL_PI, 1e-6);
@@ -82,7 +83,7 @@ static void borders_differ_as_computed(void **state) {
     const double s = sqrt(0.8), sums[] = {4 * s * sl_atan(s), SL_PI, SL_PI};
     for (size_t k = 0; k < 3; k++) {
         sl_gather_tables *t;
-        assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, 2.0, borders[k], &t, NULL), SL_OK);
+        assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, 2.0, borders[k], true, &t, NULL), SL_OK);
         assert_near(t->weight_sum, sums[k], 1e-12);
         /* the middle of an edge with what lies beyond it, and the centre */
         if (borders[k] == SL_BORDER_RADIAL) {

@@ -22,32 +22,37 @@ typedef struct gathering {
     sl_primitives *primitives;
     sl_raster *raster;
     sl_coarse *coarse;
-    sl_mesh_gather *gather;
-    sl_mesh_gather_scratch *scratch;
+    sl_gather *gather;
+    sl_gather_scratch *scratch;
     sl_counters counters;
 } gathering;
 
-static inline sl_mesh_gather_settings usual_settings(void) {
-    return (sl_mesh_gather_settings){.size = 128, .fov = (float)(160.0 / 180.0 * SL_PI)};
+static inline sl_gather_settings usual_settings(void) {
+    return (sl_gather_settings){.kind = SL_GATHER_PLANE,
+                                .size = 128,
+                                .plane_fov = (float)(160.0 / 180.0 * SL_PI),
+                                .border = SL_BORDER_LC04};
 }
 
 /* Takes the scene over. */
 static inline gathering gathering_of(sl_scene *scene, float edge, int depth,
-                                     const sl_mesh_gather_settings *settings) {
+                                     sl_gather_settings *settings) {
     gathering g = {.scene = scene};
     sl_coarse_settings coarse = {edge, depth};
     assert_int_equal(sl_raster_create(scene, 1, &g.raster, NULL), SL_OK);
     assert_int_equal(sl_primitives_of_triangles(scene, &g.primitives, NULL), SL_OK);
     assert_int_equal(sl_coarse_create(scene, g.primitives, &coarse, &g.coarse, NULL), SL_OK);
     sl_lattice_colours colours = {g.coarse->face, g.coarse->colour};
-    assert_int_equal(sl_mesh_gather_create(scene, g.raster, &colours, settings, &g.gather, NULL), SL_OK);
-    assert_int_equal(sl_mesh_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
+    settings->colours = &colours;
+    assert_int_equal(sl_gather_create(scene, g.raster, NULL, settings, 1, &g.gather, &g.counters, NULL),
+                     SL_OK);
+    assert_int_equal(sl_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
     return g;
 }
 
 static inline void gathering_destroy(gathering *g) {
-    sl_mesh_gather_scratch_destroy(g->scratch);
-    sl_mesh_gather_destroy(g->gather);
+    sl_gather_scratch_destroy(g->scratch);
+    sl_gather_destroy(g->gather);
     sl_coarse_destroy(g->coarse);
     sl_raster_destroy(g->raster);
     sl_primitives_destroy(g->primitives);
@@ -84,8 +89,7 @@ static inline sl_rgb coarse_colour(const sl_coarse *c, uint32_t face, float w1, 
 }
 
 static inline sl_rgb take(gathering *g, const sl_mesh_point *point) {
-    sl_lit_point lit = {point->position, point->normal, point->geometric_normal, point->triangle};
-    return sl_mesh_gather_take(g->gather, &lit, point->face, g->scratch, &g->counters);
+    return sl_coarse_gather(g->scene, g->gather, point, g->scratch, &g->counters);
 }
 
 #endif

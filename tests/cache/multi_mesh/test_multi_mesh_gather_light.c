@@ -26,7 +26,7 @@ static void a_red_wall_tints_a_white_floor_though_no_camera_sees_it(void **state
         /* the wall is behind it */
         sl_camera_look_at(&m.camera, sl_v3(0, 0, 1), sl_v3(0, 3, 0), sl_v3(0, 0, 1), 1.0f);
         m.has_camera = true;
-        sl_mesh_gather_settings settings = usual_settings();
+        sl_gather_settings settings = usual_settings();
         gathering g = gathering_of(trace_mesh_build(&m), 0.2f, 3, &settings);
         set_all(&g, sl_grey(1.0f));
         sl_mesh_point p = face_point(g.scene, 0, 0.3f, 0.3f);
@@ -47,7 +47,7 @@ static void light_that_a_lamp_sends_is_not_gathered(void **state) {
                        trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
         lamp = trace_mesh_material(&m, 0.3f, 0, 0, 0, lit ? 1000.0f : 0.0f);
         trace_mesh_quad(&m, sl_v3(-0.3f, -0.3f, 0.9f), sl_v3(0, 0.6f, 0), sl_v3(0.6f, 0, 0), lamp);
-        sl_mesh_gather_settings settings = usual_settings();
+        sl_gather_settings settings = usual_settings();
         gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
         set_all(&g, sl_grey(1.0f));
         sl_mesh_point p = free_point(sl_v3(0.1f, 0.2f, -0.9f), sl_v3(0, 0, 1));
@@ -70,7 +70,7 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
     trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 8, 0.0f, false, light_grey);
     /* a board, sliced */
     trace_mesh_quad(&m, sl_v3(-0.8f, -0.5f, -0.3f), sl_v3(0, 0.15f, 0), sl_v3(1.6f, 0, 0), light_grey);
-    sl_mesh_gather_settings settings = usual_settings();
+    sl_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 0.3f, 5, &settings);
     for (size_t v = 0; v < g.coarse->vertex_count; v++)
         sl_coarse_set(g.coarse, v, (sl_rgb){(float)(v * 37 % 101), (float)(v % 13), 5.0f});
@@ -78,13 +78,15 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
     sl_mesh_point p =
         free_point(sl_v3(-0.2f, 0.1f, -0.7f), sl_normalize_or(sl_v3(0.2f, -0.3f, 1), sl_v3(0, 0, 1)));
     (void)take(&g, &p);
-    int n;
-    const float *planes[3];
-    sl_mesh_gather_picture(g.scratch, &n, planes);
+    sl_gather_picture picture = sl_gather_last_picture(g.scratch);
+    const float *planes[3] = {picture.r, picture.g, picture.b};
+    const int n = picture.width;
     assert_int_equal(n, 128);
     float t = (float)sl_tan(80.0 / 180.0 * SL_PI);
-    sl_frame frame = sl_mesh_gather_frame(p.normal);
-    sl_view view = sl_view_pyramid(&frame, p.position, -t, t, -t, t, n, n, 1e-5f * g.scene->diagonal);
+    sl_frame frame = sl_known_colours_frame(p.normal);
+    float offset = 1e-5f * g.scene->scale;
+    sl_view view = sl_view_pyramid(&frame, sl_mad(p.position, offset, p.geometric_normal), -t, t, -t, t, n, n,
+                                   1e-3f * offset);
     uint32_t *id = malloc(sizeof *id * 128 * 128), *pixel = malloc(sizeof *pixel * 128 * 128);
     float *w1 = malloc(sizeof *w1 * 128 * 128), *w2 = malloc(sizeof *w2 * 128 * 128);
     assert_true(id && pixel && w1 && w2);
@@ -125,7 +127,7 @@ static void where_nothing_is_the_sky_is_seen_or_black(void **state) {
     sl_environment sky = {.present = true, .constant = {1, 2, 3}};
     for (int present = 0; present < 2; present++) {
         trace_mesh m = outlier(present ? &sky : NULL);
-        sl_mesh_gather_settings settings = usual_settings();
+        sl_gather_settings settings = usual_settings();
         gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
         set_all(&g, sl_grey(1.0f));
         sl_mesh_point p = free_point(sl_v3(0, 0, 0), sl_v3(0, 0, 1));
@@ -142,7 +144,7 @@ static void what_lies_below_the_surface_is_black_though_the_shading_normal_faces
     (void)state;
     sl_environment sky = {.present = true, .constant = {1, 1, 1}};
     trace_mesh m = outlier(&sky);
-    sl_mesh_gather_settings settings = usual_settings();
+    sl_gather_settings settings = usual_settings();
     settings.size = 512;
     gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
     set_all(&g, sl_grey(1.0f));
@@ -163,7 +165,7 @@ static void the_light_of_a_small_sun_is_kept(void **state) {
     for (int c = 0; c < 3; c++) texels[3 * (ROW * WIDTH + COLUMN) + c] = 1000.0f;
     sl_environment sky = {.present = true, .width = WIDTH, .height = HEIGHT, .texels = texels};
     trace_mesh m = outlier(&sky);
-    sl_mesh_gather_settings settings = usual_settings();
+    sl_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
     sl_rgb radiance;
     float solid_angle;
@@ -199,7 +201,7 @@ static void a_flat_surface_does_not_light_itself(void **state) {
             trace_mesh_quad(&m, corner, sl_scale(f.x, 0.1f), sl_scale(f.y, 0.1f), grey);
         }
     }
-    sl_mesh_gather_settings settings = usual_settings();
+    sl_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
     set_all(&g, sl_grey(1.0f));
     for (uint32_t t = 0; t < 800; t += 17) {
@@ -221,7 +223,7 @@ static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
     uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&m, sl_v3(0, -50, 0), sl_v3(50, 0, 0), sl_v3(0, 100, 0), grey);
     trace_mesh_quad(&m, sl_v3(0, -50, 0), sl_v3(0, 100, 0), sl_v3(0, 0, 50), grey);
-    sl_mesh_gather_settings settings = usual_settings();
+    sl_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
     set_all(&g, sl_grey(2.0f));
     for (uint32_t face = 0; face < 8; face += 2) {
@@ -247,7 +249,7 @@ static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **sta
         uint32_t green = trace_mesh_material(&m, 0, 0, 0, 0, 0);
         m.materials[green].diffuse = (sl_rgb){0, 1, 0};
         trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 10, 0.0f, hollow == 1, green);
-        sl_mesh_gather_settings settings = usual_settings();
+        sl_gather_settings settings = usual_settings();
         gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
         set_all(&g, sl_grey(1.0f));
         for (uint32_t t = 0; t < g.scene->triangle_count; t += 7) {
@@ -269,7 +271,7 @@ static void points_that_are_no_numbers_get_no_light_and_are_counted(void **state
     (void)state;
     trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
     trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
-    sl_mesh_gather_settings settings = usual_settings();
+    sl_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 2, &settings);
     set_all(&g, sl_grey(1.0f));
     const sl_mesh_point good = face_point(g.scene, 0, 0.3f, 0.3f);

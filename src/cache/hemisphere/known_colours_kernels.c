@@ -1,4 +1,4 @@
-#include "cache/hemisphere/mesh_gather.h"
+#include "cache/hemisphere/known_colours.h"
 
 #include <string.h>
 
@@ -7,7 +7,7 @@
 enum { BLOCK = 64 };
 
 typedef struct block {
-    _Alignas(64) float triangle[SL_MESH_GATHER_FLOATS][BLOCK], colour[SL_LATTICE_FLOATS][BLOCK];
+    _Alignas(64) float triangle[SL_COLOURED_FLOATS][BLOCK], colour[SL_LATTICE_FLOATS][BLOCK];
     _Alignas(64) float w1[BLOCK], w2[BLOCK], a[BLOCK], b[BLOCK];
     _Alignas(64) int32_t seen[BLOCK], face[BLOCK], first[BLOCK], rows[BLOCK], at[BLOCK];
 } block;
@@ -86,7 +86,7 @@ static inline void find_small_triangles(block *b, int count, const sl_face_latti
 /* ---- a row ----------------------------------------------------------------------------------- */
 
 /* Colours between the corners; below the horizon black. */
-static inline void write(const sl_mesh_gather_pixels *p, const block *b, int count, size_t first,
+static inline void write(const sl_colour_pixels *p, const block *b, int count, size_t first,
                          sl_vec3 origin, sl_vec3 along, const float *restrict x) {
     const float *restrict weight = p->weight + first;
     const sl_vec3 up = p->horizon;
@@ -109,18 +109,18 @@ static inline void see(block *b, int count, const uint32_t *restrict id, uint32_
     for (int k = 0; k < count; k++) b->seen[k] = (int32_t)(id[k] < nothing ? id[k] : nothing);
 }
 
-void SL_KERNEL(sl_mesh_gather_shade)(const sl_mesh_gather_pixels *p) {
+void SL_KERNEL(sl_colour_pixels_shade)(const sl_colour_pixels *p) {
     block b;
     for (int row = 0; row < p->height; row++) {
-        sl_vec3 origin = sl_mad(p->frame.z, p->y[row], p->frame.y);
+        sl_vec3 origin = sl_mad(p->frame.z, p->y[row * p->width], p->frame.y);
         for (int at = 0; at < p->width; at += BLOCK) {
             int count = p->width - at < BLOCK ? p->width - at : BLOCK;
             size_t first = (size_t)row * (size_t)p->width + (size_t)at;
-            see(&b, count, p->id + first, p->triangle_count);
-            fetch(p->triangle, b.seen, count, b.triangle);
+            see(&b, count, p->id + first, p->colours->triangle_count);
+            fetch(p->colours->triangle, b.seen, count, b.triangle);
             meet(&b, count, p->eye, origin, p->frame.x, p->x + at);
-            find_small_triangles(&b, count, p->colours.face);
-            fetch(p->colours.colour, b.at, count, b.colour);
+            find_small_triangles(&b, count, p->colours->lattice.face);
+            fetch(p->colours->lattice.colour, b.at, count, b.colour);
             write(p, &b, count, first, origin, p->frame.x, p->x + at);
         }
     }

@@ -1,0 +1,89 @@
+/* Colours that are known on all surfaces, as those of multi-mesh caching's coarse mesh: a gather sees them
+ * and adds them up on the hardware, times a weight texture; nothing is lit, and emitters are black (their
+ * light is direct light), but the environment is not.
+ *
+ *   known_colours.c           what belongs to the scene, and one gather
+ *   known_colours_kernels.c   a picture's pixels: colours between the vertices of a lattice, times weights
+ *   gather_sky.c              ... and where they show an environment that is a picture */
+#ifndef SL_CACHE_KNOWN_COLOURS_H
+#define SL_CACHE_KNOWN_COLOURS_H
+
+#include "base/isa.h"
+#include "base/vec.h"
+#include "scene/scene.h"
+
+/* Colours on faces: face 2 t is the front of triangle t, 2 t + 1 its back, and two more are the background.
+ * Each is cut into n^2 small triangles, n rows of them, which are numbered from `first`. */
+typedef struct sl_face_lattice {
+    int32_t first, rows;
+} sl_face_lattice;
+/* of a small triangle: colour at its corner 0, differences of those at corners 1 and 2; three to spare */
+enum { SL_LATTICE_FLOATS = 12 };
+typedef struct sl_lattice_colours {
+    const sl_face_lattice *face;
+    const float *colour;
+} sl_lattice_colours;
+
+/* Returns the number of the small triangle, in n rows of a face, in which the point with weights w1, w2 of
+ * the face's corners 1 and 2 lies; and the weights of its own. Row j holds 2 (n - j) - 1 of them. */
+static inline int sl_lattice_locate(float w1, float w2, int n, float *a, float *b) {
+    float u = w1 * (float)n, v = w2 * (float)n;
+    int j = (int)v;
+    j = j < n - 1 ? j : n - 1;
+    int last = n - 1 - j, i = (int)u;
+    i = i < last ? i : last;
+    float x = u - (float)i, y = v - (float)j;
+    int on_head = (x + y > 1.0f) & (i < last);
+    *a = on_head ? 1.0f - x : x;
+    *b = on_head ? 1.0f - y : y;
+    return j * (2 * n - j) + 2 * i + on_head;
+}
+
+/* Returns the frame of the picture over a point: z its normal. */
+sl_frame sl_known_colours_frame(sl_vec3 normal);
+
+/* ---- between the parts ---- */
+
+/* of a triangle: its corner 0, edges from there to corners 1 and 2; three to spare */
+enum { SL_COLOURED_FLOATS = 12 };
+
+typedef struct sl_gather_sky sl_gather_sky;
+typedef struct sl_known_colours {
+    sl_lattice_colours lattice;
+    uint32_t triangle_count;
+    /* by scene triangle, SL_COLOURED_FLOATS each; then one more, all 0, for the background */
+    float *triangle;
+    sl_gather_sky *sky; /* NULL: no environment, or a constant one */
+} sl_known_colours;
+
+/* pixel: the widest one's angle. The scene must outlive it. */
+sl_status sl_known_colours_create(const sl_scene *scene, const sl_lattice_colours *lattice, double pixel,
+                                  sl_known_colours **colours, sl_error *error);
+void sl_known_colours_destroy(sl_known_colours *colours);
+size_t sl_known_colours_bytes(const sl_known_colours *colours);
+
+/* A picture: the pixel in column i and row j looks along x[i] frame.x + y[j width] frame.y + frame.z. */
+typedef struct sl_colour_pixels {
+    int width, height;             /* width is a multiple of four */
+    const uint32_t *id;            /* SL_NO_INDEX: background */
+    const float *x, *y;
+    sl_frame frame;
+    sl_vec3 eye;
+    sl_vec3 horizon;               /* geometric normal: what lies below its plane is black */
+    const sl_known_colours *colours;
+    const float *weight;
+    float *radiance[3];            /* planes: the picture */
+    float *weighted[3];            /* ... times weights */
+} sl_colour_pixels;
+
+typedef void sl_colour_pixels_kernel(const sl_colour_pixels *pixels);
+SL_KERNEL_VARIANTS(sl_colour_pixels_kernel, sl_colour_pixels_shade);
+
+sl_status sl_gather_sky_create(const sl_environment *environment, double pixel, sl_gather_sky **sky,
+                               sl_error *error);
+void sl_gather_sky_destroy(sl_gather_sky *sky);
+size_t sl_gather_sky_memory_bytes(const sl_gather_sky *sky);
+/* Gives radiance, plain and weighted, of pixels that show nothing. */
+void sl_gather_sky_add(const sl_gather_sky *sky, const sl_colour_pixels *pixels);
+
+#endif
