@@ -107,9 +107,11 @@ $(BUILD)/softlux-import: $(IMPORT_OBJECTS) $(BUILD)/libsoftlux.a
 $(BUILD)/libsoftlux.a: $(LIBRARY_OBJECTS)
 	$(archive)
 
+# Stays in memory once it is loaded: OpenMP's threads outlive calls, and their code must not go.
+SHARED = -shared -Wl,--no-undefined,-z,nodelete,-soname,libsoftlux.so.$(MAJOR)
 $(BUILD)/libsoftlux.so: $(LIBRARY_OBJECTS)
-	$(link) -shared -Wl,--no-undefined -Wl,-soname,libsoftlux.so.0 $(LIBS)
-	@ln -sf libsoftlux.so $(BUILD)/libsoftlux.so.0
+	$(link) $(SHARED) $(LIBS)
+	@ln -sf libsoftlux.so $(BUILD)/libsoftlux.so.$(MAJOR)
 
 $(PARTS): $(PARTS_OBJECTS)
 	$(archive)

@@ -5,14 +5,17 @@ set -eu
 
 wanted='gcc make pkg-config libembree-dev libopenexr-dev libassimp-dev libcjson-dev libstb-dev libpng-dev libcmocka-dev'
 # The tests compare compilers, sanitize with clang, compare the rasterizer with Mesa's, build the public header's pages, and open pages of steps
-# in a browser; and one makes a locale with a decimal comma.
-tests='clang libomp-dev libclang-rt-dev libosmesa6-dev doxygen chromium chromium-driver locales'
+# in a browser; one makes a locale with a decimal comma; and the library is used from Python and CMake, and packed.
+tests='clang libomp-dev libclang-rt-dev libosmesa6-dev doxygen chromium chromium-driver locales cmake debhelper'
+tests="$tests python3-cffi python3-numpy python3-pytest python3-pip python3-setuptools"
 [ "${1:-}" = --build-only ] || wanted="$wanted $tests"
 
 # What a package is recognised by where dpkg does not know it.
 proof() {
     case $1 in
-    gcc | make | clang | doxygen | chromium) command -v "$1" ;;
+    gcc | make | clang | doxygen | chromium | cmake) command -v "$1" ;;
+    debhelper) command -v dh ;;
+    python3-*) "$(ls /usr/bin/python3 2>/dev/null || echo python3)" -c "import ${1#python3-}" ;;
     chromium-driver) command -v chromedriver ;;
     pkg-config) command -v pkg-config ;;
     libembree-dev) ls /usr/include/embree4/rtcore.h /usr/include/embree3/rtcore.h 2>/dev/null | grep . ;;

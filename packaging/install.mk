@@ -23,9 +23,8 @@ install: all ## into PREFIX (default /usr/local), DESTDIR respected; make uninst
 	  -o $(STAGE)/importer_path.o
 	@cp $(BUILD)/libsoftlux.a $(STAGE)/libsoftlux.a && $(AR) rs $(STAGE)/libsoftlux.a $(STAGE)/importer_path.o
 	@$(CC) $(OPTIMISE) $(OPENMP) -o $(STAGE)/softlux $(APP_OBJECTS) $(STAGE)/libsoftlux.a $(LDFLAGS) $(LIBS)
-	@$(CC) $(OPTIMISE) $(OPENMP) -shared -Wl,--no-undefined -Wl,-soname,libsoftlux.so.$(MAJOR) \
-	  -o $(STAGE)/libsoftlux.so $(filter-out $(PATH_OBJECT),$(LIBRARY_OBJECTS)) $(STAGE)/importer_path.o \
-	  $(LDFLAGS) $(LIBS)
+	@$(CC) $(OPTIMISE) $(OPENMP) $(SHARED) -o $(STAGE)/libsoftlux.so $(STAGE)/importer_path.o \
+	  $(filter-out $(PATH_OBJECT),$(LIBRARY_OBJECTS)) $(LDFLAGS) $(LIBS)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(LIBEXECDIR) $(DESTDIR)$(LIBDIR)/pkgconfig \
 	  $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(MANDIR)/man1 $(DESTDIR)$(DOCDIR)
 	install -m 644 LICENSE NOTICES CHANGELOG.md $(DESTDIR)$(DOCDIR)

@@ -28,6 +28,7 @@ step 'inputs that fuzzing found or began with' sh -c 'make -s -j"$1" CONFIG=debu
 step 'thread sanitizer' build_and_test build/tsan-clang 'CONFIG=tsan CC=clang' \
     test_base_parts test_raster_determinism test_gather_determinism test_splatting_determinism test_path_determinism test_shading_cache_windows test_shading_cache_live test_threads
 step 'as a library: installed, in C and C++, documented' tests/library.sh build
+step 'in Python: installed by pip, tested by pytest' tests/python.sh build
 step 'hard cases: every method' build/softlux check-numerics
 step 'lessons: commands, answers, pictures' tests/lessons.sh build
 step 'every command of the README' tests/readme.sh
