@@ -74,7 +74,7 @@ static double noise_at(uint32_t i) {
 
 /* Truth 1 everywhere; halves with independent noise up to 0.2, and the picture wrong by a pattern of
  * +-`wrong`. */
-static void make_pair(double wrong, sl_image **picture, sl_image **reference, sl_image **mask) {
+static void make_pair(double wrong, sl_image **picture, sl_image **reference) {
     static const char *const names[] = {"R",      "G",     "B",     "even.R", "even.G",
                                         "even.B", "odd.R", "odd.G", "odd.B"};
     enum { SIZE = 64 };
@@ -82,14 +82,11 @@ static void make_pair(double wrong, sl_image **picture, sl_image **reference, sl
     sl_error error;
     assert_int_equal(sl_image_create(SIZE, SIZE, 3, NULL, picture, &error), SL_OK);
     assert_int_equal(sl_image_create(SIZE, SIZE, 9, names, reference, &error), SL_OK);
-    assert_int_equal(sl_image_create(SIZE, SIZE, 1, NULL, mask, &error), SL_OK);
-    for (size_t i = 0; i < (size_t)SIZE * SIZE; i++) (*mask)->planes[i] = i % 7 ? 1.0f : 0.0f;
     for (size_t i = 0; i < values; i++) {
         /* one noise in all channels, as that of light is */
         uint32_t pixel = (uint32_t)(i % ((size_t)SIZE * SIZE));
         double a = 1.0 + 0.2 * noise_at(pixel + 1), b = 1.0 + 0.2 * noise_at(pixel + 7000001);
         (*picture)->planes[i] = (float)(1.0 + (i & 1 ? wrong : -wrong));
-        if (i % ((size_t)SIZE * SIZE) % 7 == 0) (*picture)->planes[i] = 50.0f; /* a lamp: not compared */
         (*reference)->planes[i] = (float)(0.5 * (a + b));
         (*reference)->planes[values + i] = (float)a;
         (*reference)->planes[2 * values + i] = (float)b;
@@ -97,14 +94,13 @@ static void make_pair(double wrong, sl_image **picture, sl_image **reference, sl
 }
 
 static sl_bench_error judge(double wrong) {
-    sl_image *picture, *reference, *mask;
+    sl_image *picture, *reference;
     sl_bench_error e;
     sl_error error;
-    make_pair(wrong, &picture, &reference, &mask);
-    assert_int_equal(sl_judge(picture, reference, mask, &e, NULL, &error), SL_OK);
+    make_pair(wrong, &picture, &reference);
+    assert_int_equal(sl_judge(picture, reference, &e, NULL, &error), SL_OK);
     sl_image_destroy(picture);
     sl_image_destroy(reference);
-    sl_image_destroy(mask);
     return e;
 }
 
@@ -129,7 +125,7 @@ static void an_error_far_below_the_noise_is_only_bounded(void **state) {
 static void what_noise_leaves_in_doubt_is_what_theory_says(void **state) {
     (void)state;
     /* the channels of a pixel count as one */
-    const double wrong = 0.1, variance = 0.2 * 0.2 / 3.0, values = 64.0 * 64.0 * 6.0 / 7.0;
+    const double wrong = 0.1, variance = 0.2 * 0.2 / 3.0, values = 64.0 * 64.0;
     double doubt =
         2.0 * sqrt((2.0 * wrong * wrong * variance + variance * variance) / values) / (2.0 * wrong);
     sl_bench_error e = judge(wrong);
@@ -141,7 +137,7 @@ static void what_noise_leaves_in_doubt_is_what_theory_says(void **state) {
 
 static void sets_of_light_paths_that_a_scene_cannot_tell_apart_share_a_reference(void **state) {
     (void)state;
-    sl_bench_scene diffuse = {.hash = "0123456789abcdef", .width = 8, .height = 8}, glossy = diffuse,
+    sl_bench_scene diffuse = {.base = "--bounces 1", .hash = "0123456789abcdef", .width = 8, .height = 8}, glossy = diffuse,
                    mirrors = diffuse;
     char a[SL_BENCH_PATH], b[SL_BENCH_PATH];
     glossy.glossy = mirrors.mirrors = true;
@@ -179,7 +175,7 @@ static sl_bench_row row(const char *curve, double seconds, double error) {
     snprintf(t->curve, sizeof t->curve, "%s", curve);
     snprintf(t->method, sizeof t->method, "%.*s", (int)strcspn(curve, ","), curve);
     snprintf(t->arguments, sizeof t->arguments, "%g", seconds);
-    r.error[SL_BENCH_ONE_BOUNCE] = (sl_bench_error){.known = true, .rel_rmse = error};
+    r.error[SL_BENCH_FULL] = (sl_bench_error){.known = true, .rel_rmse = error};
     return r;
 }
 
@@ -188,18 +184,18 @@ static void times_are_read_along_the_settings_that_pay(void **state) {
     sl_bench_row rows[] = {row("splatting", 10.0, 0.01),
                            row("splatting", 0.1, 0.1),
                            row("splatting", 5.0, 0.2) /* beaten */,
-                           row("path, one-bounce", 1.0, 0.1),
-                           row("path, one-bounce", 100.0, 0.01),
-                           row("path, full", 0.01, 0.001) /* another's truth */};
+                           row("path, full", 1.0, 0.1),
+                           row("path, full", 100.0, 0.01),
+                           row("path, one-bounce", 0.01, 0.001) /* other paths */};
     sl_bench_scene scene = {.rows = rows, .row_count = sizeof rows / sizeof *rows};
     sl_curve curves[SL_CURVES];
-    assert_int_equal(sl_curves_of(&scene, SL_BENCH_ONE_BOUNCE, curves), 3);
+    assert_int_equal(sl_curves_of(&scene, SL_BENCH_FULL, curves), 3);
     assert_true(curves[0].best[0] && !curves[0].best[1] && curves[0].best[2]);
     /* Straight on logarithmic axes: halfway in error is halfway in time. */
-    assert_true(fabs(sl_curve_time_to(&curves[0], SL_BENCH_ONE_BOUNCE, sqrt(0.001)) - 1.0) < 1e-9);
-    assert_true(sl_curve_time_to(&curves[0], SL_BENCH_ONE_BOUNCE, 0.5) == 0.1);
-    assert_true(sl_curve_time_to(&curves[0], SL_BENCH_ONE_BOUNCE, 0.001) == 0.0);
-    sl_lead lead = sl_lead_at(&scene, SL_BENCH_ONE_BOUNCE, 0.01);
+    assert_true(fabs(sl_curve_time_to(&curves[0], SL_BENCH_FULL, sqrt(0.001)) - 1.0) < 1e-9);
+    assert_true(sl_curve_time_to(&curves[0], SL_BENCH_FULL, 0.5) == 0.1);
+    assert_true(sl_curve_time_to(&curves[0], SL_BENCH_FULL, 0.001) == 0.0);
+    sl_lead lead = sl_lead_at(&scene, SL_BENCH_FULL, 0.01);
     assert_string_equal(lead.method, "splatting");
     assert_true(fabs(lead.path_seconds / lead.seconds - 10.0) < 1e-9);
 }
@@ -245,7 +241,7 @@ static void a_file_of_trials_is_read_line_by_line(void **state) {
     sl_error error;
     size_t length;
     const char *path =
-        scene_file_text("a.trials", "# two\nsize 8x6\nscenes a.json b.json\ntruth full\nwith -m path\n"
+        scene_file_text("a.trials", "# two\nbase --bounces 1\nsize 8x6\nscenes a.json b.json\ntruth full\nwith -m path\n"
                                     "trial draft = -q draft\ntable t: cpu, full, part.x\n"
                                     "trial four, no options =\ncurve c\ntrial 2 = --spp 2\n");
     assert_int_equal(sl_trials_read(path, &all, &error), SL_OK);
@@ -254,7 +250,7 @@ static void a_file_of_trials_is_read_line_by_line(void **state) {
     assert_int_equal(all.trial[0].quality, SL_BENCH_DRAFT);
     assert_int_equal(all.trial[0].table, -1);
     assert_string_equal(all.trial[1].name, "four, no options");
-    assert_string_equal(all.trial[1].arguments, "-m path");
+    assert_string_equal(all.trial[1].arguments, "--bounces 1 -m path");
     assert_string_equal(all.trial[1].curve, "path");
     assert_true(all.trial[1].look && !all.trial[1].ordered && all.trial[2].ordered);
     assert_string_equal(all.trial[2].curve, "c");

@@ -1,7 +1,6 @@
 #include "app/bench/references.h"
 
 #include "app/bench/judge.h"
-#include "app/bench/scene.h"
 #include "app/page.h"
 #include "app/clock.h"
 #include "base/error.h"
@@ -58,7 +57,7 @@ static bool is_used_by(const sl_bench_options *o, const sl_bench_row *row, const
 /* Returns the smallest error that would be told with this reference, and what share of it is in doubt; 0:
  * none. */
 static double smallest_error(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_reference *r,
-                             const sl_image *reference, const sl_image *mask, double *doubt) {
+                             const sl_image *reference, double *doubt) {
     double smallest = *doubt = 0.0;
     for (size_t i = 0; i < s->row_count; i++) {
         sl_image *picture = NULL;
@@ -67,7 +66,7 @@ static double smallest_error(const sl_bench_options *o, const sl_bench_scene *s,
         if (!is_used_by(o, &s->rows[i], r->transport) ||
             sl_image_read(s->rows[i].picture, &picture, NULL) != SL_OK)
             continue;
-        if (sl_judge_quickly(picture, reference, mask, &e, &error) == SL_OK && e.known && e.rel_rmse > 0.0 &&
+        if (sl_judge_quickly(picture, reference, &e, &error) == SL_OK && e.known && e.rel_rmse > 0.0 &&
             (smallest == 0.0 || e.rel_rmse < smallest)) {
             smallest = e.rel_rmse;
             *doubt = e.doubt / e.rel_rmse;
@@ -83,17 +82,16 @@ static double metadata(const sl_image *image, const char *key) {
 }
 
 /* Reads the reference as it stands, and sees how good it is and should be. */
-static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r,
-                    const sl_image *mask) {
+static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r) {
     sl_image *image = NULL;
     double mean;
     sl_error error;
     r->samples = 0;
     if (sl_image_read(r->file, &image, NULL) != SL_OK) return;
-    if (sl_judge_noise(image, mask, &r->noise, &mean, &error) == SL_OK) {
+    if (sl_judge_noise(image, &r->noise, &mean, &error) == SL_OK) {
         r->samples = (uint64_t)metadata(image, "softlux.spp");
         r->seconds = metadata(image, SL_TRIAL_SECONDS);
-        r->wanted = wanted_share * smallest_error(o, s, r, image, mask, &r->doubt);
+        r->wanted = wanted_share * smallest_error(o, s, r, image, &r->doubt);
     }
     sl_image_destroy(image);
 }
@@ -111,17 +109,17 @@ static uint64_t next_samples(const sl_bench_options *o, const sl_bench_reference
 }
 
 static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r,
-                        const sl_image *mask, sl_error *error) {
+                        sl_error *error) {
     sl_status status = SL_OK;
     uint64_t samples;
     sl_reference_path(o->references, s, r->transport, r->file);
-    look_at(o, s, r, mask);
+    look_at(o, s, r);
     while (status == SL_OK && !r->trouble[0] && !sl_interrupted() && (samples = next_samples(o, r)) > 0) {
         sl_progress_show(o->quiet, -1.0, "%s, reference %s: %llu samples, noise %.2g %%, wanted %.2g %%",
                          s->name, r->transport, (unsigned long long)samples, 100.0 * r->noise,
                          100.0 * r->wanted);
         status = sl_reference_make(o, s, samples, r, error);
-        if (status == SL_OK) look_at(o, s, r, mask);
+        if (status == SL_OK) look_at(o, s, r);
     }
     return status;
 }
@@ -129,7 +127,7 @@ static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_b
 /* ---- the answers ---- */
 
 static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_bench_reference *r,
-                      const sl_image *reference, const sl_image *mask) {
+                      const sl_image *reference) {
     sl_image *picture = NULL;
     if (!is_used_by(o, row, r->transport) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
     for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
@@ -137,7 +135,7 @@ static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_ben
         sl_image *difference = NULL;
         sl_error error;
         bool wanted = t == SL_BENCH_MATCHED && row->trial->quality != SL_BENCH_CURVE && !row->difference;
-        if (sl_judge(picture, reference, mask, &row->error[t], wanted ? &difference : NULL, &error) != SL_OK)
+        if (sl_judge(picture, reference, &row->error[t], wanted ? &difference : NULL, &error) != SL_OK)
             snprintf(row->why, sizeof row->why, "%.200s", error.message);
         if (difference) row->difference = sl_picture_text(difference, false);
         sl_image_destroy(difference);
@@ -146,38 +144,36 @@ static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_ben
 }
 
 /* Finds what the paths of a reference leave out of full global illumination. */
-static void compare_with_full(sl_bench_reference *r, const sl_image *reference, const sl_image *full,
-                              const sl_image *mask) {
-    const sl_compare_options options = {.mask = mask};
+static void compare_with_full(sl_bench_reference *r, const sl_image *reference, const sl_image *full) {
     sl_bench_error e;
     sl_comparison c;
     sl_error error;
     sl_image *difference = NULL;
     double noise, mean, all;
-    if (!full || sl_judge_quickly(reference, full, mask, &e, &error) != SL_OK || !e.known) return;
-    if (sl_judge_noise(reference, mask, &noise, &mean, &error) != SL_OK ||
-        sl_judge_noise(full, mask, &noise, &all, &error) != SL_OK)
+    if (!full || sl_judge_quickly(reference, full, &e, &error) != SL_OK || !e.known) return;
+    if (sl_judge_noise(reference, &noise, &mean, &error) != SL_OK ||
+        sl_judge_noise(full, &noise, &all, &error) != SL_OK)
         return;
     r->energy = all > 0.0 ? mean / all : 0.0;
     r->missing = e.rel_rmse;
     r->missing_known = true;
-    if (sl_image_compare(reference, full, &options, &c, &difference, NULL) == SL_OK)
+    if (sl_image_compare(reference, full, NULL, &c, &difference, NULL) == SL_OK)
         r->difference = sl_picture_text(difference, false);
     sl_image_destroy(difference);
 }
 
-static void judge_all(const sl_bench_options *o, sl_bench_scene *s, const sl_image *mask) {
+static void judge_all(const sl_bench_options *o, sl_bench_scene *s) {
     sl_image *full = NULL;
     for (size_t i = 0; i < s->reference_count; i++) {
         sl_bench_reference *r = &s->references[i];
         sl_image *reference = NULL;
         if (!r->samples || sl_image_read(r->file, &reference, NULL) != SL_OK) continue;
-        for (size_t k = 0; k < s->row_count; k++) judge_row(o, &s->rows[k], r, reference, mask);
+        for (size_t k = 0; k < s->row_count; k++) judge_row(o, &s->rows[k], r, reference);
         if (strcmp(r->transport, "full") == 0) {
             full = reference;
             continue;
         }
-        compare_with_full(r, reference, full, mask);
+        compare_with_full(r, reference, full);
         sl_image_destroy(reference);
     }
     if (full) s->picture = sl_picture_text(full, true);
@@ -185,19 +181,10 @@ static void judge_all(const sl_bench_options *o, sl_bench_scene *s, const sl_ima
 }
 
 sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *error) {
-    sl_image *mask = NULL;
-    char path[SL_BENCH_PATH];
-    sl_bench_mask_path(o, s, path);
-    sl_status status = sl_image_read(path, &mask, error);
-    if (status != SL_OK) return status;
-    if (!list_references(o, s)) status = sl_fail_memory(error, "a list of references");
-    s->pixels_compared = 0;
-    for (size_t i = 0; i < (size_t)s->width * (size_t)s->height; i++)
-        s->pixels_compared += mask->planes[i] > 0.5f;
+    sl_status status = list_references(o, s) ? SL_OK : sl_fail_memory(error, "a list of references");
     for (size_t i = 0; i < s->reference_count && status == SL_OK; i++)
-        status = refine(o, s, &s->references[i], mask, error);
-    if (status == SL_OK) judge_all(o, s, mask);
+        status = refine(o, s, &s->references[i], error);
+    if (status == SL_OK) judge_all(o, s);
     sl_progress_clear(o->quiet);
-    sl_image_destroy(mask);
     return status;
 }

@@ -10,28 +10,25 @@ typedef struct halves {
     const float *a[3], *b[3];
 } halves;
 
-static sl_status find_halves(const sl_image *reference, const sl_image *mask, halves *h, sl_error *error) {
+static sl_status find_halves(const sl_image *reference, halves *h, sl_error *error) {
     static const char *const names[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
-    bool found = mask->width == reference->width && mask->height == reference->height;
+    bool found = true;
     for (int k = 0; k < 3; k++) {
         h->a[k] = sl_image_channel(reference, names[0][k]);
         h->b[k] = sl_image_channel(reference, names[1][k]);
         found = found && h->a[k] && h->b[k];
     }
     if (found) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT,
-                   "a reference without its two halves, or of another size than its mask");
+    return sl_fail(error, SL_ERROR_INPUT, "a reference without its two halves");
 }
 
-sl_status sl_judge_noise(const sl_image *reference, const sl_image *mask, double *noise, double *mean,
-                         sl_error *error) {
+sl_status sl_judge_noise(const sl_image *reference, double *noise, double *mean, sl_error *error) {
     halves h;
     double squares = 0.0, sum = 0.0, count = 0.0;
-    sl_status status = find_halves(reference, mask, &h, error);
+    sl_status status = find_halves(reference, &h, error);
     if (status != SL_OK) return status;
     size_t pixels = (size_t)reference->width * (size_t)reference->height;
     for (size_t i = 0; i < pixels; i++) {
-        if (!(mask->planes[i] > 0.5f)) continue;
         for (int k = 0; k < 3; k++) {
             double a = (double)h.a[k][i], b = (double)h.b[k][i];
             if (!isfinite(a) || !isfinite(b)) continue;
@@ -53,7 +50,7 @@ typedef struct squares {
 /* Var (x-A)(x-B) = 2 e^2 s^2 + s^4 where the error is e and A and B have the variance s^2; and that is what
  * (x-R)^2 (A-B)^2 is on average. A pixel's three channels count as one value, since their noise is mostly
  * one. */
-static squares squared_errors(const sl_image *picture, const halves *h, const sl_image *mask) {
+static squares squared_errors(const sl_image *picture, const halves *h) {
     static const char *const names[3] = {"R", "G", "B"};
     const float *x[3] = {sl_image_channel(picture, names[0]), sl_image_channel(picture, names[1]),
                          sl_image_channel(picture, names[2])};
@@ -61,7 +58,6 @@ static squares squared_errors(const sl_image *picture, const halves *h, const sl
     size_t pixels = (size_t)picture->width * (size_t)picture->height;
     for (size_t i = 0; i < pixels; i++) {
         double spread = 0.0;
-        if (!(mask->planes[i] > 0.5f)) continue;
         for (int k = 0; k < 3; k++) {
             double a = (double)h->a[k][i], b = (double)h->b[k][i], v = (double)x[k][i], r = 0.5 * (a + b);
             if (!isfinite(v) || !isfinite(r)) continue;
@@ -78,14 +74,14 @@ static squares squared_errors(const sl_image *picture, const halves *h, const sl
 /* Two standard deviations: 95 % confidence. */
 static const double confidence = 2.0;
 
-sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, const sl_image *mask,
-                           sl_bench_error *e, sl_error *error) {
+sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, sl_bench_error *e,
+                           sl_error *error) {
     halves h;
     double mean;
     memset(e, 0, sizeof *e);
-    sl_status status = find_halves(reference, mask, &h, error);
-    if (status == SL_OK) status = sl_judge_noise(reference, mask, &e->noise, &mean, error);
-    bool alike = picture->width == mask->width && picture->height == mask->height &&
+    sl_status status = find_halves(reference, &h, error);
+    if (status == SL_OK) status = sl_judge_noise(reference, &e->noise, &mean, error);
+    bool alike = picture->width == reference->width && picture->height == reference->height &&
                  sl_image_channel(picture, "R") && sl_image_channel(picture, "G") &&
                  sl_image_channel(picture, "B");
     if (status == SL_OK && !alike) {
@@ -93,7 +89,7 @@ sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, c
             sl_fail(error, SL_ERROR_INPUT, "a picture without R, G, B or of another size than its reference");
     }
     if (status != SL_OK || !(mean > 0.0)) return status;
-    squares s = squared_errors(picture, &h, mask);
+    squares s = squared_errors(picture, &h);
     double doubt = confidence * s.deviation,
            most = sqrt(s.less_noise + doubt > 0.0 ? s.less_noise + doubt : 0.0) / mean;
     e->known = true;
@@ -103,12 +99,11 @@ sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, c
     return SL_OK;
 }
 
-sl_status sl_judge(const sl_image *picture, const sl_image *reference, const sl_image *mask,
-                   sl_bench_error *e, sl_image **difference, sl_error *error) {
+sl_status sl_judge(const sl_image *picture, const sl_image *reference, sl_bench_error *e,
+                   sl_image **difference, sl_error *error) {
     sl_comparison c;
-    const sl_compare_options options = {.mask = mask};
-    sl_status status = sl_judge_quickly(picture, reference, mask, e, error);
-    if (status == SL_OK) status = sl_image_compare(picture, reference, &options, &c, difference, error);
+    sl_status status = sl_judge_quickly(picture, reference, e, error);
+    if (status == SL_OK) status = sl_image_compare(picture, reference, NULL, &c, difference, error);
     if (status != SL_OK) return status;
     e->rel_mse = c.rel_mse - c.rel_mse_noise > 0.0 ? c.rel_mse - c.rel_mse_noise : 0.0;
     e->bias = c.bias;

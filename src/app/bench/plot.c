@@ -180,9 +180,7 @@ static void put_point(FILE *out, const sl_bench_row *row, sl_bench_truth truth, 
 
 static label put_curve(FILE *out, const sl_curve *c, sl_bench_truth truth, const axis *x, const axis *y) {
     label end = {c->name, class_of(c->name), 0.0, 0.0, 0.0};
-    bool dashed = (strstr(c->name, "one-bounce") && truth == SL_BENCH_MATCHED) || strstr(c->name, "bounces");
-    fprintf(out, "<polyline class=\"line m%d\"%s points=\"", end.class,
-            dashed ? " stroke-dasharray=\"7 4\"" : "");
+    fprintf(out, "<polyline class=\"line m%d\" points=\"", end.class);
     for (size_t i = 0; i < c->count; i++) {
         if (!c->best[i] || !is_on_paper(c->row[i], truth)) continue;
         end.x = place(x, c->row[i]->cpu.median);

@@ -21,8 +21,8 @@ void sl_reference_default_folder(char path[SL_BENCH_PATH]) {
 }
 
 /* The paths may be named with options that change them: "matched:splatting --bounces 2". */
-static void arguments_of(const char *transport, char arguments[SL_BENCH_ARGUMENTS]) {
-    snprintf(arguments, SL_BENCH_ARGUMENTS, "-m path --set filter=centre --transport %s", transport);
+static void arguments_of(const sl_bench_scene *s, const char *transport, char arguments[SL_BENCH_ARGUMENTS]) {
+    snprintf(arguments, SL_BENCH_ARGUMENTS, "%s -m path --transport %s", s->base ? s->base : "", transport);
 }
 
 /* Takes away what there is not in a scene, since no path of it can meet that. */
@@ -30,7 +30,7 @@ static bool transport_of(const sl_bench_scene *s, const char *name, sl_transport
     sl_settings settings;
     char arguments[SL_BENCH_ARGUMENTS];
     unsigned lobes = SL_LOBE_DIFFUSE | (s->glossy ? SL_LOBE_GLOSSY : 0u) | (s->mirrors ? SL_LOBE_MIRROR : 0u);
-    arguments_of(name, arguments);
+    arguments_of(s, name, arguments);
     if (!sl_trial_settings(arguments, &settings) || sl_method_transport(&settings, t, NULL) != SL_OK)
         return false;
     t->direct_lobes &= lobes;
@@ -59,6 +59,7 @@ void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *
     for (size_t i = sizeof plain / sizeof *plain; i-- > 0;) {
         if (sl_reference_is_same(s, plain[i], transport)) snprintf(name, sizeof name, "%s", plain[i]);
     }
+    if (s->base) snprintf(name + strlen(name), sizeof name - strlen(name), " %s", s->base);
     for (char *c = name; *c; c++) {
         if (*c == ':' || *c == ' ' || *c == '/') *c = '-';
     }
@@ -87,7 +88,7 @@ sl_status sl_reference_make(const sl_bench_options *o, const sl_bench_scene *s, 
     const sl_child_limits limits = {0.0, 0, sl_interrupted};
     char arguments[SL_BENCH_ARGUMENTS], all[SL_BENCH_ARGUMENTS + 64];
     sl_child_end end;
-    arguments_of(r->transport, arguments);
+    arguments_of(s, r->transport, arguments);
     snprintf(all, sizeof all, "%s --spp %" PRIu64 " --seed %d", arguments, samples, SEED);
     sl_trial_run run = {.arguments = all,
                         .scene_path = s->path,

@@ -22,7 +22,7 @@ static void put_row(FILE *out, const sl_bench_row *r) {
     char text[32];
     fprintf(out, "| %s | %s |", r->trial->curve, r->trial->name);
     if (r->end != SL_CHILD_DONE) {
-        fprintf(out, " %s: %s | | | | | | | | `%s` |\n", sl_bench_end_name(r->end), r->why,
+        fprintf(out, " %s: %s | | | | | | | `%s` |\n", sl_bench_end_name(r->end), r->why,
                 r->trial->arguments);
         return;
     }
@@ -30,10 +30,10 @@ static void put_row(FILE *out, const sl_bench_row *r) {
     put_spread(out, &r->wall);
     sl_seconds_text(sl_bench_number(r->look, "first_picture"), text);
     fprintf(out, " %s | %.0f |", text, sl_bench_number(r->result, "peak_bytes") / 1048576.0);
-    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
-        sl_error_text(&r->error[t], text);
-        fprintf(out, " %s |", text);
-    }
+    sl_error_text(&r->error[SL_BENCH_MATCHED], text);
+    fprintf(out, " %s |", text);
+    sl_error_text(&r->error[SL_BENCH_FULL], text);
+    fprintf(out, " %s |", text);
     if (sl_bench_promises(r))
         fprintf(out, " %.3g %%, at most %.3g %% |", 100.0 * sl_bench_number(r->result, "estimate"),
                 100.0 * sl_bench_number(r->result, "bound"));
@@ -82,17 +82,16 @@ void sl_report_scene(FILE *out, const void *what) {
         fprintf(out, "Nothing was measured: %s\n", s->trouble);
         return;
     }
-    fprintf(out, "`%s`, %d x %d, %llu triangles, %llu pixels compared.\n\n", s->path, s->width, s->height,
-            (unsigned long long)s->triangles, (unsigned long long)s->pixels_compared);
-    sl_report_head(out, "method|setting|>cpu s|>wall s|>first picture, cpu s|>peak MB|>matched|>one bounce|>"
-                        "full|>told without a reference|options");
+    fprintf(out, "`%s`, %d x %d, %llu triangles.\n\n", s->path, s->width, s->height,
+            (unsigned long long)s->triangles);
+    sl_report_head(out, "method|setting|>cpu s|>wall s|>first picture, cpu s|>peak MB|>matched|>all light|>"
+                        ">told without a reference|options");
     for (size_t i = 0; i < s->row_count; i++) put_row(out, &s->rows[i]);
     fputc('\n', out);
     for (int i = 0; i < SL_PLOTS; i++)
         if (sl_plot_is_there(&(sl_plot){s, i}))
             fprintf(out, "![%s, %s](%s-%s.svg)\n", s->name, sl_plot_name(i), s->name, sl_plot_name(i));
-    put_times(out, s, SL_BENCH_ONE_BOUNCE, "Against one bounce");
-    put_times(out, s, SL_BENCH_FULL, "Against full global illumination");
+    put_times(out, s, SL_BENCH_FULL, "Against all light");
     fputc('\n', out);
     sl_report_head(out,
                    "reference|>samples a pixel|>its noise|>smallest error told with it|>light in it|>what "
@@ -103,9 +102,9 @@ void sl_report_scene(FILE *out, const void *what) {
 /* ---- the terminal ---- */
 
 static void print_lead(FILE *out, const sl_bench_scene *s, double error) {
-    sl_lead lead = sl_lead_at(s, SL_BENCH_ONE_BOUNCE, error);
+    sl_lead lead = sl_lead_at(s, SL_BENCH_FULL, error);
     if (!lead.method) return;
-    fprintf(out, "  %g %% of one bounce: %s after %.3g s", 100.0 * error, lead.method, lead.seconds);
+    fprintf(out, "  %g %% of all light: %s after %.3g s", 100.0 * error, lead.method, lead.seconds);
     if (lead.path_seconds > 0.0)
         fprintf(out, ", the path tracer %s %.3g s (%s%.1f times)", lead.path_later ? "not within" : "after",
                 lead.path_seconds, lead.path_later ? "more than " : "", lead.path_seconds / lead.seconds);
@@ -113,15 +112,16 @@ static void print_lead(FILE *out, const sl_bench_scene *s, double error) {
 }
 
 static void print_row(FILE *out, const sl_bench_row *r) {
-    char seconds[32], errors[SL_BENCH_TRUTHS][32];
+    char seconds[32], matched[32], full[32];
     fprintf(out, "  %-26s %-34s ", r->trial->curve, r->trial->name);
     if (r->end != SL_CHILD_DONE) {
         fprintf(out, "%s: %s\n", sl_bench_end_name(r->end), r->why);
         return;
     }
     sl_seconds_text(r->cpu.median, seconds);
-    for (int t = 0; t < SL_BENCH_TRUTHS; t++) sl_error_text(&r->error[t], errors[t]);
-    fprintf(out, "%9s %9s %9s %9s\n", seconds, errors[0], errors[1], errors[2]);
+    sl_error_text(&r->error[SL_BENCH_MATCHED], matched);
+    sl_error_text(&r->error[SL_BENCH_FULL], full);
+    fprintf(out, "%9s %9s %9s\n", seconds, matched, full);
 }
 
 void sl_report_terminal(const sl_bench_results *results, FILE *out) {
@@ -131,8 +131,8 @@ void sl_report_terminal(const sl_bench_results *results, FILE *out) {
             fprintf(out, "%s: %s\n", s->name, s->trouble);
             continue;
         }
-        fprintf(out, "%s, %d x %d\n  %-26s %-34s %9s %9s %9s %9s\n", s->name, s->width, s->height, "method",
-                "setting", "cpu s", "matched", "1 bounce", "full");
+        fprintf(out, "%s, %d x %d\n  %-26s %-34s %9s %9s %9s\n", s->name, s->width, s->height, "method",
+                "setting", "cpu s", "matched", "all light");
         for (size_t i = 0; i < s->row_count; i++) print_row(out, &s->rows[i]);
         print_lead(out, s, 0.05);
         print_lead(out, s, 0.01);

@@ -49,7 +49,7 @@ static void put_machine(FILE *out, const sl_bench_results *r) {
 /* ---- the goal ---- */
 
 static void put_lead(FILE *out, const sl_bench_scene *s, double error, bool named) {
-    sl_lead lead = sl_lead_at(s, SL_BENCH_ONE_BOUNCE, error);
+    sl_lead lead = sl_lead_at(s, SL_BENCH_FULL, error);
     char seconds[32], path[32];
     if (!lead.method) {
         fprintf(out, "%s not reached | | |", named ? " |" : "");
@@ -69,7 +69,7 @@ static size_t count_leads(const sl_bench_results *r, double error, double times,
     for (size_t i = 0; i < r->scene_count; i++) {
         const sl_bench_scene *s = &r->scenes[i];
         if (!is_measured(s) || s->glossy || s->mirrors) continue;
-        sl_lead lead = sl_lead_at(s, SL_BENCH_ONE_BOUNCE, error);
+        sl_lead lead = sl_lead_at(s, SL_BENCH_FULL, error);
         ++*scenes;
         reached += lead.method && lead.path_seconds >= times * lead.seconds;
     }
@@ -118,16 +118,15 @@ static void put_first(FILE *out, const sl_bench_scene *s, sl_bench_truth truth, 
 }
 
 static void put_best(FILE *out, const sl_bench_results *r) {
+    static const double errors[] = {0.2, 0.1, 0.05, 0.02, 0.01};
     sl_report_head(out,
-                   "scene|surfaces|first at 5 % of one bounce|first at 20 % of all light|at 10 %|at 5 %|at "
-                   "2 %");
+                   "scene|surfaces|first at 20 %|at 10 %|at 5 %|at 2 %|at 1 %");
     for (size_t i = 0; i < r->scene_count; i++) {
         const sl_bench_scene *s = &r->scenes[i];
         if (!is_measured(s)) continue;
         fprintf(out, "| %s | %s |", s->name, surfaces_of(s));
-        put_first(out, s, SL_BENCH_ONE_BOUNCE, 0.05);
-        for (double error = 0.2; error > 0.04; error *= 0.5) put_first(out, s, SL_BENCH_FULL, error);
-        put_first(out, s, SL_BENCH_FULL, 0.02);
+        for (size_t k = 0; k < sizeof errors / sizeof *errors; k++)
+            put_first(out, s, SL_BENCH_FULL, errors[k]);
         fputc('\n', out);
     }
 }
@@ -168,8 +167,7 @@ static void put_failures(FILE *out, const sl_bench_results *r) {
     static const struct {
         const char *curve, *against;
         sl_bench_truth truth;
-    } curves[] = {{"splatting", "one bounce", SL_BENCH_ONE_BOUNCE},
-                  {"splatting, 6 bounces", "all light", SL_BENCH_FULL},
+    } curves[] = {{"splatting", "all light", SL_BENCH_FULL},
                   {"direct-radiance", "its own paths", SL_BENCH_MATCHED},
                   {"light-octree", "its own paths", SL_BENCH_MATCHED},
                   {"multi-mesh", "its own paths", SL_BENCH_MATCHED},
@@ -239,9 +237,9 @@ static void put_quality(FILE *out, const sl_bench_results *r, const char *curve,
 }
 
 static void put_qualities(FILE *out, const sl_bench_results *r) {
-    static const char *const curves[] = {"splatting",     "splatting, 6 bounces", "direct-radiance",
+    static const char *const curves[] = {"splatting",     "direct-radiance",
                                          "light-octree",  "photons at pixels",    "multi-mesh",
-                                         "shading-cache", "path, full",           "bidirectional, full"};
+                                         "shading-cache", "path",           "bidirectional"};
     double *work = calloc(4 * r->scene_count + 1, sizeof *work);
     sl_report_head(out,
                    "method|quality|>scenes|>cpu s|>error of its own paths|>times the seconds|>error left|>"
@@ -263,15 +261,13 @@ static const sl_bench_reference *reference_of(const sl_bench_scene *s, const cha
 }
 
 static void put_left_out(FILE *out, const sl_bench_results *r) {
-    sl_report_head(out, "scene|>direct light|>one bounce|>its error against all light");
+    sl_report_head(out, "scene|>direct light|>its error against all light");
     for (size_t i = 0; i < r->scene_count; i++) {
-        const sl_bench_reference *direct = reference_of(&r->scenes[i], "direct"),
-                                 *one = reference_of(&r->scenes[i], "one-bounce");
+        const sl_bench_reference *direct = reference_of(&r->scenes[i], "direct");
         char missing[32];
-        if (!direct || !one) continue;
-        sl_missing_text(one, 0, missing);
-        fprintf(out, "| %s | %.0f %% | %.0f %% | %s |\n", r->scenes[i].name, 100.0 * direct->energy,
-                100.0 * one->energy, missing);
+        if (!direct) continue;
+        sl_missing_text(direct, 0, missing);
+        fprintf(out, "| %s | %.0f %% | %s |\n", r->scenes[i].name, 100.0 * direct->energy, missing);
     }
 }
 
@@ -331,17 +327,17 @@ void sl_report_overview(FILE *out, const void *results) {
     fputs("# Speed against error\n\n", out);
     put_machine(out, r);
     fputs(
-        "\nErrors are relative RMSE: the root of the mean squared difference over the reference's mean, over "
-        "the pixels that look at neither lamp nor sky; the reference's own noise is subtracted. What that "
-        "noise leaves in doubt is below a tenth of the error (95 % confidence), or stands behind it as ±; "
+        "\nErrors are relative RMSE: the root of the mean squared difference over the reference's mean, of "
+        "all pixels, each the mean over its square, lamps that are seen included; the reference's own noise "
+        "is subtracted. What that noise leaves in doubt is below a tenth of the error (95 % confidence), or stands behind it as ±; "
         "`<`: at most, and perhaps nothing; `≥`: lost in the noise, and no less than the energy that is "
-        "missing. *matched*: against the light paths that the method itself declares; *one bounce*: direct "
-        "light and one diffuse bounce; *full*: all of global illumination. Times are the processor's, of all "
+        "missing. *matched*: against the light paths that the method itself declares; *all "
+        "light*: against all of global illumination. Times are the processor's, of all "
         "threads together.\n\nScenes:",
         out);
     for (size_t i = 0; i < r->scene_count; i++)
         fprintf(out, "%s [%s](#%s)", i ? "," : "", r->scenes[i].name, r->scenes[i].name);
-    fputs("\n\nOne bounce, the best of the methods beside the path tracer. ", out);
+    fputs("\n\nAll light, the best of the methods beside the path tracer. ", out);
     put_goal(out, r);
     fputs(
         "\nErrors told without a reference (`softlux render --error`): how often the measured one is within "

@@ -12,7 +12,7 @@ typedef struct sl_bench_spread {
     double median, least, most;
 } sl_bench_spread;
 
-/* Over the pixels that look at neither a lamp nor the sky. Relative: over the reference's mean. */
+/* Over all pixels. Relative: over the reference's mean. */
 typedef struct sl_bench_error {
     bool known;
     double rel_rmse; /* the reference's own noise is subtracted */
@@ -56,9 +56,10 @@ typedef struct sl_bench_reference {
 
 typedef struct sl_bench_scene {
     char path[SL_BENCH_PATH], name[SL_BENCH_NAME];
+    const char *base; /* of the trials; NULL: nothing */
     char hash[17];
     int width, height;
-    uint64_t triangles, pixels_compared;
+    uint64_t triangles;
     bool glossy, mirrors, sky; /* there are such surfaces; an environment */
     char trouble[1200]; /* why nothing could be measured; or "" */
     size_t row_count, reference_count;

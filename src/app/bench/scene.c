@@ -8,12 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-void sl_bench_mask_path(const sl_bench_options *o, const sl_bench_scene *s, char path[SL_BENCH_PATH]) {
-    snprintf(path, SL_BENCH_PATH, "%s/%s-%dx%d-surfaces-%s.exr", o->references, s->hash, s->width, s->height,
-             SL_VERSION);
-}
 
 /* ---- in the child ---- */
 
@@ -55,24 +49,12 @@ static void describe(const sl_scene *scene, sl_bench_scene *s, cJSON *root) {
     cJSON_AddNumberToObject(root, "sky", f.environment);
 }
 
-/* Finds the pixels that show surfaces, which --error judges too. */
-static sl_status make_mask(const sl_scene *scene, const sl_settings *settings, const char *path,
-                           sl_error *error) {
-    sl_error_probe *probe = NULL;
-    sl_status status = sl_error_probe_create(scene, settings, &probe, error);
-    if (status == SL_OK) status = sl_image_write(sl_error_probe_surfaces(probe), path, error);
-    sl_error_probe_destroy(probe);
-    return status;
-}
-
 static bool look_work(void *context, char **report) {
     look *l = context;
     const sl_bench_options *o = l->options;
     sl_bench_scene *s = &l->scene;
-    sl_settings settings = sl_settings_of_papers();
     sl_scene *scene = NULL;
     sl_error error;
-    char mask[SL_BENCH_PATH];
     cJSON *root = cJSON_CreateObject();
     sl_status status = sl_scene_load_with(s->path, &o->load, &scene, &error);
     if (status == SL_OK && spare_scene(scene, o->folder, &error) != SL_OK) {
@@ -80,14 +62,6 @@ static bool look_work(void *context, char **report) {
     } else if (status == SL_OK) {
         choose_size(o, scene, s);
         describe(scene, s, root);
-        settings.method = "path";
-        settings.filter = SL_FILTER_CENTRE;
-        settings.threads = o->reference_threads;
-        settings.width = s->width, settings.height = s->height;
-        sl_bench_mask_path(o, s, mask);
-        /* where it cannot be written there will be no errors */
-        if (!o->trials_only && access(mask, R_OK) != 0)
-            (void)make_mask(scene, &settings, mask, &error);
     }
     *report = status == SL_OK ? cJSON_PrintUnformatted(root) : strdup(error.message);
     cJSON_Delete(root);
@@ -126,6 +100,7 @@ sl_status sl_bench_scene_read(const sl_bench_options *o, const char *path, sl_be
     look l = {.options = o};
     sl_child_end end;
     name_scene(path, s);
+    s->base = o->trials->base;
     l.scene = *s;
     sl_status status = sl_child_run(look_work, &l, &limits, &end, error);
     if (status != SL_OK) return status;

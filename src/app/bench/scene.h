@@ -4,14 +4,8 @@
 
 #include "app/bench/schedule.h"
 
-/* Reads the scene, in a child since that may start threads, and finds what is in it, and which pixels are
- * compared (the file of sl_bench_mask_path(), but for --trials-only). What cannot be read says so in its
- * `trouble`; a usage error where the report would take the place of one of its files. */
+/* Reads the scene, in a child since that may start threads, and finds what is in it. What cannot be
+ * read says so in its `trouble`; a usage error where the report would take the place of one of its files. */
 sl_status sl_bench_scene_read(const sl_bench_options *options, const char *path, sl_bench_scene *scene,
                               sl_error *error);
-/* Names the picture whose first channel is 1 where a pixel's centre looks at neither lamp nor sky; everywhere
- * where all do. */
-void sl_bench_mask_path(const sl_bench_options *options, const sl_bench_scene *scene,
-                        char path[SL_BENCH_PATH]);
-
 #endif

@@ -20,7 +20,7 @@ bool sl_trial_settings(const char *arguments, sl_settings *settings) {
     snprintf(text, sizeof text, "%s", arguments);
     for (char *w = strtok_r(text, " ", &rest); w && count < WORDS; w = strtok_r(NULL, " ", &rest))
         words[count++] = w;
-    *settings = sl_settings_of_papers();
+    *settings = sl_settings_default();
     const sl_command_line line = {arguments, "", NULL, &none, 0, 0, NULL, settings, NULL};
     return sl_options_parse(&line, count, words, operands, &operand_count, &status);
 }
@@ -115,7 +115,7 @@ static sl_status write_picture(const made *m, const char *path, sl_error *error)
 bool sl_trial_work(void *context, char **answer) {
     static sl_pass_times watch;
     const sl_trial_run *run = context;
-    sl_settings settings = sl_settings_of_papers();
+    sl_settings settings = sl_settings_default();
     sl_scene *scene = NULL;
     sl_error error = {SL_ERROR_USAGE, "a trial with arguments that mean nothing"};
     made m = {0};

@@ -1,6 +1,7 @@
 /* A file of trials, line by line; the ladder of all methods is such a file too.
  *
  *   # a comment
+ *   base --filter centre --bounces 1               of all trials and of their references
  *   size 256x256
  *   scenes scenes/cornell.json scenes/vase.json    of the trials below
  *   truth matched:light-octree                     the paths that are theirs, with options that change them
@@ -73,7 +74,8 @@ static const char *read_trial(reader *r, char *rest) {
     sl_trials *all = r->trials;
     if (!sl_make_room(&all->trial, all->count, &r->room, sizeof *all->trial)) return "not enough memory";
     sl_trial *t = &all->trial[all->count++];
-    bool fits = (size_t)snprintf(t->arguments, sizeof t->arguments, "%s%s", r->with, equals + 2) <
+    bool fits = (size_t)snprintf(t->arguments, sizeof t->arguments, "%s%s%s%s", all->base, *all->base ? " " : "",
+                             r->with, equals + 2) <
                     sizeof t->arguments &&
                 copy(t->name, sizeof t->name, rest) && copy(t->transport, sizeof t->transport, r->truth);
     if (!fits) return "a trial that is too long";
@@ -116,10 +118,11 @@ static const char *read_line(reader *r, char *line) {
     if (strcmp(line, "trial") == 0) return read_trial(r, rest);
     if (strcmp(line, "table") == 0) return read_table(r, rest);
     if (strcmp(line, "scenes") == 0) return r->scenes = rest, NULL;
+    if (strcmp(line, "base") == 0) return r->trials->base = rest, NULL;
     if (strcmp(line, "truth") == 0) return r->truth = rest, NULL;
     if (strcmp(line, "with") == 0) return r->with = rest, NULL;
     if (strcmp(line, "curve") == 0) return r->curve = *rest ? rest : NULL, NULL;
-    if (strcmp(line, "size") != 0) return "expected size, scenes, truth, with, curve, table or trial";
+    if (strcmp(line, "size") != 0) return "expected base, size, scenes, truth, with, curve, table or trial";
     if (sl_value_size(rest, 32768, size, &error) != SL_OK) return "expected size WxH";
     r->trials->width = size[0], r->trials->height = size[1];
     return NULL;
@@ -141,7 +144,7 @@ static char *text_of(const char *path) {
 sl_status sl_trials_read(const char *path, sl_trials *trials, sl_error *error) {
     int number = 1;
     reader r = {.trials = trials, .table = -1};
-    *trials = (sl_trials){.text = text_of(path)};
+    *trials = (sl_trials){.text = text_of(path), .base = ""};
     if (!trials->text)
         return sl_fail(error, SL_ERROR_INPUT, "%s: cannot be read", path ? path : "the ladder");
     for (char *line = trials->text, *next; line; line = next, number++) {
@@ -151,7 +154,8 @@ sl_status sl_trials_read(const char *path, sl_trials *trials, sl_error *error) {
         if (trouble)
             return sl_fail(error, SL_ERROR_INPUT, "%s:%d: %s", path ? path : "ladder", number, trouble);
     }
-    for (int t = 0; t < SL_BENCH_TRUTHS && !path; t++) trials->truth[t] = true;
+    trials->truth[SL_BENCH_MATCHED] = trials->truth[SL_BENCH_MATCHED] || !path;
+    trials->truth[SL_BENCH_FULL] = trials->truth[SL_BENCH_FULL] || !path;
     trials->estimates = trials->estimates || !path;
     return SL_OK;
 }

@@ -51,6 +51,7 @@ typedef struct sl_trials {
     sl_trial *trial; /* a method after the other, in each from cheap to dear */
     sl_trial_table table[SL_TRIAL_TABLES];
     bool truth[SL_BENCH_TRUTHS]; /* that errors are told against */
+    const char *base;            /* what all trials and references are given, before their own */
     bool estimates;              /* errors are also told without a reference */
     int width, height;           /* 0: as the scenes say */
     char *text;                  /* of the file */

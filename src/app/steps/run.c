@@ -33,28 +33,11 @@ static sl_status trace_reference(const sl_scene *scene, const sl_steps_options *
     return sl_picture_make(scene, &settings, HUGE_VAL, reference, error);
 }
 
-/* The reference and a mask that takes all of it. */
-typedef struct truth {
-    sl_image *reference, *mask; /* NULL: there is none */
-} truth;
-
-static sl_status find_truth(const sl_scene *scene, const sl_steps_options *o, truth *t, sl_error *error) {
-    static const char *const name[1] = {"Y"};
-    *t = (truth){NULL, NULL};
-    if (!o->reference_samples) return SL_OK;
-    sl_status status = trace_reference(scene, o, &t->reference, error);
-    if (status == SL_OK)
-        status = sl_image_create(t->reference->width, t->reference->height, 1, name, &t->mask, error);
-    for (int i = 0; status == SL_OK && i < t->mask->width * t->mask->height; i++) t->mask->planes[i] = 1.0f;
-    return status;
-}
-
-/* Relative RMSE without the reference's own noise; negative: there is no reference. */
-static double error_of(const sl_image *picture, const truth *t) {
+/* Returns the relative RMSE without the reference's own noise; negative: there is no reference. */
+static double error_of(const sl_image *picture, const sl_image *reference) {
     sl_bench_error e;
     sl_error ignored;
-    if (!t->mask || sl_judge_quickly(picture, t->reference, t->mask, &e, &ignored) != SL_OK || !e.known)
-        return -1.0;
+    if (!reference || sl_judge_quickly(picture, reference, &e, &ignored) != SL_OK || !e.known) return -1.0;
     return e.rel_rmse;
 }
 
@@ -69,23 +52,23 @@ static void add_error(cJSON *to, const char *name, double rel_rmse) {
     else cJSON_AddNullToObject(to, name);
 }
 
-static void add_reference(cJSON *run, const sl_steps_options *o, const sl_image *picture, const truth *t) {
+static void add_reference(cJSON *run, const sl_steps_options *o, const sl_image *picture, const sl_image *reference) {
     sl_image *difference = NULL;
     sl_bench_error e;
     sl_error ignored;
-    if (sl_judge(picture, t->reference, t->mask, &e, &difference, &ignored) != SL_OK) return;
-    cJSON *reference = cJSON_AddObjectToObject(run, "reference");
-    add_text(reference, "picture", sl_picture_text(t->reference, true));
-    add_text(reference, "difference", sl_picture_text(difference, false));
-    add_error(reference, "noise", e.noise);
-    cJSON_AddNumberToObject(reference, "samples", o->reference_samples);
+    if (sl_judge(picture, reference, &e, &difference, &ignored) != SL_OK) return;
+    cJSON *told = cJSON_AddObjectToObject(run, "reference");
+    add_text(told, "picture", sl_picture_text(reference, true));
+    add_text(told, "difference", sl_picture_text(difference, false));
+    add_error(told, "noise", e.noise);
+    cJSON_AddNumberToObject(told, "samples", o->reference_samples);
     sl_image_destroy(difference);
 }
 
 /* ---- what each layer is worth ---- */
 
 /* The picture less one of its layers, in place, and put back. */
-static double error_without(sl_image *picture, const char *layer, const truth *t) {
+static double error_without(sl_image *picture, const char *layer, const sl_image *reference) {
     static const char *const colours[3] = {"R", "G", "B"};
     size_t pixels = (size_t)picture->width * (size_t)picture->height;
     float *kept = malloc(3 * pixels * sizeof *kept);
@@ -98,27 +81,27 @@ static double error_without(sl_image *picture, const char *layer, const truth *t
         memcpy(kept + c * pixels, whole, pixels * sizeof *kept);
         for (size_t i = 0; i < pixels; i++) whole[i] -= part[i];
     }
-    double without = error_of(picture, t);
+    double without = error_of(picture, reference);
     for (size_t c = 0; c < 3; c++)
         memcpy(sl_image_channel(picture, colours[c]), kept + c * pixels, pixels * sizeof *kept);
     free(kept);
     return without;
 }
 
-static void add_layers(cJSON *run, sl_image *picture, const truth *t) {
+static void add_layers(cJSON *run, sl_image *picture, const sl_image *reference) {
     static const char *const names[] = {"emission", "direct", "specular", "indirect", "glossy"};
     cJSON *layers = cJSON_AddObjectToObject(run, "layers");
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char red[SL_CHANNEL_NAME_MAX];
         snprintf(red, sizeof red, "%s.R", names[i]);
-        if (sl_image_channel(picture, red)) add_error(layers, names[i], error_without(picture, names[i], t));
+        if (sl_image_channel(picture, red)) add_error(layers, names[i], error_without(picture, names[i], reference));
     }
 }
 
 /* ---- the method ---- */
 
 static sl_status snap(cJSON *snapshots, sl_recording *recording, sl_method *method,
-                      const sl_progress *progress, const truth *t, sl_image **picture, sl_error *error) {
+                      const sl_progress *progress, const sl_image *reference, sl_image **picture, sl_error *error) {
     sl_image_destroy(*picture);
     *picture = NULL;
     sl_recording_interrupt(recording, sl_method_counters(method));
@@ -128,7 +111,7 @@ static sl_status snap(cJSON *snapshots, sl_recording *recording, sl_method *meth
     cJSON *snapshot = cJSON_CreateObject();
     cJSON_AddItemToArray(snapshots, snapshot);
     cJSON_AddNumberToObject(snapshot, "batches", (double)progress->batches);
-    add_error(snapshot, "error", error_of(*picture, t));
+    add_error(snapshot, "error", error_of(*picture, reference));
     add_text(snapshot, "picture", sl_picture_text(*picture, true));
     return cJSON_GetObjectItem(snapshot, "picture") && !recording->failed
                ? SL_OK
@@ -137,7 +120,7 @@ static sl_status snap(cJSON *snapshots, sl_recording *recording, sl_method *meth
 
 /* Snapshots after the first batches and then ever more rarely, the last one when all is done. */
 static sl_status refine(cJSON *run, sl_recording *recording, const sl_steps_options *o, sl_method *method,
-                        const truth *t, sl_image **picture, sl_error *error) {
+                        const sl_image *reference, sl_image **picture, sl_error *error) {
     enum { SNAPSHOTS_MAX = 24 };
     cJSON *snapshots = cJSON_AddArrayToObject(run, "snapshots");
     sl_progress progress = {0};
@@ -148,14 +131,14 @@ static sl_status refine(cJSON *run, sl_recording *recording, const sl_steps_opti
         tell(o, o->settings.method, progress.fraction);
         bool room = recording->snapshots + 1 < SNAPSHOTS_MAX;
         if (status != SL_OK || !(progress.done || (room && progress.batches >= next))) continue;
-        status = snap(snapshots, recording, method, &progress, t, picture, error);
+        status = snap(snapshots, recording, method, &progress, reference, picture, error);
         next = progress.batches + 1 + progress.batches / 3;
     }
     return status;
 }
 
 static sl_status watch(const sl_scene *scene, const sl_steps_options *o, cJSON *run, sl_recording *recording,
-                       const truth *t, sl_error *error) {
+                       const sl_image *reference, sl_error *error) {
     sl_observer observer = sl_recording_observer(recording);
     sl_settings settings = o->settings;
     settings.observer = &observer;
@@ -163,16 +146,16 @@ static sl_status watch(const sl_scene *scene, const sl_steps_options *o, cJSON *
     sl_image *picture = NULL;
     cJSON *explanations = NULL;
     sl_status status = sl_method_create(scene, &settings, &method, error);
-    if (status == SL_OK) status = refine(run, recording, o, method, t, &picture, error);
+    if (status == SL_OK) status = refine(run, recording, o, method, reference, &picture, error);
     if (status == SL_OK) {
         tell(o, "explanations of the pixels", 0.0);
         status = sl_explanations_collect(method, picture, &recording->view, &explanations, error);
     }
     if (status == SL_OK) cJSON_AddItemToObject(run, "explanations", explanations);
     if (status == SL_OK) cJSON_AddItemToObject(run, "steps", sl_recording_json(recording));
-    if (status == SL_OK && t->mask) {
-        add_layers(run, picture, t);
-        add_reference(run, o, picture, t);
+    if (status == SL_OK && reference) {
+        add_layers(run, picture, reference);
+        add_reference(run, o, picture, reference);
     }
     sl_image_destroy(picture);
     sl_method_destroy(method);
@@ -191,18 +174,17 @@ sl_status sl_steps_run(const sl_scene *scene, const sl_steps_options *o, cJSON *
     cJSON_AddNumberToObject(run, "width", width);
     cJSON_AddNumberToObject(run, "height", height);
     sl_tracer *tracer = NULL;
-    truth t = {NULL, NULL};
+    sl_image *reference = NULL; /* NULL: there is none */
     char *plan = NULL;
     sl_status status = sl_tracer_create(scene, o->settings.threads, NULL, &tracer, error);
     recording = (sl_recording){.narrative = narrative,
                                .view = {scene->camera, width, height, tracer, scene->scale}};
     if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &plan, error);
-    if (status == SL_OK) status = find_truth(scene, o, &t, error);
-    if (status == SL_OK) status = watch(scene, o, run, &recording, &t, error);
+    if (status == SL_OK && o->reference_samples) status = trace_reference(scene, o, &reference, error);
+    if (status == SL_OK) status = watch(scene, o, run, &recording, reference, error);
     add_text(run, "plan", plan);
     sl_recording_clear(&recording);
-    sl_image_destroy(t.reference);
-    sl_image_destroy(t.mask);
+    sl_image_destroy(reference);
     sl_tracer_destroy(tracer);
     return status;
 }
