@@ -650,13 +650,15 @@ SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *ima
  * of the probes' own noise falls out. INPUT: as sl_error_probe_estimate(). USAGE: none was judged. */
 SL_API sl_status sl_error_probe_left(sl_error_probe *probe, const sl_image *first, const sl_image *second,
                                      double *share, sl_error *error);
-/** The pixels that are judged, as sl_compare_options.mask takes them: 1 where a surface is seen, 0 where a
- * lamp or the sky is. Of a box pixel any part may show it. Owned by the probe. */
+/** The surfaces seen, as sl_compare_options.mask takes them: 0 where a pixel shows a lamp or the sky, of a box
+ * pixel any part; 1 elsewhere. All pixels are judged relative to their mean, and surfaces by themselves
+ * relative to theirs, which lamps would hide; an estimate is of the worse. Owned by the probe. */
 SL_API const sl_image *sl_error_probe_surfaces(const sl_error_probe *probe);
 /** Returns what tracing the probes has cost so far; owned by the probe. */
 SL_API const sl_counters *sl_error_probe_counters(const sl_error_probe *probe);
 /** From the picture's own layers even.* and odd.*, where it is their mean, as those of path and bidirectional
- * are. mask: as sl_compare_options.mask, or NULL: all pixels. INPUT: it has none, or the mask is of another
+ * are. mask: as sl_compare_options.mask: its pixels are judged by themselves, too, and the worse is told; or
+ * NULL. INPUT: it has none, or the mask is of another
  * size. */
 SL_API sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *mask,
                                                sl_error_estimate *estimate, sl_error *error);

@@ -124,7 +124,8 @@ static void every_trial_is_a_row_with_its_time_and_its_errors(void **state) {
         double told = number(&c, i, "estimate_rel_rmse"),
                bound = number(&c, i, "estimate_bound");
         double measured = number(&c, i, "matched_rel_rmse");
-        assert_true(measured > 0.0 && told > 0.6 * measured && told < 1.5 * measured && bound >= told);
+        /* of the worse: surfaces beside the lamp, or all pixels */
+        assert_true(measured > 0.0 && told > 0.6 * measured && bound >= told);
     }
     /* One bounce leaves out about a third of the light in the Cornell box. */
     assert_true(number(&c, 0, "full_bias") < -0.1);
@@ -135,7 +136,7 @@ static void the_page_holds_every_row_and_fetches_nothing(void **state) {
     (void)state;
     char *page = file_of("whole", "report.html"), *markdown = file_of("whole", "report.md");
     csv c = table_of("whole");
-    assert_int_equal(c.rows, 3);
+    assert_int_equal(c.rows, 2);
     for (size_t i = 0; i < c.rows; i++) {
         assert_non_null(strstr(page, field(&c, i, "arguments")));
         assert_non_null(strstr(markdown, field(&c, i, "curve")));
@@ -162,13 +163,13 @@ static void interrupted_it_goes_on_to_the_same_rows(void **state) {
     assert_int_equal(finish(child), 128 + SIGINT);
     text = file_of("halves", "journal.jsonl");
     size_t kept = lines_of(text);
-    assert_true(kept >= 2 && kept < 9);
+    assert_true(kept >= 2 && kept < 6);
     assert_int_equal(finish(start("halves", "")), 0);
     char *more = file_of("halves", "journal.jsonl");
-    assert_int_equal(lines_of(more), 9);
+    assert_int_equal(lines_of(more), 6);
     assert_memory_equal(more, text, strlen(text));
     csv a = table_of("whole"), b = table_of("halves");
-    assert_int_equal(b.rows, 3);
+    assert_int_equal(b.rows, 2);
     for (size_t i = 0; i < a.rows; i++) {
         static const char *const same[] = {"scene", "hash", "arguments", "end",
                                            "runs",  "rays", "samples",   "fragments_shaded"};
@@ -222,7 +223,7 @@ static void two_programs_measure_and_a_third_tells(void **state) {
     assert_int_equal(finish(start("shared", "--report-only -s 16x16")), 0);
     char *tables = file_of("shared", "tables.md");
     csv c = table_of("shared");
-    assert_int_equal(c.rows, 3);
+    assert_int_equal(c.rows, 2);
     for (size_t i = 0; i < c.rows; i++)
         assert_true(strcmp(field(&c, i, "end"), "ran") == 0 &&
                     number(&c, i, "full_rel_rmse") > 0.0);

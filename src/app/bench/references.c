@@ -1,6 +1,7 @@
 #include "app/bench/references.h"
 
 #include "base/error.h"
+#include "cache/frame/all_light.h"
 #include "cache/frame/method.h"
 #include "image/output_file.h"
 
@@ -25,6 +26,8 @@ static void arguments_of(const sl_bench_scene *s, const char *transport, char ar
     snprintf(arguments, SL_BENCH_ARGUMENTS, "%s -m path --transport %s", s->base ? s->base : "", transport);
 }
 
+static const uint32_t as_many_as_matter = UINT32_MAX - 1;
+
 /* Takes away what there is not in a scene, since no path of it can meet that. */
 static bool transport_of(const sl_bench_scene *s, const char *name, sl_transport *t) {
     sl_settings settings;
@@ -33,6 +36,7 @@ static bool transport_of(const sl_bench_scene *s, const char *name, sl_transport
     arguments_of(s, name, arguments);
     if (!sl_trial_settings(arguments, &settings) || sl_method_transport(&settings, t, NULL) != SL_OK)
         return false;
+    if (!settings.bounces && sl_has_bounces(&settings)) t->bounces = as_many_as_matter;
     t->direct_lobes &= lobes;
     t->receiver_lobes &= lobes;
     t->bounce_lobes &= lobes;

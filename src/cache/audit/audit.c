@@ -176,16 +176,51 @@ void sl_audit_conclude(const sl_audit_pixel *pixels, size_t count, double popula
     if (e->nonfinite || !(weights > 0.0)) e->bound = INFINITY;
 }
 
+/* Moves the pixels of the mask to the front; how many there are. */
+static size_t masked_first(sl_audit_pixel *pixels, size_t count) {
+    size_t masked = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!pixels[i].masked) continue;
+        sl_audit_pixel moved = pixels[i];
+        pixels[i] = pixels[masked];
+        pixels[masked++] = moved;
+    }
+    return masked;
+}
+
+bool sl_audit_conclude_worse(sl_audit_pixel *pixels, size_t count, const sl_audit_view *view,
+                             sl_error_estimate *e) {
+    sl_error_estimate masked = *e;
+    sl_audit_conclude(pixels, count, (double)view->judged.count, view->judged.mean, e);
+    if (view->masked.count == view->judged.count || view->masked.count == 0) return false;
+    sl_audit_conclude(pixels, masked_first(pixels, count), (double)view->masked.count, view->masked.mean,
+                      &masked);
+    bool worse = masked.bound > e->bound || (masked.bound == e->bound && masked.rel_rmse > e->rel_rmse);
+    if (worse) *e = masked;
+    return worse;
+}
+
 static bool is_finite(const float *const planes[3], size_t i) {
     return isfinite(planes[0][i]) && isfinite(planes[1][i]) && isfinite(planes[2][i]);
 }
 
-bool sl_audit_is_judged(const sl_audit_view *v, size_t i) {
+bool sl_audit_is_judged(const sl_audit_view *v, size_t i) { return is_finite(v->planes, i); }
+
+bool sl_audit_is_masked(const sl_audit_view *v, size_t i) {
     return (!v->mask || v->mask[i] > 0.5f) && is_finite(v->planes, i);
 }
 
+/* Adds a pixel to the sum that the mean is made of. */
+static void add_to(sl_audit_part *part, const sl_audit_view *v, size_t i) {
+    part->mean += (double)v->planes[0][i] + (double)v->planes[1][i] + (double)v->planes[2][i];
+    part->count++;
+}
+
+static void divide(sl_audit_part *part) {
+    part->mean = part->count ? part->mean / (3.0 * (double)part->count) : 0.0;
+}
+
 sl_status sl_audit_view_of(const sl_image *image, const sl_image *mask, sl_audit_view *v, sl_error *error) {
-    double sum = 0.0;
     *v = (sl_audit_view){.mask = mask ? mask->planes : NULL,
                          .pixels = (size_t)image->width * (size_t)image->height};
     sl_status status = sl_image_colour_planes(image, "image", v->planes, error);
@@ -195,11 +230,11 @@ sl_status sl_audit_view_of(const sl_image *image, const sl_image *mask, sl_audit
                        mask->height, image->width, image->height);
     for (size_t i = 0; i < v->pixels; i++) {
         v->nonfinite += !is_finite(v->planes, i);
-        if (!sl_audit_is_judged(v, i)) continue;
-        sum += (double)v->planes[0][i] + (double)v->planes[1][i] + (double)v->planes[2][i];
-        v->judged++;
+        if (sl_audit_is_judged(v, i)) add_to(&v->judged, v, i);
+        if (sl_audit_is_masked(v, i)) add_to(&v->masked, v, i);
     }
-    v->mean = v->judged ? sum / (3.0 * (double)v->judged) : 0.0;
+    divide(&v->judged);
+    divide(&v->masked);
     return SL_OK;
 }
 
@@ -255,14 +290,16 @@ sl_status sl_error_estimate_from_halves(const sl_image *image, const sl_image *m
     if (status == SL_OK) status = half_planes(image, halves, error);
     if (status != SL_OK) return status;
     size_t count = 0;
-    sl_audit_pixel *list = sl_allocate_unset(view.judged + 1, sizeof *list);
+    sl_audit_pixel *list = sl_allocate_unset(view.judged.count + 1, sizeof *list);
     if (!list) return sl_fail_memory(error, "an estimate of an error");
     for (size_t i = 0; i < view.pixels; i++) {
-        if (sl_audit_is_judged(&view, i)) list[count++] = audit_pixel(halves, i);
+        if (!sl_audit_is_judged(&view, i)) continue;
+        list[count] = audit_pixel(halves, i);
+        list[count++].masked = sl_audit_is_masked(&view, i);
     }
     estimate->probes = count;
     estimate->nonfinite = view.nonfinite;
-    sl_audit_conclude(list, count, (double)count, view.mean, estimate);
+    sl_audit_conclude_worse(list, count, &view, estimate);
     sl_free(list);
     if (!has_two_halves(image))
         estimate->rel_rmse = estimate->bound = estimate->rmse = INFINITY, estimate->least = 0.0;

@@ -24,9 +24,10 @@ static const uint64_t probe_salt = 0x70726f6265u;
 
 struct sl_error_probe {
     sl_probe_tracer tracer;
-    sl_image *surfaces; /* the pixels that are judged */
+    sl_image *surfaces; /* the pixels that show no lamp: judged with all, and by themselves */
     uint64_t probes;    /* that the last estimate asked for, */
     uint32_t samples;   /* and samples of each */
+    bool of_surfaces;   /* ... which told of these alone */
     bool blind;
 };
 
@@ -99,19 +100,28 @@ static double score(const audit *a, size_t i) {
     return sum / 3.0;
 }
 
+/* Half of the probes are spread evenly; of the others half go by the squared difference anywhere, half by
+ * that on surfaces, which lamps' edges may exceed a thousandfold. */
 static void set_chances(audit *a) {
     size_t pixels = a->p->tracer.pixels;
-    double sum = 0.0, judged = (double)a->view.judged;
-    for (size_t i = 0; i < pixels; i++) sum += a->chance[i] = score(a, i);
+    double sum = 0.0, on_surfaces = 0.0, judged = (double)a->view.judged.count;
     for (size_t i = 0; i < pixels; i++) {
-        double even = sl_audit_is_judged(&a->view, i) ? 1.0 / judged : 0.0;
-        a->chance[i] = sum > 0.0 ? 0.5 * (even + a->chance[i] / sum) : even;
+        sum += a->chance[i] = score(a, i);
+        if (sl_audit_is_masked(&a->view, i)) on_surfaces += a->chance[i];
+    }
+    for (size_t i = 0; i < pixels; i++) {
+        double even = sl_audit_is_judged(&a->view, i) ? 1.0 / judged : 0.0,
+               anywhere = sum > 0.0 ? a->chance[i] / sum : even,
+               there = on_surfaces > 0.0 && sl_audit_is_masked(&a->view, i) ? a->chance[i] / on_surfaces
+                       : on_surfaces > 0.0                                  ? 0.0
+                                                                            : anywhere;
+        a->chance[i] = 0.5 * even + 0.25 * (anywhere + there);
     }
 }
 
 /* All that are judged are looked at where as many are asked for as there are. */
 static double probability(const audit *a, size_t i, uint64_t probes) {
-    if (probes >= a->view.judged) return a->chance[i] > 0.0 ? 1.0 : 0.0;
+    if (probes >= a->view.judged.count) return a->chance[i] > 0.0 ? 1.0 : 0.0;
     double p = (double)probes * a->chance[i];
     return p < 1.0 ? p : 1.0;
 }
@@ -168,10 +178,11 @@ static sl_status audit_estimate(audit *a, uint64_t probes, uint32_t samples, sl_
         value_of(&a->view, pixel, x);
         sl_probe_tracer_means(&a->p->tracer, pixel, p, q);
         a->pixel[i] = sl_audit_pixel_of(x, p, q, 1.0 / probability(a, pixel, probes));
+        a->pixel[i].masked = sl_audit_is_masked(&a->view, pixel);
     }
     *e = (sl_error_estimate){.blind = a->p->blind, .nonfinite = a->view.nonfinite, .probes = a->count,
                              .samples = a->p->tracer.counters.value[SL_COUNT_SAMPLES]};
-    sl_audit_conclude(a->pixel, a->count, (double)a->view.judged, a->view.mean, e);
+    a->p->of_surfaces = sl_audit_conclude_worse(a->pixel, a->count, &a->view, e);
     return SL_OK;
 }
 
@@ -249,16 +260,20 @@ sl_status sl_error_probe_judge(sl_error_probe *p, const sl_image *image, double 
 /* Tells whether more than `share` of the first error is left in the second picture, which chose the pixels.
  */
 static bool leaves_more(audit *a, const sl_audit_view *first, double share) {
+    const bool some = a->p->of_surfaces;
+    size_t count = 0;
     for (size_t i = 0; i < a->count; i++) {
         double x[3], y[3], p[3], q[3];
         uint32_t pixel = a->chosen[i];
+        if (some && !sl_audit_is_masked(&a->view, pixel)) continue;
         value_of(first, pixel, x);
         value_of(&a->view, pixel, y);
         sl_probe_tracer_means(&a->p->tracer, pixel, p, q);
-        a->pixel[i] =
+        a->pixel[count++] =
             sl_audit_pixel_beyond(x, y, share * share, p, q, 1.0 / probability(a, pixel, a->p->probes));
     }
-    return sl_audit_is_positive(a->pixel, a->count, (double)a->view.judged);
+    return sl_audit_is_positive(a->pixel, count,
+                                (double)(some ? a->view.masked.count : a->view.judged.count));
 }
 
 sl_status sl_error_probe_left(sl_error_probe *p, const sl_image *first, const sl_image *second, double *share,

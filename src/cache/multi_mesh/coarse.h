@@ -58,8 +58,8 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitive
                            const sl_coarse_settings *settings, sl_coarse **coarse, sl_error *error);
 void sl_coarse_destroy(sl_coarse *coarse);
 size_t sl_coarse_memory_bytes(const sl_coarse *coarse);
-/* Sets U_dd at vertex i; with two bounces U_dd + E_i / pi. Where it is not finite (or never set) the other
- * corners' mean stands in, triangle by triangle. */
+/* Sets U_dd at vertex i; from the second bounce on U_dd + E_i / pi. Where it is not finite (or never set)
+ * the other corners' mean stands in, triangle by triangle. */
 void sl_coarse_set(sl_coarse *coarse, size_t vertex, sl_rgb radiosity_over_pi);
 /* Colours times reflectance, in the form that gathers draw: after a round of sl_coarse_set(). */
 void sl_coarse_finish(sl_coarse *coarse, unsigned threads);

@@ -125,8 +125,8 @@ sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count
 }
 
 /* The coarse mesh of the whole scene, some vertices an update: first the light of lamps at all of them; under
- * an environment what each gathers of that alone, past surfaces that are black as yet; then, if two bounces
- * are asked for, what each gathers of all, which makes the light that it sends on (k_d / pi) (sum E_d + E_i).
+ * an environment what each gathers of that alone, past surfaces that are black as yet; then, for each bounce
+ * after the first, what each gathers of all, which makes the light that it sends on (k_d / pi) (sum E_d + E_i).
  * From then on indirect light has a mesh to gather from. */
 
 enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
@@ -256,7 +256,7 @@ static void blacken_coarse(sl_multi_mesh_state *s) {
     sl_coarse_finish(s->coarse, s->settings.threads);
 }
 
-/* The light of lamps is there. The environment's wants to be gathered, and so does a second bounce. */
+/* The light of lamps is there. The environment's is yet to be gathered, and so is each bounce after the first. */
 static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     bool sky = s->scene->environment.present;
     set_coarse(s);
@@ -294,7 +294,7 @@ static void finish_gathers(sl_multi_mesh_state *s) {
     set_coarse(s);
     sl_coarse_finish(s->coarse, s->settings.threads);
     sl_announce_pass(&s->announcer,
-                     sky ? "coarse mesh, the environment's light" : "coarse mesh, second bounce",
+                     sky ? "coarse mesh, the environment's light" : "coarse mesh, one more bounce",
                      "for equation (7)");
     if (--s->coarse_gathers) s->coarse_done = 0;
     else end_coarse(s);

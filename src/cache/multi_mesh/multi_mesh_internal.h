@@ -50,7 +50,7 @@ typedef struct sl_multi_mesh_state {
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
     size_t coarse_done;             /* vertices of the coarse mesh that are there, */
     sl_rgb *coarse_direct;          /* U_dd of lamps at the coarse mesh's vertices, and ... */
-    /* ... E_i of the environment or a second bounce; NULL: not yet, or the coarse mesh is whole */
+    /* ... E_i of the environment or of later bounces; NULL: not yet, or the coarse mesh is whole */
     sl_rgb *coarse_indirect;
     uint32_t coarse_gathers;        /* rounds of these that are left */
     bool coarse_whole;

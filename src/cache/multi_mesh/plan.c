@@ -37,11 +37,8 @@ static int power_of_two(int value) {
     return power;
 }
 
-/* Returns the number of bounces: the coarse mesh is iterated once at most. */
-static uint32_t bounces_of(const sl_settings *settings) {
-    if (settings->bounces == 0) return 1;
-    return settings->bounces > 2 ? 2 : settings->bounces;
-}
+/* The coarse mesh is gathered once for every bounce after the first. */
+static uint32_t bounces_of(const sl_settings *settings) { return settings->bounces ? settings->bounces : 1; }
 
 void sl_multi_mesh_complete(sl_settings *settings) {
     sl_settings_complete(settings);
@@ -66,7 +63,7 @@ sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_setti
     };
 }
 
-/* L E, L D E, L S E, L D D E, in Heckbert's letters with S for the lobe; two bounces: L D D D E as well. The
+/* L E, L D E, L S E, L D D E, in Heckbert's letters with S for the lobe; each bounce more adds a D. The
  * environment comes in by the gather: its light on lobes is not computed. */
 void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
@@ -105,9 +102,9 @@ void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings
     sl_plan_pass(writer, p.direct_specular, "direct specular mesh", "%s",
                  p.direct_specular ? "equation (6)" : p.lights ? "nothing is glossy" : "there is no light");
     sl_plan_pass(writer, p.indirect, "coarse mesh", "of all surfaces, for gathers to see");
-    sl_plan_pass(writer, p.indirect, "indirect mesh", "%d x %d pixels under %.0f degrees%s%s",
+    sl_plan_pass(writer, p.indirect, "indirect mesh", "%d x %d pixels under %.0f degrees, bounces: %u%s",
                  settings->gather_size, settings->gather_size, m->gather_fov * 180.0 / SL_PI,
-                 settings->bounces == 2 ? ", two bounces" : "",
+                 (unsigned)settings->bounces,
                  f.environment ? ", the environment in it" : "");
     sl_plan_pass(writer, p.emission, "emission", "%zu emissive triangles%s", f.emitters,
                  f.environment ? ", environment" : "");
