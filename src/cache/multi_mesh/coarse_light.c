@@ -195,11 +195,23 @@ void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_po
     sl_batch_run(&batch, s->settings.threads, &s->counters);
 }
 
-static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
+void sl_multi_mesh_forget_gather(sl_multi_mesh_state *s) {
+    for (unsigned t = 0; s->gatherer && t < s->settings.threads; t++)
+        sl_gather_scratch_destroy(s->gatherer[t]);
+    sl_free(s->gatherer);
+    sl_gather_destroy(s->gather);
+    s->gatherer = NULL;
+    s->gather = NULL;
+}
+
+static sl_status ready_gather(sl_multi_mesh_state *s, int size, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
+    if (s->gather && s->gather_pixels == size) return SL_OK;
+    sl_multi_mesh_forget_gather(s);
+    s->gather_pixels = size;
     sl_lattice_colours colours = {s->coarse->face, s->coarse->colour};
     sl_gather_settings gather = {.kind = SL_GATHER_PLANE,
-                                 .size = s->settings.gather_size,
+                                 .size = size,
                                  .plane_fov = (float)m->gather_fov,
                                  .border = SL_BORDER_LC04,
                                  .colours = &colours};
@@ -213,6 +225,15 @@ static sl_status ready_gather(sl_multi_mesh_state *s, sl_error *error) {
 }
 
 /* ---- rounds ---- */
+
+/* Returns the pixels a side of a round's gathers: what the coarse mesh's vertices gather of each other is seen
+ * by hundreds of them at once, so few pixels are enough; a sky may hold a sun. */
+static int round_pixels(const sl_multi_mesh_state *s, uint32_t rounds_left) {
+    const int size = s->settings.gather_size;
+    const bool sky = rounds_left == s->settings.bounces;
+    if (rounds_left == 0 || sky || size < 4 * SL_GATHER_COLOURED_LEAST) return size;
+    return size / 4;
+}
 
 static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
     if (!s->plan.lights) return SL_OK;
@@ -267,8 +288,8 @@ static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
         return SL_OK;
     }
     if (sky) blacken_coarse(s);
-    sl_status status = ready_gather(s, error);
     s->coarse_gathers = s->settings.bounces - 1 + (sky ? 1 : 0);
+    sl_status status = ready_gather(s, round_pixels(s, s->coarse_gathers), error);
     if (status != SL_OK) return status;
     if (s->coarse_gathers == 0) {
         end_coarse(s);
@@ -289,15 +310,18 @@ static void gather_for_coarse(sl_multi_mesh_state *s, size_t count) {
     sl_multi_mesh_gather(s, count, points, s->coarse_indirect + s->coarse_done);
 }
 
-static void finish_gathers(sl_multi_mesh_state *s) {
+static sl_status finish_gathers(sl_multi_mesh_state *s, sl_error *error) {
     bool sky = s->coarse_gathers == s->settings.bounces;
     set_coarse(s);
     sl_coarse_finish(s->coarse, s->settings.threads);
     sl_announce_pass(&s->announcer,
                      sky ? "coarse mesh, the environment's light" : "coarse mesh, one more bounce",
                      "for equation (7)");
+    sl_status status = ready_gather(s, round_pixels(s, s->coarse_gathers - 1), error);
+    if (status != SL_OK) return status;
     if (--s->coarse_gathers) s->coarse_done = 0;
     else end_coarse(s);
+    return SL_OK;
 }
 
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
@@ -308,7 +332,7 @@ sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
     else if (count) status = light_coarse(s, count, error);
     s->coarse_done += count;
     if (status != SL_OK || s->coarse_done < all) return status;
-    if (s->coarse_indirect) finish_gathers(s);
+    if (s->coarse_indirect) status = finish_gathers(s, error);
     else status = finish_direct(s, error);
     if (!s->coarse_whole) return status;
     sl_multi_mesh_announce_gather(s);

@@ -47,6 +47,7 @@ typedef struct sl_multi_mesh_state {
     sl_coarse *coarse;
     sl_gather *gather;
     sl_gather_scratch **gatherer; /* one a thread */
+    int gather_pixels;              /* a side of it */
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
     size_t coarse_done;             /* vertices of the coarse mesh that are there, */
     sl_rgb *coarse_direct;          /* U_dd of lamps at the coarse mesh's vertices, and ... */
@@ -137,6 +138,7 @@ void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_taken_leaf *le
 
 /* ---- coarse_light.c ---- */
 
+void sl_multi_mesh_forget_gather(sl_multi_mesh_state *s);
 /* Irradiance that points gather from the coarse mesh. */
 void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points,
                           sl_rgb *irradiance);

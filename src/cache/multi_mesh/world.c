@@ -52,12 +52,9 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
         sl_displayed_destroy(s->part[i]);
         s->part[i] = NULL;
     }
-    for (unsigned t = 0; s->gatherer && t < s->settings.threads; t++)
-        sl_gather_scratch_destroy(s->gatherer[t]);
-    sl_free(s->gatherer);
     sl_free(s->coarse_direct);
     sl_free(s->coarse_indirect);
-    sl_gather_destroy(s->gather);
+    sl_multi_mesh_forget_gather(s);
     sl_coarse_destroy(s->coarse);
     sl_irradiance_meshes_destroy(s->irradiance);
     sl_light_sampling_destroy(s->sampling);
@@ -65,9 +62,7 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     sl_primitives_destroy(s->primitives);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
-    s->gatherer = NULL;
     s->coarse_direct = s->coarse_indirect = NULL;
-    s->gather = NULL;
     s->coarse = NULL;
     s->irradiance = NULL;
     s->sampling = NULL;
