@@ -42,14 +42,16 @@ def drawing(curves):
 
     def at(axis, value):
         share = (log10(value) - low[axis]) / (high[axis] - low[axis])
-        return MARGIN + share * (WIDTH - 2 * MARGIN) if axis == 0 else HEIGHT - MARGIN - share * (HEIGHT - 2 * MARGIN)
+        across, down = WIDTH - 2 * MARGIN, HEIGHT - 2 * MARGIN
+        return MARGIN + share * across if axis == 0 else HEIGHT - MARGIN - share * down
 
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" '
-             'font-size="13"><rect width="100%" height="100%" fill="white"/>']
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
+             'font-family="sans-serif" font-size="13"><rect width="100%" height="100%" fill="white"/>']
     for power in range(low[0], high[0] + 1):
         x = at(0, 10.0**power)
         parts.append(f'<path d="M{x:.1f} {MARGIN}V{HEIGHT - MARGIN}" stroke="#ddd"/>'
-                     f'<text x="{x:.1f}" y="{HEIGHT - MARGIN + 20}" text-anchor="middle">{10.0**power:g} s</text>')
+                     f'<text x="{x:.1f}" y="{HEIGHT - MARGIN + 20}" text-anchor="middle">'
+                     f'{10.0**power:g} s</text>')
     for power in range(low[1], high[1] + 1):
         y = at(1, 10.0**power)
         parts.append(f'<path d="M{MARGIN} {y:.1f}H{WIDTH - MARGIN}" stroke="#ddd"/>'

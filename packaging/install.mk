@@ -6,6 +6,8 @@ LIBEXECDIR ?= $(PREFIX)/libexec
 MANDIR ?= $(PREFIX)/share/man
 DOCDIR ?= $(PREFIX)/share/doc/softlux
 DESTDIR ?=
+# Programs are stripped; the libraries keep what a debugger asks for.
+INSTALL_PROGRAM ?= install -s -m 755
 
 VERSION := $(shell sed -n 's/^.define SL_VERSION "\(.*\)"/\1/p' include/softlux.h)
 MAJOR := $(firstword $(subst ., ,$(VERSION)))
@@ -14,6 +16,12 @@ COMMANDS = $(shell $(BUILD)/softlux --help | sed -n '/^commands:/,/^$$/s/^  \([a
 # The installed library has another object that says where softlux-import is: it is linked anew.
 STAGE := $(BUILD)/install
 PATH_OBJECT := $(BUILD)/o/src/scene/importer_path.o
+CMAKEDIR = $(LIBDIR)/cmake/softlux
+# Writes a file of packaging/, which others find the library by, into a folder.
+fill = @sed 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|; s|@MAJOR@|$(MAJOR)|; \
+  s|@LIBS@|$(strip $(LIBS) $(OPENMP))|; \
+  s|@INCLUDE@|$(shell realpath -m --relative-to=$(CMAKEDIR) $(PREFIX)/include)|' \
+  packaging/$(1).in > $(DESTDIR)$(2)/$(1)
 
 .PHONY: install uninstall doc
 
@@ -26,17 +34,18 @@ install: all ## into PREFIX (default /usr/local), DESTDIR respected; make uninst
 	@$(CC) $(OPTIMISE) $(OPENMP) $(SHARED) -o $(STAGE)/libsoftlux.so $(STAGE)/importer_path.o \
 	  $(filter-out $(PATH_OBJECT),$(LIBRARY_OBJECTS)) $(LDFLAGS) $(LIBS)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(LIBEXECDIR) $(DESTDIR)$(LIBDIR)/pkgconfig \
-	  $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(MANDIR)/man1 $(DESTDIR)$(DOCDIR)
+	  $(DESTDIR)$(CMAKEDIR) $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(MANDIR)/man1 $(DESTDIR)$(DOCDIR)
 	install -m 644 LICENSE NOTICES CHANGELOG.md $(DESTDIR)$(DOCDIR)
-	install -m 755 $(STAGE)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
-	install -m 755 $(BUILD)/softlux-import $(DESTDIR)$(LIBEXECDIR)/softlux-import
+	$(INSTALL_PROGRAM) $(STAGE)/softlux $(DESTDIR)$(PREFIX)/bin/softlux
+	$(INSTALL_PROGRAM) $(BUILD)/softlux-import $(DESTDIR)$(LIBEXECDIR)/softlux-import
 	install -m 644 include/softlux.h $(DESTDIR)$(PREFIX)/include/softlux.h
 	install -m 644 $(STAGE)/libsoftlux.a $(DESTDIR)$(LIBDIR)/libsoftlux.a
 	install -m 755 $(STAGE)/libsoftlux.so $(DESTDIR)$(LIBDIR)/libsoftlux.so.$(VERSION)
 	ln -sf libsoftlux.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libsoftlux.so.$(MAJOR)
 	ln -sf libsoftlux.so.$(MAJOR) $(DESTDIR)$(LIBDIR)/libsoftlux.so
-	@sed 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|; s|@LIBS@|$(LIBS) $(OPENMP)|' \
-	  packaging/softlux.pc.in > $(DESTDIR)$(LIBDIR)/pkgconfig/softlux.pc
+	$(call fill,softlux.pc,$(LIBDIR)/pkgconfig)
+	$(call fill,softlux-config.cmake,$(CMAKEDIR))
+	$(call fill,softlux-config-version.cmake,$(CMAKEDIR))
 	@$(BUILD)/softlux --man > $(DESTDIR)$(MANDIR)/man1/softlux.1
 	@for c in $(COMMANDS); do $(BUILD)/softlux $$c --man > $(DESTDIR)$(MANDIR)/man1/softlux-$$c.1 || exit; done
 
@@ -45,7 +54,7 @@ uninstall:
 	  $(DESTDIR)$(PREFIX)/include/softlux.h $(DESTDIR)$(LIBDIR)/libsoftlux.* \
 	  $(DESTDIR)$(LIBDIR)/pkgconfig/softlux.pc \
 	  $(DESTDIR)$(MANDIR)/man1/softlux.1 $(DESTDIR)$(MANDIR)/man1/softlux-*.1
-	rm -rf $(DESTDIR)$(DOCDIR)
+	rm -rf $(DESTDIR)$(DOCDIR) $(DESTDIR)$(CMAKEDIR)
 
 doc: ## the contract of every public function as pages, into build/doc/html; a warning is a failure
 	@mkdir -p $(BUILD)/doc

@@ -93,7 +93,7 @@ Comparison = _record("Comparison", "sl_comparison", "How far a picture is from a
 Option = _record("Option", "sl_setting", "One option")
 ErrorEstimate = _record("ErrorEstimate", "sl_error_estimate", "The error of a picture, without a reference")
 Pass = namedtuple("Pass", "method name source buffer counters")
-Pass.__doc__ = "One pass of a method: what it is called, where its paper has it, what it made (or None) and cost."
+Pass.__doc__ = "One pass of a method: its name, where its paper has it, what it made (or None) and cost."
 
 
 def _counters(counters):
@@ -112,7 +112,7 @@ class Image:
     """Planes of floats, in the library's memory: numpy arrays made of them keep it alive."""
 
     def __init__(self, values, channels=None):
-        """Copies an array: rows of pixels, or rows of pixels of R, G, B, or of other channels that are named."""
+        """Copies rows of pixels (Y), of their R, G, B, or of other channels that are named."""
         values = numpy.asarray(values, dtype=numpy.float32)
         if values.ndim not in (2, 3):
             raise UsageError(f"a picture has rows of pixels, or of pixels' channels, not {values.ndim} axes")
@@ -168,8 +168,8 @@ class Image:
         return self.channels.index(channel)
 
     def layer(self, name):
-        """R, G, B of a layer, "direct", or of the picture, "", by row, column and channel: without copying where
-        they follow each other, as in all that methods make."""
+        """R, G, B of a layer, "direct", or of the picture, "", by row, column and channel: without copying
+        where they follow each other, as in all that methods make."""
         names = [f"{name}.{c}" if name else c for c in "RGB"]
         first, second, third = (self._index(name) for name in names)
         step = second - first
@@ -262,7 +262,8 @@ class Scene:
             view.has_fov, view.vertical_fov_rad = True, fov
         if (eye, target, up, fov) != (None, None, None, None):
             options.view = view
-        return cls(_made("sl_scene", lib.sl_scene_destroy, lib.sl_scene_load_with, os.fsencode(path), options))
+        return cls(_made("sl_scene", lib.sl_scene_destroy, lib.sl_scene_load_with, os.fsencode(path),
+                         options))
 
     @property
     def warnings(self):
@@ -385,7 +386,8 @@ class Method:
                 on_pass(Pass(_text(told.method), _text(told.name), _text(told.source), buffer,
                              _counters(told.counters)))
 
-        callback = ffi.callback("void(void *, sl_pass *)", tell, onerror=lambda _, what, where: raised.append(what))
+        callback = ffi.callback("void(void *, sl_pass *)", tell,
+                                onerror=lambda kind, what, where: raised.append(what))
         observer = ffi.new("sl_observer *")
         setattr(observer, "pass", callback)
         return observer, callback
@@ -450,7 +452,8 @@ class ErrorProbe:
     def __init__(self, scene, settings=None, **options):
         """The settings that the pictures are made with."""
         self._handle = _made("sl_error_probe", lambda probe: (lib.sl_error_probe_destroy(probe), scene),
-                             lib.sl_error_probe_create, scene._handle, Settings(settings or (), **options)._handle)
+                             lib.sl_error_probe_create, scene._handle,
+                             Settings(settings or (), **options)._handle)
 
     def estimate(self, image, probes=256, samples=16):
         """Judges a picture by so many pixels with so many samples each; returns an ErrorEstimate."""
