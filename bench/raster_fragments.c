@@ -92,7 +92,6 @@ static void make_splats(splat_pass *p) {
         .camera = camera,
         .near_distance = 1e-5f * scale,
         .footprint_per_depth = 2.0f * (float)sl_tan(0.5 * (double)camera->vertical_fov) / SIDE,
-        .scale = scale,
     };
     for (size_t i = 0; i < SPLATS; i++) make_record(p, i, sl_random_key(3, 1));
     for (int k = 0; k < SUMS; k++) p->plane[k] = bench_allocate(PIXELS, sizeof(float));

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/batch.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
@@ -15,7 +16,7 @@ enum { ORIGINS = 1600, CHECKS = 64, CHECK_GENERATION = 100 };
 /* Few look-ups of visible gathers shall miss the records; those of second-level gathers matter less, and
  * deeper generations of probes mostly look from corners into the same corners. */
 enum { GENERATIONS = 2 };
-static const double few_uncovered[GENERATIONS] = {0.02, 0.05};
+static const double few_uncovered[GENERATIONS] = {0.01, 0.03};
 /* Nor more records than that, of a place full of small things. */
 static const size_t most_records[GENERATIONS] = {4000, 5000};
 /* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere.
@@ -42,39 +43,32 @@ sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, dou
     return s;
 }
 
+/* The few points that no record covers receive none: beyond their reach records promise nothing. */
 static void add_irradiance(const void *context, const sl_second_points *points, float *r, float *g, float *b,
                            sl_counters *counters) {
     const sl_second_cache *cache = context;
-    if (cache->shines) sl_second_look_up(&cache->field, cache->kernel, points, r, g, b, counters);
+    uint64_t asked = 0;
+    if (!cache->shines) return;
+    for (size_t i = 0; i < points->count; i++) asked += points->triangle[i] != SL_NO_INDEX;
+    sl_count(counters, SL_COUNT_SECOND_LEVEL_LOOK_UPS, asked);
+    sl_count(counters, SL_COUNT_SECOND_LEVEL_MISSES,
+             cache->kernel(cache, points, (float *[3]){r, g, b}, NULL));
 }
 
 /* ---- places ---- */
 
-static sl_cover_pass cover_pass(const sl_second_cache *cache) {
-    const sl_second_settings *s = &cache->settings;
-    float a = (float)s->accuracy;
-    return (sl_cover_pass){
-        .scene = cache->scene,
-        .tracer = cache->tracer,
-        .gather = cache->gather,
-        .scratch = cache->scratch,
-        .field = &cache->field,
-        .kernel = cache->kernel,
-        .radii = {.accuracy = s->accuracy,
-                  .minimum_reach = s->minimum_radius * (double)sl_scene_central_diagonal(cache->scene),
-                  .maximum_radius = 0.1 * (double)cache->scene->diagonal,
-                  .guard = true,
-                  .gather = SL_GATHER_RAYS,
-                  .metric = SL_METRIC_HARMONIC},
-        .covered_weight = 1.0f / (9.0f * a),
-        .threads = s->threads,
-    };
+static sl_radius_rules radii_of(const sl_second_settings *s, const sl_scene *scene) {
+    return (sl_radius_rules){.accuracy = s->accuracy,
+                             .minimum_reach = s->minimum_radius * (double)sl_scene_central_diagonal(scene),
+                             .maximum_radius = 0.1 * (double)scene->diagonal,
+                             .guard = true,
+                             .gather = SL_GATHER_RAYS,
+                             .metric = SL_METRIC_HARMONIC};
 }
 
 /* Covers what gathers at visible points see, and what gathers there see. */
 static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
     const sl_second_settings *s = &cache->settings;
-    const sl_cover_pass pass = cover_pass(cache);
     sl_probed origins;
     sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, ORIGINS, &origins, counters, error);
     size_t start = cache->list.count, first = start; /* records of the last generation start here */
@@ -87,9 +81,8 @@ static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_e
         status = sl_probe_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen,
                                counters, error);
         if (status == SL_OK)
-            status =
-                sl_cover_points(&pass, &seen, few_uncovered[generation], start + most_records[generation],
-                                &cache->list, &cache->octree, counters, error);
+            status = sl_cover_points(cache, &seen, few_uncovered[generation],
+                                     start + most_records[generation], counters, error);
         sl_probed_free(&seen);
         first = before;
     }
@@ -103,7 +96,8 @@ static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_e
 static void gather_again(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     sl_second_cache *cache = context;
     sl_irradiance e;
-    sl_gather_irradiance(cache->gather, &cache->list.points[index], cache->scratch[worker], &e, counters);
+    const sl_record_gathers *g = &cache->gathers;
+    sl_gather_irradiance(g->gather, &cache->list.points[index], g->scratch[worker], &e, counters);
     sl_record *r = result;
     *r = cache->list.records[index];
     r->irradiance = e.value;
@@ -142,7 +136,7 @@ static sl_status next_bounce(sl_second_cache *cache, sl_counters *counters, sl_e
     cache->report.converged = cache->report.change < SMALL_CHANGE;
     if (count) memcpy(cache->list.records, next, count * sizeof *next);
     for (size_t i = 0; i < count; i++)
-        cache->list.terms[i] = sl_record_terms_of(&next[i], &cache->field.rules);
+        cache->list.terms[i] = sl_record_terms_of(&next[i], &cache->rules);
     sl_free(next);
     return SL_OK;
 }
@@ -167,11 +161,17 @@ static sl_status check_points(const sl_second_cache *cache, float *missed, sl_co
                                sl_error *error) {
     const sl_second_settings *s = &cache->settings;
     sl_probed origins, seen = {0};
+    size_t asked = 0, out_of_reach = 0;
     sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, CHECKS, &origins, counters, error);
     if (status == SL_OK)
         status = sl_probe_from(cache->scene, cache->tracer, s, origins.points, origins.count, ORIGINS,
                                CHECK_GENERATION, &seen, counters, error);
-    if (status == SL_OK) *missed = sl_share_out_of_reach(&cache->field, cache->kernel, &seen);
+    for (size_t i = 0; status == SL_OK && i < seen.count; i++) {
+        if (seen.points[i].triangle == SL_NO_INDEX) continue;
+        asked++;
+        if (!(sl_second_weight(cache, &seen.points[i]) > 0.0f)) out_of_reach++;
+    }
+    if (status == SL_OK) *missed = asked ? (float)out_of_reach / (float)asked : 0.0f;
     sl_probed_free(&origins);
     sl_probed_free(&seen);
     return status;
@@ -179,28 +179,21 @@ static sl_status check_points(const sl_second_cache *cache, float *missed, sl_co
 
 /* ---- its life ---- */
 
-static sl_status make_gather(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
-                             sl_error *error) {
-    unsigned threads = cache->settings.threads;
-    cache->settings.gather.second = &cache->light;
-    sl_status status = sl_gather_create(cache->scene, raster, cache->tracer, &cache->settings.gather, threads,
-                                        &cache->gather, counters, error);
-    if (status != SL_OK) return status;
-    cache->scratch = sl_allocate(threads, sizeof *cache->scratch);
-    if (!cache->scratch) return sl_fail_memory(error, "second-level gathers");
-    for (unsigned i = 0; status == SL_OK && i < threads; i++)
-        status = sl_gather_scratch_create(cache->gather, &cache->scratch[i], error);
+/* Again from direct light on, where there are records already: what the new places send to the old ones is
+ * part of every bounce. Gathers live as long as light bounces. */
+static sl_status make_records(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
+                              sl_error *error) {
+    const bool again = cache->list.count > 0;
+    cache->shines = false;
+    sl_status status =
+        sl_record_gathers_create(cache->scene, raster, cache->tracer, &cache->settings.gather,
+                                 cache->settings.threads, &cache->gathers, counters, error);
+    if (status == SL_OK) status = find_places(cache, counters, error);
+    if (status == SL_OK && again) status = next_bounce(cache, counters, error);
+    if (status == SL_OK) status = let_light_bounce(cache, counters, error);
+    if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
+    sl_record_gathers_destroy(&cache->gathers);
     return status;
-}
-
-/* Frees what only bounces need. */
-static void free_gather(sl_second_cache *cache) {
-    for (unsigned i = 0; cache->scratch && i < cache->settings.threads; i++)
-        sl_gather_scratch_destroy(cache->scratch[i]);
-    sl_free(cache->scratch);
-    sl_gather_destroy(cache->gather);
-    cache->scratch = NULL;
-    cache->gather = NULL;
 }
 
 sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
@@ -213,29 +206,14 @@ sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster,
     cache->scene = scene;
     cache->tracer = tracer;
     cache->settings = *settings;
-    cache->kernel = sl_look_up_kernel_for(sl_isa_best());
+    cache->kernel = SL_KERNEL_OF(sl_isa_best(), sl_look_up);
     cache->light = (sl_second_light){cache, add_irradiance};
-    cache->field = (sl_second_field){&cache->list, &cache->octree, {a, 1.0f / a, 1e-5f * scene->scale}};
-    sl_status status = make_gather(cache, raster, counters, error);
-    if (status == SL_OK) status = find_places(cache, counters, error);
-    if (status == SL_OK) status = let_light_bounce(cache, counters, error);
-    if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
-    free_gather(cache);
+    cache->rules = (sl_weight_rules){a, 1.0f / a, 1e-5f * scene->scale};
+    cache->settings.gather.second = &cache->light;
+    cache->radii = radii_of(settings, scene);
+    sl_status status = make_records(cache, raster, counters, error);
     if (status == SL_OK) *out = cache;
     else sl_second_cache_destroy(cache);
-    return status;
-}
-
-/* Again from direct light on: what the new places send to the old ones is part of every bounce. */
-static sl_status extend(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
-                        sl_error *error) {
-    cache->shines = false;
-    sl_status status = make_gather(cache, raster, counters, error);
-    if (status == SL_OK) status = find_places(cache, counters, error);
-    if (status == SL_OK) status = next_bounce(cache, counters, error);
-    if (status == SL_OK) status = let_light_bounce(cache, counters, error);
-    if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
-    free_gather(cache);
     return status;
 }
 
@@ -244,12 +222,11 @@ sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster
     float missed = 0.0f;
     sl_status status = check_points(cache, &missed, counters, error);
     if (status != SL_OK || missed <= cache->report.missed + MANY_MISSED) return status;
-    return extend(cache, raster, counters, error);
+    return make_records(cache, raster, counters, error);
 }
 
 void sl_second_cache_destroy(sl_second_cache *cache) {
     if (!cache) return;
-    free_gather(cache);
     sl_second_list_free(&cache->list);
     sl_record_octree_free(&cache->octree);
     sl_free(cache);

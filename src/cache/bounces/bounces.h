@@ -13,8 +13,7 @@
  *   probe.c           points that gathers will see
  *   cover.c           points that no second-level record covers get one
  *   record_octree.c   which records lie around a point
- *   look_up_kernels.c irradiance at a point, from the records around it
- *   look_up.c         many points
+ *   look_up_kernels.c irradiance at points, from the records around them
  *   bounces.c         one bounce after the other */
 #ifndef SL_CACHE_BOUNCES_H
 #define SL_CACHE_BOUNCES_H

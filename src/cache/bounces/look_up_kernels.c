@@ -39,13 +39,12 @@ typedef struct {
     float r, g, b, weight;
 } sums;
 
-static inline void add_block(const sl_second_field *field, const sl_record_block *block,
+static inline void add_block(const sl_second_cache *cache, const sl_record_block *block,
                              const look_up_point *p, bool without_light, sums *sum) {
     float w[SL_OCTREE_LANES];
-    const sl_second_list *list = field->list;
-    for (uint32_t bits = weigh(block, &field->rules, p, w), l = 0; bits; bits >>= 1, l++) {
+    for (uint32_t bits = weigh(block, &cache->rules, p, w), l = 0; bits; bits >>= 1, l++) {
         if (!(bits & 1u)) continue;
-        const sl_record_terms *k = &list->terms[block->record[l]];
+        const sl_record_terms *k = &cache->list.terms[block->record[l]];
         const sl_record_offsets o = sl_record_offsets_at(k, p->x, p->y, p->z, p->nx, p->ny, p->nz);
         if (k->has_walls && !sl_record_before_walls(k, o.x, o.y, o.z)) continue;
         sum->weight += w[l];
@@ -57,25 +56,35 @@ static inline void add_block(const sl_second_field *field, const sl_record_block
     }
 }
 
-void SL_KERNEL(sl_look_up)(const sl_second_field *field, const sl_second_points *points, size_t first,
-                           size_t count, bool without_light, sl_second_sums *out) {
-    const sl_record_octree *octree = field->octree;
-    for (size_t i = 0; i < count; i++) {
-        const size_t k = first + i;
-        sums sum = {0.0f, 0.0f, 0.0f, 0.0f};
-        if (points->triangle[k] != SL_NO_INDEX) {
-            const look_up_point p = {points->position_x[k], points->position_y[k], points->position_z[k],
-                                     points->normal_x[k],   points->normal_y[k],   points->normal_z[k]};
-            const sl_record_node *way[SL_OCTREE_LEVELS + 1];
-            const int nodes = sl_octree_way(octree, p.x, p.y, p.z, way);
-            for (int n = 0; n < nodes; n++) {
-                for (uint32_t b = way[n]->first; b; b = octree->blocks[b].next)
-                    add_block(field, &octree->blocks[b], &p, without_light, &sum);
-            }
-        }
-        out->r[i] = sum.r;
-        out->g[i] = sum.g;
-        out->b[i] = sum.b;
-        out->weight[i] = sum.weight;
+static inline sums sum_at(const sl_second_cache *cache, const look_up_point *p, bool without_light) {
+    const sl_record_octree *octree = &cache->octree;
+    const sl_record_node *way[SL_OCTREE_LEVELS + 1];
+    const int nodes = sl_octree_way(octree, p->x, p->y, p->z, way);
+    sums sum = {0.0f, 0.0f, 0.0f, 0.0f};
+    for (int n = 0; n < nodes; n++) {
+        for (uint32_t b = way[n]->first; b; b = octree->blocks[b].next)
+            add_block(cache, &octree->blocks[b], p, without_light, &sum);
     }
+    return sum;
+}
+
+uint64_t SL_KERNEL(sl_look_up)(const sl_second_cache *cache, const sl_second_points *points,
+                               float *const light[3], float *weight) {
+    uint64_t missed = 0;
+    for (size_t i = 0; i < points->count; i++) {
+        if (points->triangle[i] == SL_NO_INDEX) continue;
+        const look_up_point p = {points->position_x[i], points->position_y[i], points->position_z[i],
+                                 points->normal_x[i],   points->normal_y[i],   points->normal_z[i]};
+        const sums sum = sum_at(cache, &p, !light);
+        if (weight) weight[i] = sum.weight;
+        if (!(sum.weight > 0.0f)) {
+            missed++;
+        } else if (light) {
+            const float scale = 1.0f / sum.weight;
+            light[0][i] += sum.r * scale;
+            light[1][i] += sum.g * scale;
+            light[2][i] += sum.b * scale;
+        }
+    }
+    return missed;
 }

@@ -5,19 +5,11 @@
 #include "cache/bounces/second_level.h"
 
 static bool reserve_node(sl_record_octree *t) {
-    if (t->node_count < t->node_capacity) return true;
-    const size_t larger = 2 * t->node_capacity + 64;
-    if (!sl_regrow(&t->nodes, t->node_count, larger, sizeof *t->nodes)) return false;
-    t->node_capacity = larger;
-    return true;
+    return sl_make_room(&t->nodes, t->node_count, &t->node_capacity, sizeof *t->nodes);
 }
 
 static bool reserve_block(sl_record_octree *t) {
-    if (t->block_count < t->block_capacity) return true;
-    const size_t larger = 2 * t->block_capacity + 64;
-    if (!sl_regrow(&t->blocks, t->block_count, larger, sizeof *t->blocks)) return false;
-    t->block_capacity = larger;
-    return true;
+    return sl_make_room(&t->blocks, t->block_count, &t->block_capacity, sizeof *t->blocks);
 }
 
 static bool start(const sl_scene *scene, sl_record_octree *t) {

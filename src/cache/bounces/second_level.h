@@ -4,6 +4,7 @@
 
 #include "base/isa.h"
 #include "cache/bounces/bounces.h"
+#include "cache/splatting/record_batch.h"
 #include "cache/splatting/record_weight.h"
 
 /* ---- records ---- */
@@ -77,30 +78,13 @@ static inline int sl_octree_way(const sl_record_octree *t, float px, float py, f
     return count;
 }
 
-/* ---- irradiance at points (look_up.c, look_up_kernels.c) ---- */
+/* ---- irradiance at points (look_up_kernels.c) ---- */
 
-typedef struct sl_second_field {
-    const sl_second_list *list;
-    const sl_record_octree *octree;
-    sl_weight_rules rules;
-} sl_second_field;
-
-enum { SL_LOOK_UP_MAX = 256 };
-typedef struct sl_second_sums {
-    float r[SL_LOOK_UP_MAX], g[SL_LOOK_UP_MAX], b[SL_LOOK_UP_MAX]; /* sums of w E' */
-    float weight[SL_LOOK_UP_MAX]; /* sums of w */
-} sl_second_sums;
-
-/* Points [first, first + count) of points, count <= SL_LOOK_UP_MAX. without_light: sums of w alone, the same
- * bits. */
-typedef void sl_look_up_kernel(const sl_second_field *field, const sl_second_points *points, size_t first,
-                               size_t count, bool without_light, sl_second_sums *sums);
+/* Adds the irradiance at points to three planes; light NULL: only weighs them, with the same bits. weight, if
+ * not NULL: gets the sums of w. Returns how many points no record reaches. */
+typedef uint64_t sl_look_up_kernel(const sl_second_cache *cache, const sl_second_points *points,
+                                   float *const light[3], float *weight);
 SL_KERNEL_VARIANTS(sl_look_up_kernel, sl_look_up);
-sl_look_up_kernel *sl_look_up_kernel_for(sl_isa isa);
-
-/* Adds the irradiance at the points to r, g, b. */
-void sl_second_look_up(const sl_second_field *field, sl_look_up_kernel *kernel,
-                       const sl_second_points *points, float *r, float *g, float *b, sl_counters *counters);
 
 /* ---- the cache (bounces.c) ---- */
 
@@ -108,11 +92,11 @@ struct sl_second_cache {
     sl_second_settings settings;
     const sl_scene *scene;
     const sl_tracer *tracer;
-    sl_gather *gather;
-    sl_gather_scratch **scratch;
+    sl_record_gathers gathers; /* only while light bounces */
+    sl_radius_rules radii;     /* of the records */
     sl_second_list list;
     sl_record_octree octree;
-    sl_second_field field;
+    sl_weight_rules rules;
     sl_look_up_kernel *kernel;
     sl_second_light light;
     bool shines;              /* before the first bounce is done there is no indirect light */
@@ -137,27 +121,11 @@ sl_status sl_probe_from(const sl_scene *scene, const sl_tracer *tracer, const sl
                         sl_probed *seen, sl_counters *counters, sl_error *error);
 void sl_probed_free(sl_probed *probed);
 
-typedef struct sl_cover_pass {
-    const sl_scene *scene;
-    const sl_tracer *tracer;
-    const sl_gather *gather;
-    sl_gather_scratch *const *scratch;
-    const sl_second_field *field;
-    sl_look_up_kernel *kernel;
-    sl_radius_rules radii;
-    float covered_weight;
-    unsigned threads;
-} sl_cover_pass;
-
-/* Points that no record of the list covers get one, as if they were visited one by one, in a fixed order;
- * until among those not yet looked at few are left that have none, as a share, or the list is about so long.
- * The pass's field is of this list and octree. */
-sl_status sl_cover_points(const sl_cover_pass *pass, const sl_probed *points, double few_uncovered,
-                          size_t most_records, sl_second_list *list, sl_record_octree *octree,
-                          sl_counters *counters, sl_error *error);
-/* Sum of w at a point. */
-float sl_second_weight(const sl_second_field *field, sl_look_up_kernel *kernel, const sl_gather_point *point);
-/* Share of the points that no record reaches at all. */
-float sl_share_out_of_reach(const sl_second_field *field, sl_look_up_kernel *kernel, const sl_probed *points);
+/* Points that no record covers get one, as if they were visited one by one, in a fixed order; until among
+ * those not yet looked at few are left that have none, as a share, or the records are about so many. */
+sl_status sl_cover_points(sl_second_cache *cache, const sl_probed *points, double few_uncovered,
+                          size_t most_records, sl_counters *counters, sl_error *error);
+/* Returns the sum of w at a point. */
+float sl_second_weight(const sl_second_cache *cache, const sl_gather_point *point);
 
 #endif

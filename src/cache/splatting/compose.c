@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/frame/picture_value.h"
-#include "cache/splatting/splatting.h"
+#include "cache/splatting/state.h"
 
 const char *const sl_layer_names[SL_LAYERS_GLOSSY] = {
     "R",        "G",         "B",        "emission.R", "emission.G", "emission.B",
@@ -24,161 +24,110 @@ enum {
 };
 
 typedef struct {
-    const sl_composition *parts;
-    const float *mean[MEANS]; /* irradiance, then reflected radiance per unit ks; bottom row first */
+    const sl_splat_state *state;
+    sl_view view;
+    float *mean; /* planes of irradiance, then of reflected radiance per unit ks; bottom row first */
     float *layers;
-    bool has_glossy;
-    float right, top;         /* the picture's extent at unit distance */
 } composing;
-
-/* ---- emission ---- */
-
-static sl_rgb sky_at(const composing *c, int x, int y) {
-    const sl_scene *scene = c->parts->scene;
-    const sl_gbuffer *g = c->parts->gbuffer;
-    const sl_camera *camera = &scene->camera;
-    if (!scene->environment.present) return sl_grey(0.0f);
-    float u = (2.0f * ((float)x + 0.5f + scene->sub_frame.right) / (float)g->width - 1.0f) * c->right;
-    float v = (2.0f * ((float)y + 0.5f + scene->sub_frame.up) / (float)g->height - 1.0f) * c->top;
-    sl_vec3 direction = sl_mad(sl_mad(sl_neg(camera->back), u, camera->right), v, camera->up);
-    return sl_environment_radiance(&scene->environment, sl_normalize_or(direction, sl_neg(camera->back)));
-}
-
-static sl_rgb emission_at(const composing *c, int x, int y, size_t pixel) {
-    const sl_scene *scene = c->parts->scene;
-    const sl_gbuffer *g = c->parts->gbuffer;
-    if (!c->parts->drawn) return sl_grey(0.0f);
-    if (g->material[pixel] == SL_NO_INDEX) return sky_at(c, x, y);
-    return sl_scene_emission(scene, g->id[pixel],
-                             sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]));
-}
-
-/* ---- rows ---- */
-
-static bool receives(const sl_composition *p, sl_receiver_class class, size_t i) {
-    return p->receives[class] && p->receives[class][i];
-}
-
-/* Row y counts from the bottom, as on the hardware; images have row 0 at the top. */
-static void compose_row(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const composing *c = context;
-    const sl_composition *p = c->parts;
-    const sl_gbuffer *g = p->gbuffer;
-    const float *albedo[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
-    size_t pixels = (size_t)g->width * (size_t)g->height, width = (size_t)g->width;
-    for (size_t x = 0; x < width; x++) {
-        if (!sl_sub_frame_shows(&p->scene->sub_frame, index * width + x)) continue;
-        size_t i = index * width + x, out = ((size_t)g->height - 1 - index) * width + x;
-        bool glossy = receives(p, SL_RECEIVES_RADIANCE, i),
-             diffuse = glossy || receives(p, SL_RECEIVES_IRRADIANCE, i);
-        sl_rgb e = emission_at(c, (int)x, (int)index, i),
-               ks = glossy ? p->scene->materials[g->material[i]].specular : sl_grey(0.0f);
-        const float emitted[3] = {e.r, e.g, e.b}, specular[3] = {ks.r, ks.g, ks.b};
-        for (size_t k = 0; k < 3; k++) {
-            float emission = sl_picture_value(emitted[k]), direct = sl_picture_value(p->direct[k][i]);
-            float indirect =
-                diffuse ? sl_picture_value(c->mean[k][i] * (albedo[k][i] * (float)(1.0 / SL_PI))) : 0.0f;
-            /* A lobe of finite order rings below 0. */
-            float reflected =
-                glossy && c->mean[3 + k][i] > 0.0f ? sl_picture_value(c->mean[3 + k][i] * specular[k]) : 0.0f;
-            c->layers[(EMISSION + k) * pixels + out] = emission;
-            c->layers[(DIRECT + k) * pixels + out] = direct;
-            c->layers[(INDIRECT + k) * pixels + out] = indirect;
-            c->layers[(PICTURE + k) * pixels + out] =
-                sl_picture_value(emission + direct + indirect + reflected);
-            if (c->has_glossy) c->layers[(GLOSSY + k) * pixels + out] = reflected;
-        }
-        c->layers[WEIGHT * pixels + out] = p->splats.weight[i];
-        c->layers[RECORDS * pixels + out] = p->splats.count[i];
-    }
-}
-
-/* Dims what mirror pixels show, which has been composed as if it were seen straight, and adds what lies
- * beyond the scene. */
-static void compose_mirrors(const composing *c) {
-    const sl_composition *p = c->parts;
-    const sl_reflections *r = p->reflections;
-    const sl_gbuffer *g = p->gbuffer;
-    size_t pixels = (size_t)g->width * (size_t)g->height, width = (size_t)g->width;
-    for (size_t k = 0; r && k < r->count; k++) {
-        size_t i = r->pixel[k], out = ((size_t)g->height - 1 - i / width) * width + i % width;
-        bool surface = g->material[i] != SL_NO_INDEX;
-        const float throughput[3] = {r->throughput[k].r, r->throughput[k].g, r->throughput[k].b};
-        const float beyond[3] = {r->background[k].r, r->background[k].g, r->background[k].b};
-        for (size_t channel = 0; channel < 3; channel++) {
-            float *layer[] = {&c->layers[(EMISSION + channel) * pixels + out],
-                              &c->layers[(DIRECT + channel) * pixels + out],
-                              &c->layers[(INDIRECT + channel) * pixels + out],
-                              c->has_glossy ? &c->layers[(GLOSSY + channel) * pixels + out] : NULL};
-            float sum = 0.0f;
-            for (int l = 0; l < 4 && layer[l]; l++) {
-                *layer[l] = sl_picture_value(surface  ? *layer[l] * throughput[channel]
-                                             : l == 0 ? beyond[channel]
-                                                      : 0.0f);
-                sum += *layer[l];
-            }
-            c->layers[(PICTURE + channel) * pixels + out] = sl_picture_value(sum);
-        }
-    }
-}
 
 /* ---- means ---- */
 
-typedef struct {
-    const sl_splat_buffer *splats;
-    size_t width, pixels;
-    bool glossy;
-    float *mean;
-} averaging;
+static size_t mean_count(const sl_splat_state *s) { return s->splats.glossy[0] ? MEANS : 3; }
 
-static void average_row(void *context, size_t index, unsigned worker) {
+static void average_row(void *context, size_t row, unsigned worker) {
     (void)worker;
-    const averaging *a = context;
-    const sl_splat_buffer *s = a->splats;
-    const float *sums[MEANS] = {s->r, s->g, s->b, s->glossy[0], s->glossy[1], s->glossy[2]};
-    for (size_t k = 0; k < (a->glossy ? MEANS : 3); k++) {
-        for (size_t i = index * a->width; i < (index + 1) * a->width; i++)
-            a->mean[k * a->pixels + i] = s->weight[i] > 0.0f ? sums[k][i] / s->weight[i] : 0.0f;
+    const composing *c = context;
+    const sl_splat_buffer *b = &c->state->splats;
+    const float *sums[MEANS] = {b->r, b->g, b->b, b->glossy[0], b->glossy[1], b->glossy[2]};
+    const size_t width = (size_t)c->state->settings.width, pixels = sl_splat_pixels(c->state);
+    for (size_t k = 0; k < mean_count(c->state); k++) {
+        for (size_t i = row * width; i < (row + 1) * width; i++)
+            c->mean[k * pixels + i] = b->weight[i] > 0.0f ? sums[k][i] / b->weight[i] : 0.0f;
     }
 }
 
-static sl_status fill(const sl_composition *p, bool glossy, float *mean, sl_error *error) {
-    const sl_gbuffer *g = p->gbuffer;
-    size_t pixels = (size_t)g->width * (size_t)g->height;
+static sl_status fill(const sl_splat_state *s, float *mean, sl_error *error) {
+    const size_t pixels = sl_splat_pixels(s);
     sl_status status = SL_OK;
-    for (int class = 0; status == SL_OK && class < SL_RECEIVER_CLASSES; class++) {
-        const uint32_t *mine = p->receives[class];
-        if (!mine) continue;
-        status = sl_fill_uncovered(g->width, g->height, p->splats.weight, mine, mean, mean + pixels,
-                                   mean + 2 * pixels, error);
-        if (status == SL_OK && glossy && class == SL_RECEIVES_RADIANCE)
-            status = sl_fill_uncovered(g->width, g->height, p->splats.weight, mine, mean + 3 * pixels,
-                                       mean + 4 * pixels, mean + 5 * pixels, error);
+    for (int class = 0; class < SL_RECEIVER_CLASSES; class++) {
+        const uint32_t *mine = s->cache[class].receives;
+        for (size_t k = 0; mine && status == SL_OK && k < (class == SL_RECEIVES_RADIANCE ? MEANS : 3); k += 3)
+            status = sl_fill_uncovered(s->settings.width, s->settings.height, s->splats.weight, mine,
+                                       mean + k * pixels, mean + (k + 1) * pixels, mean + (k + 2) * pixels,
+                                       error);
     }
     return status;
 }
 
-sl_status sl_compose(const sl_composition *parts, sl_image *image, sl_error *error) {
-    const sl_gbuffer *g = parts->gbuffer;
-    size_t width = (size_t)g->width, height = (size_t)g->height, pixels = width * height;
-    bool glossy = parts->splats.glossy[0] != NULL;
-    float *mean = sl_allocate((glossy ? MEANS : 3) * pixels, sizeof *mean);
-    if (!mean) return sl_fail_memory(error, "the picture");
-    averaging means = {&parts->splats, width, pixels, glossy, mean};
-    sl_parallel_for(parts->threads, height, average_row, &means);
-    sl_status status = fill(parts, glossy, mean, error);
+/* ---- pixels ---- */
+
+static bool receives(const sl_splat_state *s, sl_receiver_class class, size_t i) {
+    return s->cache[class].receives && s->cache[class].receives[i];
+}
+
+/* The layers of pixel i, whose row counts from the bottom as on the hardware; images have row 0 at the top.
+ * left: what the mirrors before it leave of its light. */
+static void put(const composing *c, size_t i, sl_rgb emission, sl_rgb left) {
+    const sl_splat_state *s = c->state;
+    const sl_gbuffer *g = s->gbuffer;
+    const size_t width = (size_t)g->width, pixels = sl_splat_pixels(s),
+                 out = ((size_t)g->height - 1 - i / width) * width + i % width;
+    const bool glossy = receives(s, SL_RECEIVES_RADIANCE, i),
+               diffuse = glossy || receives(s, SL_RECEIVES_IRRADIANCE, i);
+    const sl_rgb ks = glossy ? s->scene->materials[g->material[i]].specular : sl_grey(0.0f);
+    const float emitted[3] = {emission.r, emission.g, emission.b}, specular[3] = {ks.r, ks.g, ks.b},
+                albedo[3] = {g->diffuse_r[i], g->diffuse_g[i], g->diffuse_b[i]},
+                share[3] = {left.r, left.g, left.b};
+    for (size_t k = 0; k < 3; k++) {
+        const float e = c->mean[k * pixels + i], lobe = glossy ? c->mean[(3 + k) * pixels + i] : 0.0f;
+        const float irradiated = diffuse ? sl_picture_value(e * (albedo[k] * (float)(1.0 / SL_PI))) : 0.0f;
+        /* A lobe of finite order rings below 0. */
+        const float reflected = lobe > 0.0f ? sl_picture_value(lobe * specular[k]) : 0.0f;
+        const float light = sl_picture_value(emitted[k]),
+                    direct = sl_picture_value(sl_picture_value(s->direct_light[k][i]) * share[k]),
+                    indirect = sl_picture_value(irradiated * share[k]),
+                    gloss = sl_picture_value(reflected * share[k]);
+        c->layers[(EMISSION + k) * pixels + out] = light;
+        c->layers[(DIRECT + k) * pixels + out] = direct;
+        c->layers[(INDIRECT + k) * pixels + out] = indirect;
+        if (mean_count(s) == MEANS) c->layers[(GLOSSY + k) * pixels + out] = gloss;
+        c->layers[(PICTURE + k) * pixels + out] = sl_picture_value(light + direct + indirect + gloss);
+    }
+    c->layers[WEIGHT * pixels + out] = s->splats.weight[i];
+    c->layers[RECORDS * pixels + out] = s->splats.count[i];
+}
+
+static void compose_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const composing *c = context;
+    const sl_splat_state *s = c->state;
+    const size_t width = (size_t)s->settings.width;
+    for (size_t x = 0, i = row * width; x < width; x++, i++) {
+        if (!sl_sub_frame_shows(&s->scene->sub_frame, i)) continue;
+        put(c, i, sl_gbuffer_emission(s->scene, &c->view, s->gbuffer, i, (int)x, (int)row), sl_grey(1.0f));
+    }
+}
+
+static void compose_mirrors(const composing *c) {
+    const sl_splat_state *s = c->state;
+    const sl_reflections *r = s->reflections;
+    for (size_t k = 0; r && k < r->count; k++) {
+        const sl_rgb emission = sl_reflections_emission(s->scene, s->gbuffer, r, k);
+        put(c, r->pixel[k], emission, r->throughput[k]);
+    }
+}
+
+sl_status sl_compose(const sl_splat_state *s, sl_image *image, sl_error *error) {
+    const size_t rows = (size_t)s->settings.height;
+    composing c = {s, sl_view_scene(s->scene, s->settings.width, s->settings.height),
+                   sl_allocate(mean_count(s) * sl_splat_pixels(s), sizeof *c.mean), image->planes};
+    if (!c.mean) return sl_fail_memory(error, "the picture");
+    sl_parallel_for(s->settings.threads, rows, average_row, &c);
+    sl_status status = fill(s, c.mean, error);
     if (status == SL_OK) {
-        float top = (float)sl_tan(0.5 * (double)parts->scene->camera.vertical_fov);
-        composing c = {.parts = parts,
-                       .layers = image->planes,
-                       .has_glossy = image->channels == SL_LAYERS_GLOSSY,
-                       .top = top,
-                       .right = top * (float)g->width / (float)g->height};
-        for (size_t k = 0; k < (glossy ? MEANS : 3); k++) c.mean[k] = mean + k * pixels;
-        sl_parallel_for(parts->threads, height, compose_row, &c);
+        sl_parallel_for(s->settings.threads, rows, compose_row, &c);
         compose_mirrors(&c);
     }
-    sl_free(mean);
+    sl_free(c.mean);
     return status;
 }

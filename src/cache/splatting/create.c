@@ -7,24 +7,16 @@
 
 /* ---- the caches ---- */
 
-static void close_gathers(sl_record_cache *cache, unsigned threads) {
-    for (unsigned i = 0; cache->scratch && i < threads; i++) sl_gather_scratch_destroy(cache->scratch[i]);
-    sl_free(cache->scratch);
-    sl_gather_destroy(cache->gather);
-    cache->scratch = NULL;
-    cache->gather = NULL;
-}
-
 static void close_caches(sl_splat_state *s) {
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
-        close_gathers(&s->cache[c], s->settings.threads);
+        sl_record_gathers_destroy(&s->cache[c].gathers);
         sl_glossy_destroy(s->cache[c].glossy);
         s->cache[c].glossy = NULL;
     }
 }
 
 static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache) {
-    return cache->class == SL_RECEIVES_RADIANCE ? s->plan.quality.glossy_accuracy : s->plan.quality.accuracy;
+    return cache->class == SL_RECEIVES_RADIANCE ? s->settings.glossy_accuracy : s->settings.accuracy;
 }
 
 /* Second-level records stay as long as geometry and lights do; where the camera goes to other places, there
@@ -32,7 +24,7 @@ static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache)
 static sl_status open_second(sl_splat_state *s, sl_error *error) {
     if (s->settings.bounces < 2 || s->second) return SL_OK;
     sl_second_settings settings =
-        sl_second_settings_for(&s->plan.gather, s->plan.quality.accuracy, s->settings.bounces);
+        sl_second_settings_for(&s->plan.gather, s->settings.accuracy, s->settings.bounces);
     settings.aspect = (float)s->settings.width / (float)s->settings.height;
     settings.threads = s->settings.threads;
     sl_status status = sl_second_cache_create(s->scene, s->raster, s->tracer, &settings, &s->second,
@@ -41,30 +33,11 @@ static sl_status open_second(sl_splat_state *s, sl_error *error) {
     return status;
 }
 
-static sl_status open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
-    unsigned threads = s->settings.threads;
-    sl_gather_settings settings = s->plan.gather;
-    settings.harmonics_order = cache->class == SL_RECEIVES_RADIANCE ? s->plan.harmonics_order : 0;
-    sl_status status = open_second(s, error);
-    if (status != SL_OK) return status;
-    settings.second = s->second ? sl_second_cache_light(s->second) : NULL;
-    status = sl_gather_create(s->scene, s->raster, s->tracer, &settings, threads, &cache->gather,
-                              &s->counters, error);
-    if (status == SL_OK) {
-        cache->scratch = sl_allocate(threads, sizeof *cache->scratch);
-        if (!cache->scratch) status = sl_fail_memory(error, "gathers");
-    }
-    for (unsigned i = 0; status == SL_OK && i < threads; i++)
-        status = sl_gather_scratch_create(cache->gather, &cache->scratch[i], error);
-    return status;
-}
-
-
 /* Where frames follow each other, records must not depend on the view in which they were made: aR_min is what
  * it would be a quarter of the scene away from the eye, and at least a thousandth of the scene. */
 static double minimum_reach(const sl_splat_state *s, double footprint_per_depth) {
     double size = (double)sl_scene_central_diagonal(s->scene);
-    double reach = s->plan.quality.minimum_pixels * footprint_per_depth * 0.25 * size;
+    double reach = s->plan.minimum_pixels * footprint_per_depth * 0.25 * size;
     return reach > 1e-3 * size ? reach : 1e-3 * size;
 }
 
@@ -78,10 +51,9 @@ static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     double footprint_per_depth =
         2.0 * sl_tan(0.5 * (double)camera->vertical_fov) / sqrt(rows * (double)s->settings.height);
     cache->pass = (sl_record_pass){
-        .gather = cache->gather,
         .scene = s->scene,
         .tracer = s->tracer,
-        .scratch = cache->scratch,
+        .gathers = &cache->gathers,
         .gbuffer = g,
         .receivers = {g->width, g->height, g->position_x, g->position_y, g->position_z, g->normal_x,
                       g->normal_y, g->normal_z, cache->receives},
@@ -90,24 +62,24 @@ static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .weights = {a, 1.0f / a, 1e-5f * scale},
         .covered_weight = 1.0f / (9.0f * a),
         .radii = {.accuracy = (double)a,
-                  .minimum_pixels = s->settings.records_per_frame ? 0.0 : s->plan.quality.minimum_pixels,
+                  .minimum_pixels = s->settings.records_per_frame ? 0.0 : s->plan.minimum_pixels,
                   .minimum_reach = minimum_reach(s, footprint_per_depth),
                   .maximum_radius = 0.1 * (double)s->scene->diagonal,
                   .guard = true,
-                  .gather = cache->gather ? sl_gather_kind_used(cache->gather) : SL_GATHER_RAYS,
+                  .gather = cache->gathers.gather ? sl_gather_kind_used(cache->gathers.gather)
+                                                  : SL_GATHER_RAYS,
                   .plane_tangent = sl_tan(0.5 * (double)s->plan.gather.plane_fov),
                   .metric = cache->glossy ? SL_METRIC_HARMONIC : s->plan.metric},
         .coefficient_count = sl_splat_coefficients(s, cache->class),
         .kernels = sl_splat_kernels_for(sl_isa_best()),
         .camera = camera,
-        .mirrors = &s->mirrors,
+        .mirrors = s->reflections ? &s->mirrors : NULL,
         .near_distance = 1e-5f * scale,
         .footprint_per_depth = (float)footprint_per_depth,
         .coverage = s->coverage,
         .owned = s->owned,
         .seed = s->settings.seed,
         .threads = s->settings.threads,
-        .scale = scale,
     };
     cache->pass.glossy = (sl_glossy_view){cache->glossy, &cache->pass.receivers, g->material, camera->eye, g};
 }
@@ -121,10 +93,15 @@ sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_erro
 }
 
 sl_status sl_splat_open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
-    if (cache->gather) return SL_OK;
-    sl_status status = open_gathers(s, cache, error);
-    if (status != SL_OK) close_gathers(cache, s->settings.threads);
-    else prepare_pass(s, cache);
+    if (cache->gathers.gather) return SL_OK;
+    sl_status status = open_second(s, error);
+    sl_gather_settings settings = s->plan.gather;
+    settings.harmonics_order = cache->class == SL_RECEIVES_RADIANCE ? s->plan.harmonics_order : 0;
+    settings.second = s->second ? sl_second_cache_light(s->second) : NULL;
+    if (status == SL_OK)
+        status = sl_record_gathers_create(s->scene, s->raster, s->tracer, &settings, s->settings.threads,
+                                          &cache->gathers, &s->counters, error);
+    if (status == SL_OK) prepare_pass(s, cache);
     return status;
 }
 
@@ -165,7 +142,7 @@ static sl_status create_transport(sl_splat_state *s, sl_error *error) {
     if (status == SL_OK && s->plan.direct && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
         status = create_maps(s, error);
     if (status == SL_OK && s->plan.direct) {
-        sl_direct_settings direct = {s->plan.quality.light_samples, s->settings.seed, threads, s->maps,
+        sl_direct_settings direct = {s->settings.spp, s->settings.seed, threads, s->maps,
                                      present_or_null(&s->sun)};
         status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
     }
@@ -239,7 +216,6 @@ void sl_splat_destroy(void *state) {
     }
     sl_gbuffer_destroy(s->gbuffer);
     sl_reflections_destroy(s->reflections);
-    sl_mirror_cells_release(&s->mirrors);
     sl_free(s->planes);
     sl_free(s->owned);
     sl_free(s);
@@ -256,7 +232,7 @@ size_t sl_splat_memory_bytes(const void *state) {
                  (sizeof(sl_record) + cache->pass.coefficient_count * sizeof(float));
         bytes += cache->list.reaches.capacity * sizeof(sl_reach_node);
         if (cache->receives) bytes += pixels * sizeof *cache->receives;
-        if (cache->gather) bytes += sl_gather_memory_bytes(cache->gather);
+        if (cache->gathers.gather) bytes += sl_gather_memory_bytes(cache->gathers.gather);
         if (cache->glossy) bytes += sl_glossy_bytes(cache->glossy);
     }
     if (s->second) bytes += sl_second_cache_bytes(s->second);

@@ -25,76 +25,56 @@ static void irradiance_at(const sl_record_pass *pass, const sl_record *record, s
     for (int c = 0; c < 3; c++) e[c] = sl_record_extrapolate(&k, c, &o, turn);
 }
 
-/* One record that reaches the pixel. */
-typedef struct {
-    const sl_record_cache *cache;
-    size_t index, pixel;
-    float weight, total; /* w and the sum of all */
-    const float *reflectance; /* of the layer: albedo / pi, or ks; and of the mirrors before it */
-} told_record;
-
-static sl_explanation_term begin_term(const told_record *t, const char *layer, const char *kind) {
-    sl_explanation_term term = {
-        .layer = layer, .kind = kind, .index = t->index, .placed = true, .weight = (double)t->weight};
-    put_place(term.position, t->cache->list.records[t->index].position);
-    return term;
-}
-
-static void share_out(const told_record *t, const float at[3], sl_explanation_term *term) {
-    for (int c = 0; c < 3; c++) {
-        term->value[c] = at[c];
-        term->contribution[c] =
-            (double)t->weight * (double)at[c] / (double)t->total * (double)t->reflectance[c];
-    }
-}
-
-static void tell_irradiance(const told_record *t, sl_explanation_writer *writer) {
-    float e[3];
-    sl_explanation_term term = begin_term(t, "indirect", "irradiance record");
-    irradiance_at(&t->cache->pass, &t->cache->list.records[t->index], t->pixel, e);
-    share_out(t, e, &term);
-    sl_explanation_add(writer, &term);
-}
-
-static void tell_radiance(const told_record *t, sl_explanation_writer *writer) {
-    const sl_record *record = &t->cache->list.records[t->index];
-    const sl_record_pass *pass = &t->cache->pass;
+/* What the pixel's glossy lobe reflects of a radiance record, per unit ks. */
+static void reflected_at(const sl_record_cache *cache, size_t index, size_t i, float radiance[3]) {
+    const sl_record *record = &cache->list.records[index];
     const sl_glossy_record glossy = {record->position, sl_frame_from_normal(record->normal),
-                                     t->cache->list.coefficients + t->index * pass->coefficient_count};
-    float radiance[3];
-    sl_explanation_term term = begin_term(t, "glossy", "radiance record");
-    sl_glossy_kernel_for(sl_isa_best())(&pass->glossy, &glossy, t->pixel, radiance);
-    share_out(t, radiance, &term);
+                                     cache->list.coefficients + index * cache->pass.coefficient_count};
+    sl_glossy_kernel_for(sl_isa_best())(&cache->pass.glossy, &glossy, i, radiance);
+}
+
+/* Adds w / sum w of what a record says to a layer that reflects so much of it. */
+static void tell(const char *layer, const char *kind, const sl_record_cache *cache, size_t index,
+                 float weight, float total, const float says[3], sl_rgb reflectance,
+                 sl_explanation_writer *writer) {
+    const float reflected[3] = {reflectance.r, reflectance.g, reflectance.b};
+    sl_explanation_term term = {
+        .layer = layer, .kind = kind, .index = index, .placed = true, .weight = (double)weight};
+    put_place(term.position, cache->list.records[index].position);
+    for (int c = 0; c < 3; c++) {
+        term.value[c] = says[c];
+        term.contribution[c] = (double)weight * (double)says[c] / (double)total * (double)reflected[c];
+    }
     sl_explanation_add(writer, &term);
 }
 
-/* A lobe of finite order rings below 0, where the picture is black. */
-static void glossy_reflectance(const sl_splat_state *s, size_t pixel, sl_rgb mirrors, float ks[3]) {
-    const sl_rgb specular = s->scene->materials[s->gbuffer->material[pixel]].specular;
-    put_colour(ks, sl_rgb_mul(specular, mirrors));
-    for (int c = 0; c < 3; c++)
-        if (!(s->splats.glossy[c][pixel] > 0.0f)) ks[c] = 0.0f;
+/* Albedo / pi, and ks: a lobe of finite order rings below 0, where the picture is black. */
+static void reflectances_at(const sl_splat_state *s, size_t i, sl_rgb *diffuse, sl_rgb *specular) {
+    const sl_gbuffer *g = s->gbuffer;
+    const sl_rgb mirrors = sl_reflections_throughput(s->reflections, i),
+                 albedo = {g->diffuse_r[i], g->diffuse_g[i], g->diffuse_b[i]};
+    float *const *lobe = s->splats.glossy;
+    *diffuse = sl_rgb_mul(sl_rgb_scale(albedo, (float)(1.0 / SL_PI)), mirrors);
+    *specular = sl_rgb_mul(s->scene->materials[g->material[i]].specular, mirrors);
+    if (!lobe[0] || !(lobe[0][i] > 0.0f)) specular->r = 0.0f;
+    if (!lobe[0] || !(lobe[1][i] > 0.0f)) specular->g = 0.0f;
+    if (!lobe[0] || !(lobe[2][i] > 0.0f)) specular->b = 0.0f;
 }
 
 static void tell_records(const sl_splat_state *s, const sl_record_cache *cache, size_t pixel,
                          sl_explanation_writer *writer) {
-    const sl_gbuffer *g = s->gbuffer;
-    const float per_pi = (float)(1.0 / SL_PI);
-    const sl_rgb mirrors = sl_reflections_throughput(s->reflections, pixel);
-    const float albedo[3] = {g->diffuse_r[pixel] * per_pi * mirrors.r,
-                             g->diffuse_g[pixel] * per_pi * mirrors.g,
-                             g->diffuse_b[pixel] * per_pi * mirrors.b};
-    bool glossy = cache->list.coefficients && s->splats.glossy[0];
-    float ks[3] = {0.0f, 0.0f, 0.0f};
-    if (glossy) glossy_reflectance(s, pixel, mirrors, ks);
-    told_record t = {.cache = cache, .pixel = pixel, .total = s->splats.weight[pixel]};
-    for (t.index = 0; t.index < cache->list.count; t.index++) {
-        t.weight = sl_record_weight(&cache->pass, &cache->list.records[t.index], pixel);
-        if (!(t.weight > 0.0f)) continue;
-        t.reflectance = albedo;
-        tell_irradiance(&t, writer);
-        t.reflectance = ks;
-        if (glossy) tell_radiance(&t, writer);
+    const float total = s->splats.weight[pixel];
+    sl_rgb diffuse, specular;
+    reflectances_at(s, pixel, &diffuse, &specular);
+    for (size_t k = 0; k < cache->list.count; k++) {
+        const float weight = sl_record_weight(&cache->pass, &cache->list.records[k], pixel);
+        float says[3];
+        if (!(weight > 0.0f)) continue;
+        irradiance_at(&cache->pass, &cache->list.records[k], pixel, says);
+        tell("indirect", "irradiance record", cache, k, weight, total, says, diffuse, writer);
+        if (!cache->list.coefficients) continue;
+        reflected_at(cache, k, pixel, says);
+        tell("glossy", "radiance record", cache, k, weight, total, says, specular, writer);
     }
 }
 
@@ -143,20 +123,19 @@ static const sl_record *record_near(const sl_record_cache *cache, sl_vec3 p) {
 void sl_splat_announce_gather(sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
     size_t middle = sl_splat_pixels(s) / 2 + (size_t)s->settings.width / 2;
-    if (!sl_announcing(&s->announcer) || !cache->gather || g->material[middle] == SL_NO_INDEX) return;
+    if (!sl_announcing(&s->announcer) || !cache->gathers.gather || g->material[middle] == SL_NO_INDEX) return;
     const sl_record *record =
         record_near(cache, sl_v3(g->position_x[middle], g->position_y[middle], g->position_z[middle]));
     if (!record || record->triangle == SL_NO_INDEX) return;
     const sl_scene *scene = s->scene;
     uint32_t t = record->triangle;
-    sl_vec3 face =
-        sl_v3(scene->geometric_normal_x[t], scene->geometric_normal_y[t], scene->geometric_normal_z[t]);
+    sl_vec3 face = sl_scene_geometric_normal(scene, t);
     if (sl_dot(face, record->normal) < 0.0f) face = sl_neg(face);
     const sl_gather_point point = {record->position, face, record->normal, t, 0};
     sl_irradiance ignored_value;
     sl_counters ignored = {{0}};
-    sl_gather_irradiance(cache->gather, &point, cache->scratch[0], &ignored_value, &ignored);
-    const sl_gather_picture picture = sl_gather_last_picture(cache->scratch[0]);
+    sl_gather_irradiance(cache->gathers.gather, &point, cache->gathers.scratch[0], &ignored_value, &ignored);
+    const sl_gather_picture picture = sl_gather_last_picture(cache->gathers.scratch[0]);
     const float *const planes[3] = {picture.r, picture.g, picture.b};
     sl_announce_planes(&s->announcer, "gather of one record", "incident radiance of a record", picture.width,
                        picture.height, planes);

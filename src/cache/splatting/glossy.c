@@ -56,43 +56,6 @@ static sl_status make_lobes(sl_glossy *glossy, const sl_scene *scene, sl_error *
     return status;
 }
 
-/* A lobe that looks along the normal is c_l0 in band l, an infinitely sharp one sqrt((2l+1) / 2 pi). */
-static void weigh_bands(sl_glossy *glossy, const sl_scene *scene) {
-    const sl_moved_lobe *sharpest = NULL;
-    float exponent = -1.0f;
-    for (size_t i = 0; i < glossy->material_count; i++) {
-        if (!glossy->lobe[i] || !(scene->materials[i].exponent > exponent)) continue;
-        exponent = scene->materials[i].exponent;
-        sharpest = glossy->lobe[i];
-    }
-    if (!sharpest) return;
-    const float *z = sl_moved_lobe_at(sharpest, 1.0f).first + 2 * glossy->even;
-    for (int l = 0; l < glossy->order; l++) {
-        double c = (double)z[sl_hsh_even(l, 0)];
-        glossy->band_weight[l] = c * c * 2.0 * SL_PI / (2 * l + 1);
-    }
-}
-
-static double sum_of_channels(const float *c, size_t stride) {
-    return (double)c[0] + (double)c[stride] + (double)c[2 * stride];
-}
-
-double sl_glossy_length(const sl_glossy *g, const float *coefficients) {
-    double value = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-    for (int l = 0; l < g->order; l++) {
-        for (int m = -l; m <= l; m++) {
-            const float *c = coefficients + (m < 0 ? sl_hsh_odd(g->order, l, m) : sl_hsh_even(l, m));
-            double v = sum_of_channels(c, g->stride), w = g->band_weight[l];
-            double x = sum_of_channels(c + 3 * g->stride, g->stride),
-                   y = sum_of_channels(c + 6 * g->stride, g->stride);
-            value += w * v * v, xx += w * x * x, xy += w * x * y, yy += w * y * y;
-        }
-    }
-    /* eigenvalue */
-    double difference = 0.5 * (xx - yy), greatest = 0.5 * (xx + yy) + sqrt(difference * difference + xy * xy);
-    return greatest > 0.0 ? sqrt(value / greatest) : INFINITY;
-}
-
 sl_status sl_glossy_create(const sl_scene *scene, int order, sl_glossy **out, sl_error *error) {
     *out = NULL;
     sl_glossy *glossy = sl_allocate(1, sizeof *glossy);
@@ -105,7 +68,6 @@ sl_status sl_glossy_create(const sl_scene *scene, int order, sl_glossy **out, sl
         sl_glossy_destroy(glossy);
         return status;
     }
-    weigh_bands(glossy, scene);
     *out = glossy;
     return SL_OK;
 }

@@ -27,12 +27,6 @@ int sl_glossy_order_for(const sl_scene *scene);
  * exponent. 0 without glossy materials. */
 double sl_glossy_truncation(const sl_scene *scene, int order, double *exponent);
 
-/* Rule 1 of the radius (record.h) for radiance: the distance over which what a record gathered changes by as
- * much as it is, |lambda| / |grad lambda| along the direction of greatest change; root mean squares over all
- * directions, as the sharpest lobe blurs them. Infinite where nothing changes. At equal records the error
- * falls by a quarter, since a lobe sees nearby things pass sooner than irradiance does. */
-double sl_glossy_length(const sl_glossy *glossy, const float *coefficients);
-
 /* What a view's pixels are to the glossy part of the fragment program. */
 typedef struct sl_glossy_view {
     const sl_glossy *glossy;
@@ -59,7 +53,6 @@ struct sl_glossy {
     size_t even, stride;       /* floats of the even part, and of a whole padded vector */
     size_t material_count;
     sl_moved_lobe **lobe;      /* of every material; NULL: not glossy. Equal exponents share one. */
-    double band_weight[SL_HSH_ORDER_MAX]; /* squares of what the sharpest lobe leaves of each band */
 };
 
 #endif

@@ -17,8 +17,8 @@ static sl_cache_header header_of(const sl_splat_state *s, sl_cache_setting setti
     const sl_settings *g = &s->settings;
     const sl_cache_setting all[SETTINGS] = {
         {"quality", g->quality},
-        {"accuracy", s->plan.quality.accuracy},
-        {"glossy accuracy", s->plan.quality.glossy_accuracy},
+        {"accuracy", s->settings.accuracy},
+        {"glossy accuracy", s->settings.glossy_accuracy},
         {"gather", g->gather},
         {"gather size", s->plan.gather.size},
         {"direct light", g->direct},

@@ -5,25 +5,21 @@
 #include "scene/features.h"
 
 /* The table of options has the accuracies. */
-static const sl_splat_quality by_quality[] = {
-    [SL_QUALITY_DRAFT] = {0.0, 0.0, 6.0, 20, 8},
-    [SL_QUALITY_NORMAL] = {0.0, 0.0, 4.0, 32, 16},
-    [SL_QUALITY_HIGH] = {0.0, 0.0, 2.0, 52, 64},
+static const struct {
+    double minimum_pixels;
+    int gather_size;        /* N x N */
+    uint32_t light_samples; /* a pixel */
+} by_quality[] = {
+    [SL_QUALITY_DRAFT] = {6.0, 20, 8},
+    [SL_QUALITY_NORMAL] = {4.0, 32, 16},
+    [SL_QUALITY_HIGH] = {2.0, 52, 64},
 };
 
 void sl_splat_complete(sl_settings *settings) {
-    const sl_splat_quality *q = &by_quality[settings->quality];
     sl_settings_complete(settings);
-    if (settings->gather_size == 0) settings->gather_size = q->gather_size;
-    if (settings->spp == 0) settings->spp = q->light_samples;
+    if (settings->gather_size == 0) settings->gather_size = by_quality[settings->quality].gather_size;
+    if (settings->spp == 0) settings->spp = by_quality[settings->quality].light_samples;
     if (settings->bounces == 0) settings->bounces = 1;
-}
-
-static sl_splat_quality chosen_quality(const sl_settings *settings) {
-    sl_settings s = *settings;
-    sl_splat_complete(&s);
-    return (sl_splat_quality){s.accuracy, s.glossy_accuracy, by_quality[s.quality].minimum_pixels,
-                              s.gather_size, s.spp};
 }
 
 /* At 400 x 400, accuracies tuned to equal records: in the Cornell box the Hessian's error (relative RMS)
@@ -36,7 +32,7 @@ static sl_radius_metric chosen_metric(const sl_settings *settings) {
 static sl_gather_settings chosen_gather(const sl_settings *settings) {
     sl_gather_settings g = sl_gather_defaults();
     g.kind = settings->gather;
-    g.size = chosen_quality(settings).gather_size;
+    g.size = settings->gather_size;
     g.direct = settings->direct;
     g.hit_samples = settings->hit_samples ? settings->hit_samples : 1;
     g.seed = settings->seed;
@@ -48,7 +44,7 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
     sl_features features = sl_scene_features(scene);
     bool light = features.light;
     return (sl_splat_plan){
-        .quality = chosen_quality(settings),
+        .minimum_pixels = by_quality[settings->quality].minimum_pixels,
         .gather = chosen_gather(settings),
         .metric = chosen_metric(settings),
         .harmonics_order = settings->harmonics_order ? settings->harmonics_order : sl_glossy_order_for(scene),
@@ -78,49 +74,47 @@ void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
 
 void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
     sl_features f = sl_scene_features(scene);
-    sl_splat_quality q = chosen_quality(settings);
-    bool light = f.light, receivers = f.diffuse_triangles || f.glossy_triangles;
+    const sl_splat_plan plan = sl_splat_plan_make(scene, settings);
     sl_plan_pass(writer, true, "G-buffer", "%d x %d pixels, %zu triangles", settings->width, settings->height,
                  scene->triangle_count);
     sl_plan_pass(writer, f.textured_triangles > 0, "textures", "%zu textured triangles",
                  f.textured_triangles);
     sl_plan_pass(writer, f.masked_triangles > 0, "alpha masks", "%zu masked triangles", f.masked_triangles);
     bool maps = settings->direct == SL_DIRECT_SHADOW_MAPS;
-    sl_plan_pass(writer, maps && light && receivers, "shadow maps", "%s",
+    sl_plan_pass(writer, maps && plan.direct, "shadow maps", "%s",
                  maps ? "for all lights, point samples of those with extent"
                       : "direct light is found by shadow rays");
-    sl_plan_pass(writer, !maps && light && receivers && (f.emitters || f.environment), "light samples",
+    sl_plan_pass(writer, !maps && plan.direct && (f.emitters || f.environment), "light samples",
                  "%u a pixel, fewer where all agree, more in penumbrae, towards %zu emissive triangles%s",
-                 (unsigned)q.light_samples, f.emitters,
+                 (unsigned)settings->spp, f.emitters,
                  f.environment ? " and what stands out of the environment" : "");
     sl_plan_pass(writer, f.environment, "environment in the cache",
                  "up to %g times its mean it is the gathers' background", SL_SKY_CONTRAST);
-    sl_plan_pass(writer, !maps && receivers && scene->light_count, "delta lights",
+    sl_plan_pass(writer, !maps && plan.direct && scene->light_count, "delta lights",
                  "%zu lights, one shadow ray each a pixel", scene->light_count);
     static const char *const instruments[] = {"what is cheapest at the error of so many rays",
                                               "the raster plane", "the raster hemicube", "rays"};
-    sl_plan_pass(writer, f.diffuse_triangles && light, "irradiance records",
-                 "accuracy %g, gathers %d x %d by %s", q.accuracy, q.gather_size, q.gather_size,
-                 instruments[settings->gather]);
-    bool glossy = f.glossy_triangles && light;
-    int order = settings->harmonics_order ? settings->harmonics_order : sl_glossy_order_for(scene);
-    sl_plan_pass(writer, glossy, "radiance records", "%zu glossy triangles%s", f.glossy_triangles,
-                 glossy ? ", if one is seen" : "");
+    sl_plan_pass(writer, plan.irradiance, "irradiance records",
+                 "accuracy %g, gathers %d x %d by %s", settings->accuracy, settings->gather_size,
+                 settings->gather_size, instruments[settings->gather]);
+    sl_plan_pass(writer, plan.radiance, "radiance records", "%zu glossy triangles%s", f.glossy_triangles,
+                 plan.radiance ? ", if one is seen" : "");
+    const int order = plan.harmonics_order;
     double exponent, left_out = 100.0 * sl_glossy_truncation(scene, order, &exponent);
-    if (glossy)
+    if (plan.radiance)
         sl_plan_pass(writer, true, "hemispherical harmonics",
                      "order %d, %d coefficients a channel; accuracy %g; %.1f %% of the sharpest "
                      "lobe (exponent %g) left out%s",
-                     order, order * order, q.glossy_accuracy, left_out, exponent,
+                     order, order * order, settings->glossy_accuracy, left_out, exponent,
                      left_out > 5.0 ? ": it looks blurred" : "");
     else
         sl_plan_pass(writer, false, "hemispherical harmonics", "no glossy lobe to hold");
     bool more = settings->bounces > 1;
-    sl_plan_pass(writer, more && light && receivers, "second-level records", "%u bounce%s",
+    sl_plan_pass(writer, more && plan.direct, "second-level records", "%u bounce%s",
                  (unsigned)settings->bounces,
                  more ? "s: what gathers see receives indirect light too"
                       : ": what gathers see receives direct light alone");
-    sl_plan_pass(writer, f.mirror_triangles && light, "mirrors",
+    sl_plan_pass(writer, plan.mirrors, "mirrors",
                  "%zu mirror triangles, rays from the eye follow them; gathers see them black",
                  f.mirror_triangles);
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,

@@ -16,12 +16,8 @@ static void widen(sl_reach_node *n, sl_vec3 p, float radius) {
 }
 
 sl_status sl_reach_tree_insert(sl_reach_tree *tree, sl_vec3 position, float radius, sl_error *error) {
-    if (tree->count == tree->capacity) {
-        size_t larger = tree->capacity ? 2 * tree->capacity : 1024;
-        if (!sl_regrow(&tree->nodes, tree->count, larger, sizeof *tree->nodes))
-            return sl_fail_memory(error, "records' reaches");
-        tree->capacity = larger;
-    }
+    if (!sl_make_room(&tree->nodes, tree->count, &tree->capacity, sizeof *tree->nodes))
+        return sl_fail_memory(error, "records' reaches");
     uint32_t *link = NULL;
     for (uint32_t index = 0; index < tree->count; index = *link) {
         sl_reach_node *n = &tree->nodes[index];

@@ -80,7 +80,6 @@ sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irra
     double limit = sl_record_guard(irradiance, rules);
     if (limit < radius) radius = limit;
     if (!(radius > minimum)) radius = minimum;
-    r.behind_a_wall = radius > limit;
     r.minimum_radius = (float)minimum;
     r.own_radius = (float)radius;
     if (radius > minimum) {
@@ -100,12 +99,6 @@ void sl_record_set_radius(sl_record *record, float radius) {
           change = translational_length(record) * radius / record->stretch;
     if (change <= mean || !(change > 0.0f)) return;
     for (int c = 0; c < 3; c++) record->translational[c] = sl_scale(record->translational[c], mean / change);
-}
-
-void sl_record_limit_radius(sl_record *record, double limit) {
-    if (!(limit < (double)record->own_radius)) return;
-    record->own_radius = limit > (double)record->minimum_radius ? (float)limit : record->minimum_radius;
-    sl_record_set_radius(record, record->own_radius);
 }
 
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record) {

@@ -49,8 +49,6 @@ typedef struct sl_record {
     float stretch;
     sl_record_wall walls[SL_RECORD_WALLS];
     uint32_t triangle;
-    uint32_t behind_a_wall; /* R_min reaches past what the guard allows: pixels are tested by a ray. No bool:
-                             * no padding, so that records are equal where their bytes are */
 } sl_record;
 
 typedef struct sl_radius_rules {
@@ -78,8 +76,8 @@ typedef struct sl_radius_rules {
  *                                  s^2 = t^2 / (1 + t^2) for a plane of half side t, else 1
  *   3  R >= R_min                  a R_min is minimum_pixels footprints of a pixel, or minimum_reach. Where R
  *                                  then breaks rule 1, grad_t E is scaled by sigma Y / (R |grad_t Y|), at
- *                                  R_min with max(1, 0.33 sigma) for sigma; where R breaks rule 2, pixels are
- *                                  tested by rays (behind_a_wall)
+ *                                  R_min with max(1, 0.33 sigma) for sigma; where R breaks rule 2, walls end
+ *                                  it (record_walls.c)
  *   4  R <= R_max                  a R_max is maximum_radius; R_min is never above it
  *   5  R_i / sigma <= R_j / sigma + |p_i - p_j| for all j, then R >= R_min again: neighbour clamping
  *                                  (Krivanek et al. 2006)
@@ -91,16 +89,13 @@ typedef struct sl_radius_rules {
  * record, m. */
 sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance,
                          const sl_radius_rules *rules, float footprint);
-/* Bounds R as rules 1 and 2 do: not below R_min. */
-void sl_record_limit_radius(sl_record *record, double limit);
 /* Returns the R that rule 2 allows; infinite where the guard is off or nothing is seen. */
 double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *rules);
-/* Rule 2 for a record that was made without the guard: where it reaches further than `guard`, it gets the
- * walls that stand around it, and does not count behind them (record_walls.c). within_guard: so do others,
- * of what stands across the way: gathers of few rays make the guard a tenth too generous. */
+/* Rule 2 where a record reaches further than `guard`, as R_min or the Hessian have it: it gets the walls that
+ * stand around it, and does not count behind them (record_walls.c). Within it, too, but only of what stands
+ * across the way: gathers of few rays make the guard a tenth too generous. */
 void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
-                          double accuracy, double guard, bool within_guard, sl_record *record,
-                          sl_counters *counters);
+                          double accuracy, double guard, sl_record *record, sl_counters *counters);
 /* Returns R by rule 5; the tree holds R / sigma of all records, by rules 1 to 4. */
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record);
 /* Sets R and scales the translational gradient as rule 3 does, so that the linear extrapolation stays
@@ -147,17 +142,11 @@ typedef struct sl_splat_kernels {
      */
     void (*fetch)(const sl_splat_receivers *receivers, int x, int y, sl_splat_rect region,
                   sl_tile_planes *tile);
-    /* Algorithm 1, steps 2 to 6, for the pixels of a rectangle within the tile. Returns how many contributed.
-     */
-    uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
-                      sl_tile_planes *tile);
-    /* The same sum of weights alone, with the same bits. */
-    uint64_t (*cover)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
-                      sl_tile_planes *tile);
-    /* The weights themselves, of every pixel of the rectangle: pixel (x, y) of the tile at [y * SL_SPLAT_TILE
-     * + x]; others are left as they are. Returns how many are positive. */
-    uint64_t (*weights)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
-                        const sl_tile_planes *tile, float *weights);
+    /* Algorithm 1, steps 2 to 6, for the pixels of a rectangle within the tile; without light the sum of
+     * weights alone, with the same bits. weights, if not NULL: gets that of every pixel of the rectangle,
+     * pixel (x, y) of the tile at [y * SL_SPLAT_TILE + x]. Returns how many pixels took part. */
+    uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, bool light,
+                      sl_tile_planes *tile, float *weights);
     /* w at one pixel; 0 where the record does not contribute. */
     float (*weight)(const sl_record *record, const sl_weight_rules *rules,
                     const sl_splat_receivers *receivers, size_t pixel);

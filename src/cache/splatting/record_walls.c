@@ -58,13 +58,11 @@ static int nearest_of(const wall_hit hits[DIRECTIONS]) {
 }
 
 void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const sl_gather_point *point,
-                          double accuracy, double guard, bool within_guard, sl_record *record,
-                          sl_counters *counters) {
+                          double accuracy, double guard, sl_record *record, sl_counters *counters) {
     const float offset = sl_scene_offset_at(scene, 1e-5f * scene->scale, point->position),
                 reach = (float)accuracy * record->radius;
     const bool beyond = (double)record->radius > guard;
     wall_hit hits[DIRECTIONS];
-    if (!beyond && !within_guard) return;
     look_around(scene, tracer, point, reach, hits, counters);
     for (int i = 0; i < DIRECTIONS && !beyond; i++) {
         if (!(-sl_dot(hits[i].normal, hits[i].direction) > 0.5f)) hits[i].distance = INFINITY;
@@ -85,7 +83,6 @@ void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const 
      * sides. */
     double limit = 0.98 * (double)left.distance / accuracy;
     if (limit < guard) limit = guard;
-    record->behind_a_wall = limit < (double)record->minimum_radius;
     if (limit < (double)record->minimum_radius) limit = (double)record->minimum_radius;
     if (!(limit < (double)record->radius)) return;
     record->own_radius = (float)limit;

@@ -13,8 +13,8 @@ typedef struct {
     const sl_record *records;
     const float *coefficients;     /* of the first record; NULL: only irradiance is splatted */
     const sl_splat_buffer *buffer; /* planes that are wanted; NULL ones are not */
+    bool light;                    /* or weights alone */
     sl_glossy_kernel *glossy;
-    uint64_t (*kernel)(const sl_record *, const sl_weight_rules *, sl_splat_rect, sl_tile_planes *);
 } splat_context;
 
 /* ---- a tile comes and goes ---- */
@@ -58,16 +58,14 @@ static void end_tile(void *context, const sl_splat_tile *tile) { copy_sums(conte
 
 /* ---- one record in one tile ---- */
 
-/* Steps 4 to 6 for the glossy part: its weights are those of the irradiance, whose sums have been added
- * already. */
-static void add_glossy(const splat_context *c, const sl_splat_tile *tile, size_t index, sl_splat_rect r) {
+/* Steps 4 to 6 for the glossy part, with the weights of the irradiance. */
+static void add_glossy(const splat_context *c, const sl_splat_tile *tile, size_t index, sl_splat_rect r,
+                       const float *weights) {
     const sl_record_pass *pass = c->pass;
     const sl_record *record = &c->records[index];
     const sl_glossy_record glossy = {record->position, sl_frame_from_normal(record->normal),
                                      c->coefficients + index * pass->coefficient_count};
     sl_tile_planes *planes = tile->memory;
-    float weights[SL_SPLAT_TILE_PIXELS];
-    if (!pass->kernels->weights(record, &pass->weights, r, planes, weights)) return;
     for (int y = r.y0; y < r.y1; y++) {
         for (int x = r.x0; x < r.x1; x++) {
             const int i = y * SL_SPLAT_TILE + x;
@@ -81,48 +79,24 @@ static void add_glossy(const splat_context *c, const sl_splat_tile *tile, size_t
     }
 }
 
-/* Algorithm 1 for the pixels of a rectangle within the tile. */
-static uint64_t splat_rect(const splat_context *c, const sl_splat_tile *tile, size_t index, sl_splat_rect r) {
-    uint64_t blended = c->kernel(&c->records[index], &c->pass->weights, r, tile->memory);
-    if (blended && c->coefficients) add_glossy(c, tile, index, r);
-    return blended;
-}
-
-/* Never less than the kernel's own test accepts. */
-static float reach_of(const sl_record_pass *pass, const sl_record *record) {
-    return (float)pass->radii.accuracy * record->radius * 1.0001f;
-}
-
-static sl_splat_rect seen_bounds(const sl_record_pass *pass, const sl_record *record) {
-    return sl_sphere_bounds(pass->camera, pass->receivers.width, pass->receivers.height, pass->near_distance,
-                            record->position, reach_of(pass, record));
-}
-
-static bool has_mirrors(const sl_record_pass *pass) { return pass->mirrors && pass->mirrors->cell; }
-
 static uint64_t shade(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect rect) {
     const splat_context *c = context;
-    const sl_record_pass *pass = c->pass;
-    const sl_record *record = &c->records[index];
-    if (has_mirrors(pass))
-        rect = sl_mirror_bounds_within(pass->mirrors, record->position, reach_of(pass, record),
-                                       seen_bounds(pass, record), rect);
-    sl_splat_rect r = {rect.x0 - tile->x, rect.y0 - tile->y, rect.x1 - tile->x, rect.y1 - tile->y};
-    if (!record->behind_a_wall) return splat_rect(c, tile, index, r);
-    uint64_t blended = 0;
-    for (int y = r.y0; y < r.y1; y++) {
-        for (int x = r.x0; x < r.x1; x++) {
-            size_t pixel = (size_t)(tile->y + y) * (size_t)pass->receivers.width + (size_t)(tile->x + x);
-            if (!(sl_record_weight(pass, record, pixel) > 0.0f)) continue;
-            blended += splat_rect(c, tile, index, (sl_splat_rect){x, y, x + 1, y + 1});
-        }
-    }
+    const sl_splat_rect r = {rect.x0 - tile->x, rect.y0 - tile->y, rect.x1 - tile->x, rect.y1 - tile->y};
+    float weights[SL_SPLAT_TILE_PIXELS];
+    uint64_t blended = c->pass->kernels->splat(&c->records[index], &c->pass->weights, r, c->light,
+                                               tile->memory, c->coefficients ? weights : NULL);
+    if (blended && c->coefficients) add_glossy(c, tile, index, r, weights);
     return blended;
 }
 
 /* ---- all records ---- */
 
 enum { BOUNDS_AT_ONCE = 256 };
+
+/* Never less than the kernel's own test accepts. */
+static float reach_of(const sl_record_pass *pass, const sl_record *record) {
+    return (float)pass->radii.accuracy * record->radius * 1.0001f;
+}
 
 typedef struct {
     const splat_context *splats;
@@ -138,8 +112,9 @@ static void bound_some(void *context, size_t index, unsigned worker) {
            end = b->count - first < BOUNDS_AT_ONCE ? b->count : first + BOUNDS_AT_ONCE;
     for (size_t i = first; i < end; i++) {
         const sl_record *record = &b->splats->records[i];
-        b->rects[i] = seen_bounds(pass, record);
-        if (has_mirrors(pass))
+        b->rects[i] = sl_sphere_bounds(pass->camera, pass->receivers.width, pass->receivers.height,
+                                       pass->near_distance, record->position, reach_of(pass, record));
+        if (pass->mirrors)
             b->rects[i] =
                 sl_mirror_bounds(pass->mirrors, record->position, reach_of(pass, record), b->rects[i]);
     }
@@ -161,7 +136,7 @@ static sl_status draw(splat_context *context, size_t count, sl_counters *counter
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error) {
     if (count == 0) return SL_OK;
     const sl_splat_buffer weights_alone = {.weight = pass->coverage};
-    splat_context context = {pass, records, NULL, &weights_alone, NULL, pass->kernels->cover};
+    splat_context context = {pass, records, NULL, &weights_alone, false, NULL};
     /* the paper sums coverage on the CPU: these are no splats of the hardware */
     sl_counters unbilled = {{0}};
     return draw(&context, count, &unbilled, error);
@@ -172,12 +147,8 @@ sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *lis
     if (first >= list->count) return SL_OK;
     const float *coefficients =
         list->coefficients ? list->coefficients + first * pass->coefficient_count : NULL;
-    splat_context context = {pass,
-                             list->records + first,
-                             coefficients,
-                             buffer,
-                             sl_glossy_kernel_for(sl_isa_best()),
-                             pass->kernels->splat};
+    splat_context context = {pass,   list->records + first, coefficients,
+                             buffer, true,                  sl_glossy_kernel_for(sl_isa_best())};
     return draw(&context, list->count - first, counters, error);
 }
 

@@ -69,57 +69,28 @@ static inline void blend(const sl_record_terms *k, sl_tile_planes *t, int i, con
     }
 }
 
-static uint64_t SL_KERNEL(splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
-                                 sl_tile_planes *tile) {
-    const sl_record_terms k = sl_record_terms_of(record, rules);
-    uint64_t blended = 0;
-    _Alignas(64) float w[GROUP];
-    for (int x = rect.x0 & -GROUP; x < rect.x1; x += GROUP) {
-        for (int y = rect.y0; y < rect.y1; y++) {
-            const int i = y * SL_SPLAT_TILE + x;
-            uint32_t positive = weigh(&k, tile, i, x, rect.x0, rect.x1, w);
-            if (!positive) continue;
-            blend(&k, tile, i, w);
-            blended += sl_bits16_count(positive);
-        }
-    }
-    return blended;
-}
-
-static uint64_t SL_KERNEL(cover)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
-                                 sl_tile_planes *tile) {
-    const sl_record_terms k = sl_record_terms_of(record, rules);
-    uint64_t blended = 0;
-    _Alignas(64) float w[GROUP];
-    for (int x = rect.x0 & -GROUP; x < rect.x1; x += GROUP) {
-        for (int y = rect.y0; y < rect.y1; y++) {
-            const int i = y * SL_SPLAT_TILE + x;
-            uint32_t positive = weigh(&k, tile, i, x, rect.x0, rect.x1, w);
-            if (!positive) continue;
-            float *restrict weight = tile->weight + i;
+static inline void add(const float *restrict w, float *restrict weight) {
 #pragma omp simd aligned(weight : 64)
-            for (int l = 0; l < GROUP; l++) weight[l] += w[l];
+    for (int l = 0; l < GROUP; l++) weight[l] += w[l];
+}
+
+static uint64_t SL_KERNEL(splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
+                                 bool light, sl_tile_planes *tile, float *weights) {
+    const sl_record_terms k = sl_record_terms_of(record, rules);
+    uint64_t blended = 0;
+    _Alignas(64) float w[GROUP];
+    for (int x = rect.x0 & -GROUP; x < rect.x1; x += GROUP) {
+        for (int y = rect.y0; y < rect.y1; y++) {
+            const int i = y * SL_SPLAT_TILE + x;
+            const uint32_t positive = weigh(&k, tile, i, x, rect.x0, rect.x1, w);
+            for (int l = 0; weights && l < GROUP; l++) weights[i + l] = positive ? w[l] : 0.0f;
+            if (!positive) continue;
             blended += sl_bits16_count(positive);
+            if (light) blend(&k, tile, i, w);
+            else add(w, tile->weight + i);
         }
     }
     return blended;
-}
-
-static uint64_t SL_KERNEL(weights)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
-                                   const sl_tile_planes *tile, float *weights) {
-    const sl_record_terms k = sl_record_terms_of(record, rules);
-    uint64_t count = 0;
-    _Alignas(64) float w[GROUP];
-    for (int x = rect.x0 & -GROUP; x < rect.x1; x += GROUP) {
-        const int first = x > rect.x0 ? x : rect.x0, end = x + GROUP < rect.x1 ? x + GROUP : rect.x1;
-        for (int y = rect.y0; y < rect.y1; y++) {
-            const int i = y * SL_SPLAT_TILE;
-            uint32_t positive = weigh(&k, tile, i + x, x, rect.x0, rect.x1, w);
-            for (int l = first; l < end; l++) weights[i + l] = positive ? w[l - x] : 0.0f;
-            count += sl_bits16_count(positive);
-        }
-    }
-    return count;
 }
 
 /* ---- single pixels, and the way into a tile ---- */
@@ -160,4 +131,4 @@ static void SL_KERNEL(fetch)(const sl_splat_receivers *p, int x, int y, sl_splat
 
 extern const sl_splat_kernels SL_KERNEL(sl_splat_kernel_table);
 const sl_splat_kernels SL_KERNEL(sl_splat_kernel_table) = {
-    SL_KERNEL(fetch), SL_KERNEL(splat), SL_KERNEL(cover), SL_KERNEL(weights), SL_KERNEL(weight)};
+    SL_KERNEL(fetch), SL_KERNEL(splat), SL_KERNEL(weight)};

@@ -72,7 +72,8 @@ static sl_status follow_mirrors(sl_splat_state *s, sl_error *error) {
     if (!s->plan.mirrors) return SL_OK;
     sl_status status = sl_reflect_pixels(s->scene, s->tracer, s->settings.threads, s->gbuffer,
                                          &s->reflections, &s->counters, error);
-    return status == SL_OK ? sl_mirror_cells_make(s->gbuffer, s->reflections, &s->mirrors, error) : status;
+    if (status == SL_OK) s->mirrors = sl_mirror_pixels_find(s->gbuffer, s->reflections);
+    return status;
 }
 
 static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
@@ -198,16 +199,8 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     sl_splat_announce_records(s);
     int layers = s->plan.radiance ? SL_LAYERS_GLOSSY : SL_LAYERS;
     status = sl_image_create(s->settings.width, s->settings.height, layers, sl_layer_names, image, error);
-    if (status != SL_OK) return status;
-    sl_composition parts = {.scene = s->scene,
-                            .gbuffer = s->gbuffer,
-                            .receives = {s->cache[0].receives, s->cache[1].receives},
-                            .splats = s->splats,
-                            .direct = {s->direct_light[0], s->direct_light[1], s->direct_light[2]},
-                            .reflections = s->phase != SL_PHASE_GBUFFER ? s->reflections : NULL,
-                            .drawn = s->phase != SL_PHASE_GBUFFER,
-                            .threads = s->settings.threads};
-    status = sl_compose(&parts, *image, error);
+    if (status != SL_OK || s->phase == SL_PHASE_GBUFFER) return status; /* nothing is drawn yet */
+    status = sl_compose(s, *image, error);
     if (status != SL_OK) {
         sl_image_destroy(*image);
         *image = NULL;

@@ -9,11 +9,12 @@
  *   record.c         a record and how far it reaches
  *   record_weight.h  its weight and what it says: equations (2), (3) and (8)
  *   record_walls.c   walls that stand within its reach
+ *   record_batch.c   records for many points at once
  *   ../bounces/      more than one bounce: the light that falls on what gathers see
  *   splat.c          steps 4 and 5: records onto the screen
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel, its weight and irradiance
  *   glossy.c         the same for what a glossy lobe reflects of a radiance record
- *   mirrors.c        the same for pixels that show something by way of mirrors (../reflect/)
+ *   mirrors.c        pixels that show something by way of mirrors (../reflect/)
  *   compose.c        step 6: the picture and its layers
  *   keep.c           records on disk, for another run
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture
@@ -27,7 +28,7 @@
 #include "cache/frame/method.h"
 #include "cache/splatting/glossy.h"
 #include "cache/reflect/reflect.h"
-#include "cache/splatting/record.h"
+#include "cache/splatting/record_batch.h"
 
 /* ---- step 1 ---- */
 
@@ -35,28 +36,20 @@
 sl_status sl_look_at_edges(const sl_scene *scene, const sl_tracer *tracer, unsigned threads,
                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error);
 
-/* ---- pixels that show something by way of mirrors (mirrors.c) ---- */
+/* ---- pixels that show something by way of mirrors ---- */
 
-/* A rectangle of such pixels and the box about what they show; empty at first. */
-typedef struct sl_mirror_cell {
-    sl_splat_rect rect;
-    sl_vec3 low, high;
-} sl_mirror_cell;
+/* What is seen in a mirror lies elsewhere than where the picture shows it, so the rectangle about a record's
+ * sphere on the screen (step 1 of Algorithm 1) misses those pixels. All of them are looked at where the
+ * sphere reaches the box of what they show. */
+typedef struct sl_mirror_pixels {
+    sl_splat_rect rect; /* of all such pixels; empty: no mirror is in sight */
+    sl_vec3 low, high;  /* the box about what they show */
+} sl_mirror_pixels;
 
-typedef struct sl_mirror_cells {
-    int columns, rows;
-    sl_mirror_cell *cell; /* of 16 x 16 pixels each; NULL: no mirror is in sight */
-    sl_mirror_cell all;
-} sl_mirror_cells;
-
-sl_status sl_mirror_cells_make(const sl_gbuffer *gbuffer, const sl_reflections *reflections,
-                               sl_mirror_cells *cells, sl_error *error);
-void sl_mirror_cells_release(sl_mirror_cells *cells);
-/* A rectangle that holds `seen` and all pixels that show what the sphere reaches; and as much of both as lies
- * in a tile, which may be empty. */
-sl_splat_rect sl_mirror_bounds(const sl_mirror_cells *cells, sl_vec3 centre, float reach, sl_splat_rect seen);
-sl_splat_rect sl_mirror_bounds_within(const sl_mirror_cells *cells, sl_vec3 centre, float reach,
-                                      sl_splat_rect seen, sl_splat_rect tile);
+sl_mirror_pixels sl_mirror_pixels_find(const sl_gbuffer *gbuffer, const sl_reflections *reflections);
+/* Returns a rectangle that holds `seen` and all pixels that show what the sphere reaches. */
+sl_splat_rect sl_mirror_bounds(const sl_mirror_pixels *mirrors, sl_vec3 centre, float reach,
+                               sl_splat_rect seen);
 
 /* ---- which pixels get records ---- */
 
@@ -87,19 +80,17 @@ typedef struct sl_traversal {
     sl_traversal_order order;
     int width, height;
     int stride;               /* of the level being visited; 0: all visited */
-    uint64_t cells, next;     /* of the level's grid: how many, and how many of them visited */
-    uint64_t columns, rows, column, row;     /* the grid's, and of the current cell */
-    uint64_t step_columns, step_rows;        /* to the next, around the grid */
+    uint64_t columns, cells;  /* of the level's grid */
+    uint64_t next, step;      /* cells visited; from one to the next, around the grid */
     uint64_t visited, total;  /* pixels */
     size_t batch;             /* candidates taken at once, adapted to how many turned out covered */
 } sl_traversal;
 
 /* What a traversal works on. */
 typedef struct sl_record_pass {
-    const sl_gather *gather;
-    const sl_scene *scene;    /* or NULL: the guard alone keeps records from reaching through walls */
-    const sl_tracer *tracer;  /* or NULL: records behind walls are not tested */
-    sl_gather_scratch *const *scratch; /* one a thread */
+    const sl_scene *scene;
+    const sl_tracer *tracer;  /* or NULL: the guard alone keeps records from reaching through walls */
+    const sl_record_gathers *gathers;
     const sl_gbuffer *gbuffer;
     sl_splat_receivers receivers;
     sl_weight_rules weights;
@@ -108,17 +99,14 @@ typedef struct sl_record_pass {
     sl_glossy_view glossy;    /* used where coefficient_count > 0 */
     const sl_splat_kernels *kernels;
     const sl_camera *camera;
-    const sl_mirror_cells *mirrors; /* or NULL */
+    const sl_mirror_pixels *mirrors; /* or NULL */
     float near_distance, footprint_per_depth;
     float covered_weight;     /* w_min: a pixel whose sum of weights reaches it is covered */
     float *coverage;          /* sum of w, bottom row first */
     uint8_t *owned;           /* pixels that have a record of their own count as covered */
     uint64_t seed;
     unsigned threads;
-    float scale;             /* of the scene */
 } sl_record_pass;
-
-enum { SL_BATCH_MAX = 128 };
 
 void sl_traversal_start(sl_traversal *traversal, sl_traversal_order order, int width, int height);
 /* The next batch of uncovered pixels, at most traversal->batch of them; returns how many. Done where
@@ -133,7 +121,7 @@ sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t 
  * reflects. */
 sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *list, size_t first,
                            const sl_splat_buffer *buffer, sl_counters *counters, sl_error *error);
-/* The record's weight at a pixel; 0 also where a record that says behind_a_wall does not see the pixel. */
+/* The record's weight at a pixel. */
 float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel);
 
 /* ---- the picture ---- */
@@ -142,20 +130,6 @@ float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size
  * and only where something can be glossy. */
 enum { SL_LAYERS = 14, SL_LAYERS_GLOSSY = 17 };
 extern const char *const sl_layer_names[SL_LAYERS_GLOSSY];
-
-typedef struct sl_composition {
-    const sl_scene *scene;
-    const sl_gbuffer *gbuffer;
-    const uint32_t *receives[SL_RECEIVER_CLASSES]; /* NULL: no pixel does */
-    sl_splat_buffer splats;
-    const float *direct[3];
-    const sl_reflections *reflections; /* or NULL */
-    bool drawn;               /* the G-buffer holds this view */
-    unsigned threads;
-} sl_composition;
-
-/* Writes the layers of an image that has SL_LAYERS or SL_LAYERS_GLOSSY channels. */
-sl_status sl_compose(const sl_composition *parts, sl_image *image, sl_error *error);
 
 /* ---- fallback of an unfinished picture ---- */
 

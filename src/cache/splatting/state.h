@@ -9,23 +9,15 @@
 
 /* ---- plan.c: what it will do with a scene ---- */
 
-typedef struct sl_splat_quality {
-    double accuracy;        /* a of irradiance records */
-    double glossy_accuracy; /* a of radiance records */
-    /* aR_min in footprints of a pixel (of fewer and larger ones, beyond 400 rows): below, records cost more
-     * than they tell */
-    double minimum_pixels;
-    int gather_size;        /* N x N */
-    uint32_t light_samples; /* a pixel */
-} sl_splat_quality;
-
 /* The environment is split: the sky, at most so many times as bright as its mean, is the gathers' background
  * and reaches the pixels through the records; the sun, which is what stands out of it, is sampled for every
  * pixel. Never both, never neither. */
 #define SL_SKY_CONTRAST 10.0
 
 typedef struct sl_splat_plan {
-    sl_splat_quality quality;
+    /* aR_min in footprints of a pixel (of fewer and larger ones, beyond 400 rows): below, records cost more
+     * than they tell */
+    double minimum_pixels;
     sl_gather_settings gather;
     sl_radius_metric metric; /* of irradiance records, decided */
     int harmonics_order;    /* n of radiance records */
@@ -33,6 +25,7 @@ typedef struct sl_splat_plan {
     bool direct, irradiance, radiance; /* is there anything to compute? */
 } sl_splat_plan;
 
+/* settings are complete. */
 sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *settings);
 /* The entries of sl_method_class of the same names. */
 void sl_splat_complete(sl_settings *settings);
@@ -44,8 +37,7 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
  * reaches it. */
 typedef struct sl_record_cache {
     sl_receiver_class class;
-    sl_gather *gather;          /* NULL until a pixel of this class has asked for a record */
-    sl_gather_scratch **scratch; /* one a thread */
+    sl_record_gathers gathers;  /* none until a pixel of this class has asked for a record */
     sl_glossy *glossy;          /* lobes and rotations; radiance records alone */
     uint32_t *receives;         /* pixels of this class */
     size_t receivers;           /* how many they are */
@@ -83,7 +75,7 @@ typedef struct sl_splat_state {
     sl_environment sky, sun;    /* of the scene's environment; what is black is not present */
     sl_gbuffer *gbuffer;
     sl_reflections *reflections; /* pixels that show something by way of mirrors; NULL: none */
-    sl_mirror_cells mirrors;    /* where what they show lies */
+    sl_mirror_pixels mirrors;   /* where what they show lies */
     /* direct rgb, coverage, and the splat buffer: SL_SPLAT_PLANES planes, bottom row first */
     float *planes;
     float *direct_light[3], *coverage;
@@ -107,6 +99,11 @@ typedef struct sl_splat_state {
 void sl_splat_classify(sl_splat_state *state);
 /* Returns how much of a picture is done, for the progress bar alone. */
 double sl_splat_fraction(const sl_splat_state *state);
+
+/* ---- compose.c ---- */
+
+/* Writes the layers of an image that has SL_LAYERS channels, SL_LAYERS_GLOSSY where the plan has radiance. */
+sl_status sl_compose(const sl_splat_state *state, sl_image *image, sl_error *error);
 
 /* ---- create.c ---- */
 

@@ -34,8 +34,7 @@ typedef struct {
     sl_scene *scene;
     sl_raster *raster;
     sl_tracer *tracer;
-    sl_gather *gather;
-    sl_gather_scratch *scratch[1];
+    sl_record_gathers gathers;
     sl_gbuffer *gbuffer;
     uint32_t receives[SIDE * SIDE];
     uint8_t owned[SIDE * SIDE];
@@ -52,9 +51,9 @@ static void stage_open(stage *s) {
     sl_gather_settings gather = sl_gather_defaults();
     gather.kind = SL_GATHER_RAYS;
     gather.size = 8;
-    assert_int_equal(
-        sl_gather_create(s->scene, s->raster, s->tracer, &gather, 1, &s->gather, &counters, NULL), SL_OK);
-    assert_int_equal(sl_gather_scratch_create(s->gather, &s->scratch[0], NULL), SL_OK);
+    assert_int_equal(sl_record_gathers_create(s->scene, s->raster, s->tracer, &gather, 1, &s->gathers,
+                                              &counters, NULL),
+                     SL_OK);
     assert_int_equal(sl_gbuffer_create(SIDE, SIDE, &s->gbuffer, NULL), SL_OK);
     const sl_camera *c = &s->scene->camera;
     sl_frame frame = {c->right, c->up, sl_neg(c->back)};
@@ -65,9 +64,9 @@ static void stage_open(stage *s) {
     for (int i = 0; i < SIDE * SIDE; i++)
         s->receives[i] = g->material[i] != SL_NO_INDEX && g->diffuse_r[i] > 0.0f;
     s->pass = (sl_record_pass){
-        .gather = s->gather,
+        .scene = s->scene,
         .tracer = s->tracer,
-        .scratch = s->scratch,
+        .gathers = &s->gathers,
         .gbuffer = g,
         .receivers = {SIDE, SIDE, g->position_x, g->position_y, g->position_z, g->normal_x, g->normal_y,
                       g->normal_z, s->receives},
@@ -86,15 +85,12 @@ static void stage_open(stage *s) {
         .coverage = s->coverage,
         .owned = s->owned,
         .threads = 1,
-        .scene = s->scene,
-        .scale = s->scene->scale,
     };
 }
 
 static void stage_close(stage *s) {
     sl_gbuffer_destroy(s->gbuffer);
-    sl_gather_scratch_destroy(s->scratch[0]);
-    sl_gather_destroy(s->gather);
+    sl_record_gathers_destroy(&s->gathers);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     sl_scene_destroy(s->scene);

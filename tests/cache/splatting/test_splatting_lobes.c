@@ -109,34 +109,9 @@ static void every_order_on_every_instruction_set_equals_the_plain_loops(void **s
     }
 }
 
-/* lambda_00 = 3 and 4 in two channels, growing by 1 and 2.5 along x, by 0 along y: 7 / 3.5. */
-static void radiance_changes_by_itself_over_its_length(void **state) {
-    (void)state;
-    static view_of_pixels v;
-    open_view(&v, 4);
-    size_t stride = sl_hsh_stride(4);
-    memset(v.coefficients, 0, sizeof v.coefficients);
-    assert_true(isinf(sl_glossy_length(v.glossy, v.coefficients)));
-    v.coefficients[0] = 3.0f, v.coefficients[stride] = 4.0f;
-    assert_true(isinf(sl_glossy_length(v.glossy, v.coefficients)));
-    v.coefficients[3 * stride] = 1.0f, v.coefficients[4 * stride] = 2.5f;
-    assert_true(fabs(sl_glossy_length(v.glossy, v.coefficients) - 2.0) < 1e-12);
-    v.coefficients[7 * stride] = 3.5f; /* and as fast along y: sqrt 2 along the diagonal */
-    assert_true(fabs(sl_glossy_length(v.glossy, v.coefficients) - sqrt(2.0)) < 1e-12);
-    /* A higher band counts by what the lobe leaves of it. */
-    v.coefficients[4 * stride] = v.coefficients[3 * stride] = v.coefficients[7 * stride] = 0.0f;
-    v.coefficients[3 * stride + sl_hsh_odd(4, 3, -1)] = 3.5f;
-    double length = sl_glossy_length(v.glossy, v.coefficients);
-    assert_true(length > 2.0 && length < 10.0);
-    v.coefficients[0] = v.coefficients[stride] = 0.0f;
-    assert_true(sl_glossy_length(v.glossy, v.coefficients) == 0.0);
-    sl_glossy_destroy(v.glossy);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_order_on_every_instruction_set_equals_the_plain_loops),
-        cmocka_unit_test(radiance_changes_by_itself_over_its_length),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -168,45 +168,6 @@ static void no_record_of_a_tread_counts_on_another(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- behind things ---- */
-
-/* The picture shows the face of a stone, one triangle. A record of another surface lies so far from the
- * middle pixel, along the face and before it. */
-static float weight_on_a_stone(const drawn *d, float along, float before) {
-    const sl_record_pass *pass = &d->state->cache[SL_RECEIVES_IRRADIANCE].pass;
-    const size_t pixel = 16 * 33 + 16;
-    const sl_gbuffer *g = pass->gbuffer;
-    const sl_record record = {
-        .position = sl_v3(g->position_x[pixel] + along, g->position_y[pixel], g->position_z[pixel] + before),
-        .normal = sl_v3(0, 0, 1),
-        .radius = 1.0f,
-        .triangle = SL_NO_INDEX,
-        .behind_a_wall = 1};
-    assert_true(pass->kernels->weight(&record, &pass->weights, &pass->receivers, pixel) > 0.0f);
-    return sl_record_weight(pass, &record, pixel);
-}
-
-/* Nothing is in the way from the joint to the stone's side but the stone's own face. */
-static void a_record_in_a_joint_does_not_light_the_face_before_it(void **state) {
-    (void)state;
-    sl_scene *scene =
-        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-                        " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 2], \"intensity\": 1}],\n"
-                        " \"camera\": {\"eye\": [0, 0, 3], \"target\": [0, 0, 0], \"fov_deg\": 40}}",
-                        "v -1 -1 0\nv 1 -1 0\nv 0 1.5 0\nf 1 2 3\n");
-    sl_settings settings = small_settings("splatting", 33, 33);
-    drawn d = draw(scene, settings);
-    for (int i = -1; i <= 1; i += 2) {
-        float along = 0.1f * (float)i;
-        assert_true(weight_on_a_stone(&d, along, -0.02f) == 0.0f);
-        assert_true(weight_on_a_stone(&d, along, 0.0f) > 0.0f);
-        assert_true(weight_on_a_stone(&d, along, 0.0005f) > 0.0f);
-    }
-    assert_true(weight_on_a_stone(&d, 0.44f, -0.001f) == 0.0f);
-    drawn_free(&d);
-    sl_scene_destroy(scene);
-}
-
 /* ---- inside of things ---- */
 
 /* A lit room, and a closed box of half the size given about a point of its floor. */
@@ -254,16 +215,15 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
     const sl_vec3 p = {0.3f, -1.0f, 0.2f}, up = {0, 1, 0};
     sl_scene *scene = room_with_box(half);
     sl_tracer *tracer;
-    sl_gather *gather;
-    sl_gather_scratch *scratch;
+    sl_record_gathers gathers;
     sl_gbuffer *g;
     sl_counters counters = {{0}};
     sl_gather_settings settings = sl_gather_defaults();
     settings.kind = SL_GATHER_RAYS;
     settings.size = 32;
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
-    assert_int_equal(sl_gather_create(scene, NULL, tracer, &settings, 1, &gather, &counters, NULL), SL_OK);
-    assert_int_equal(sl_gather_scratch_create(gather, &scratch, NULL), SL_OK);
+    assert_int_equal(
+        sl_record_gathers_create(scene, NULL, tracer, &settings, 1, &gathers, &counters, NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(1, 1, &g, NULL), SL_OK);
     g->position_x[0] = p.x, g->position_y[0] = p.y, g->position_z[0] = p.z;
     g->normal_x[0] = g->geometric_x[0] = up.x, g->normal_y[0] = g->geometric_y[0] = up.y,
@@ -272,9 +232,9 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
     uint32_t receives = 1;
     uint8_t owned = 0;
     float coverage = 0.0f;
-    sl_record_pass pass = {.gather = gather,
+    sl_record_pass pass = {.scene = scene,
                            .tracer = tracer,
-                           .scratch = &scratch,
+                           .gathers = &gathers,
                            .gbuffer = g,
                            .receivers = {1, 1, g->position_x, g->position_y, g->position_z, g->normal_x,
                                          g->normal_y, g->normal_z, &receives},
@@ -292,8 +252,7 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
                            .footprint_per_depth = footprint,
                            .coverage = &coverage,
                            .owned = &owned,
-                           .threads = 1,
-                           .scale = scene->scale};
+                           .threads = 1};
     sl_record_list list = {0};
     for (int i = 0; i < visits; i++) {
         sl_traversal traversal;
@@ -310,8 +269,7 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
     sl_record record = list.records[0];
     sl_record_list_free(&list);
     sl_gbuffer_destroy(g);
-    sl_gather_scratch_destroy(scratch);
-    sl_gather_destroy(gather);
+    sl_record_gathers_destroy(&gathers);
     sl_tracer_destroy(tracer);
     sl_scene_destroy(scene);
     return record;
@@ -327,14 +285,13 @@ static void a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself(void
     sl_record free_one = records_on_floor(0.0, footprint, 1, &count),
               small = records_on_floor(2e-4, footprint, 1, &count);
     sl_record larger = records_on_floor(1e-3, footprint, 1, &count);
-    assert_true(free_one.irradiance.g > 0.01f && free_one.radius > 2.0f * free_one.minimum_radius &&
-                !free_one.behind_a_wall);
+    assert_true(free_one.irradiance.g > 0.01f && free_one.radius > 2.0f * free_one.minimum_radius);
     print_message("E %.4f; in a small box %.4f, in a larger one %.4f\n", (double)free_one.irradiance.g,
                   (double)small.irradiance.g, (double)larger.irradiance.g);
     assert_true(fabsf(small.irradiance.g / free_one.irradiance.g - 1.0f) < 0.02f);
-    assert_true(small.radius > 0.9f * free_one.radius && !small.behind_a_wall);
+    assert_true(small.radius > 0.9f * free_one.radius);
     assert_true(larger.irradiance.g < 0.01f * free_one.irradiance.g);
-    assert_true(larger.radius == larger.minimum_radius && larger.behind_a_wall);
+    assert_true(larger.radius == larger.minimum_radius);
 }
 
 /* A record may be refused by its own pixel: of one without any reach D is no number. The pixel counts as
@@ -347,43 +304,12 @@ static void a_pixel_gets_one_record_even_where_that_does_not_cover_it(void **sta
     assert_int_equal(count, 1);
 }
 
-/* ---- radiance records ---- */
-
-/* What comes in changes with direction, too: a radiance record reaches no further than the length over which
- * its coefficients change. */
-static void radiance_records_keep_within_the_length_of_their_coefficients(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
-    sl_settings settings = small_settings("splatting", 64, 64);
-    settings.gather_size = 16;
-    settings.quality = SL_QUALITY_HIGH; /* or records reach as little as they may */
-    settings.spp = 1;
-    settings.accuracy = 0.5;
-    settings.glossy_accuracy = 0.3;
-    drawn d = draw(scene, settings);
-    const sl_record_cache *cache = &d.state->cache[SL_RECEIVES_RADIANCE];
-    size_t limited = 0;
-    for (size_t k = 0; k < cache->list.count; k++) {
-        const sl_record *r = &cache->list.records[k];
-        float length = (float)sl_glossy_length(cache->glossy,
-                                               cache->list.coefficients + k * cache->pass.coefficient_count);
-        assert_true(r->own_radius <= fmaxf(length, r->minimum_radius));
-        limited += r->own_radius == length;
-    }
-    print_message("%zu of %zu radiance records reach just so far\n", limited, cache->list.count);
-    assert_true(limited > 5);
-    drawn_free(&d);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pixel_is_the_sum_of_all_records_bit_for_bit),
         cmocka_unit_test(no_record_of_a_tread_counts_on_another),
-        cmocka_unit_test(a_record_in_a_joint_does_not_light_the_face_before_it),
         cmocka_unit_test(a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself),
         cmocka_unit_test(a_pixel_gets_one_record_even_where_that_does_not_cover_it),
-        cmocka_unit_test(radiance_records_keep_within_the_length_of_their_coefficients),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

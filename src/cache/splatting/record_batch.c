@@ -1,0 +1,70 @@
+#include "cache/splatting/record_batch.h"
+
+#include "base/batch.h"
+#include "base/error.h"
+#include "base/memory.h"
+
+sl_status sl_record_gathers_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                                   const sl_gather_settings *settings, unsigned threads,
+                                   sl_record_gathers *g, sl_counters *counters, sl_error *error) {
+    *g = (sl_record_gathers){.threads = threads};
+    sl_status status =
+        sl_gather_create(scene, raster, tracer, settings, threads, &g->gather, counters, error);
+    if (status == SL_OK) {
+        g->scratch = sl_allocate(threads, sizeof *g->scratch);
+        if (!g->scratch) status = sl_fail_memory(error, "gathers");
+    }
+    for (unsigned i = 0; status == SL_OK && i < threads; i++)
+        status = sl_gather_scratch_create(g->gather, &g->scratch[i], error);
+    if (status != SL_OK) sl_record_gathers_destroy(g);
+    return status;
+}
+
+void sl_record_gathers_destroy(sl_record_gathers *g) {
+    for (unsigned i = 0; g->scratch && i < g->threads; i++) sl_gather_scratch_destroy(g->scratch[i]);
+    sl_free(g->scratch);
+    sl_gather_destroy(g->gather);
+    *g = (sl_record_gathers){0};
+}
+
+/* ---- one record ---- */
+
+static void gather_at(const sl_record_batch *b, unsigned worker, const sl_gather_point *point,
+                      sl_irradiance *irradiance, float *coefficients, sl_counters *counters) {
+    const sl_record_gathers *g = b->gathers;
+    if (!coefficients) sl_gather_irradiance(g->gather, point, g->scratch[worker], irradiance, counters);
+    else sl_gather_radiance(g->gather, point, g->scratch[worker], irradiance, coefficients, counters);
+}
+
+/* A point that sees mostly the insides of things lies within an intersection of surfaces. */
+static bool is_inside(const sl_record_batch *b, const sl_irradiance *e) {
+    return e->back_share > 0.5f && e->harmonic_mean < 1e-3f * b->scene->scale;
+}
+
+/* Inside of something it tries again a little further out, and if that does not help it reaches no further
+ * than R_min. */
+static void gather_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    const sl_record_batch *b = context;
+    const sl_gather_point *point = &b->point[index];
+    float *coefficients = b->coefficient_count ? b->coefficients + index * b->coefficient_count : NULL;
+    sl_radius_rules rules = b->radii;
+    sl_irradiance e;
+    gather_at(b, worker, point, &e, coefficients, counters);
+    if (is_inside(b, &e)) {
+        sl_gather_point outer = *point;
+        outer.position = sl_mad(point->position, 1e-4f * b->scene->scale, point->geometric_normal);
+        gather_at(b, worker, &outer, &e, coefficients, counters);
+        if (is_inside(b, &e)) e.harmonic_mean = e.nearest = 0.0f, e.curvature[0] = INFINITY;
+    }
+    rules.guard = rules.guard && !(b->tracer && rules.metric == SL_METRIC_HESSIAN);
+    sl_record *record = result;
+    *record = sl_record_make(point, &e, &rules, b->footprint[index]);
+    if (b->tracer)
+        sl_record_find_walls(b->scene, b->tracer, point, rules.accuracy, sl_record_guard(&e, &b->radii),
+                             record, counters);
+}
+
+void sl_record_batch_gather(sl_record_batch *b, sl_counters *counters) {
+    const sl_batch batch = {b->count, gather_one, b, b->record, sizeof *b->record};
+    sl_batch_run(&batch, b->gathers->threads, counters);
+}
