@@ -150,11 +150,8 @@ static inline void assert_sound(const sl_patches *p) {
     assert_int_equal(leaves, p->leaves_alive);
     assert_int_equal(vertices, p->vertices_alive);
     size_t free_blocks = 0, free_vertices = 0;
-    const uint32_t blocks[3] = {p->first_free, p->resting[0], p->resting[1]};
-    for (int k = 0; k < 3; k++) {
-        for (uint32_t i = blocks[k]; i != SL_NO_INDEX; i = p->patch[i].child, free_blocks++)
-            assert_false(sl_patch_is_alive(p, i));
-    }
+    for (uint32_t i = p->first_free; i != SL_NO_INDEX; i = p->patch[i].child, free_blocks++)
+        assert_false(sl_patch_is_alive(p, i));
     for (uint32_t i = p->first_free_vertex; i != SL_NO_INDEX; i = p->vertex[i].root, free_vertices++)
         assert_int_equal(p->vertex[i].references, 0);
     size_t root_blocks = (p->root_count + 3) / 4;

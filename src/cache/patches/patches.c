@@ -31,8 +31,7 @@ sl_status sl_patches_create(const sl_primitives *primitives, const sl_patches_se
 
 void sl_patches_destroy(sl_patches *p) {
     if (!p) return;
-    for (size_t i = 0; i < p->block_chunks; i++) sl_free(p->block_chunk[i]);
-    void *all[] = {p->root, p->root_slot, p->patch, p->block_chunk, p->vertex, p->value, p->sets, p->slot};
+    void *all[] = {p->root, p->root_slot, p->patch, p->block, p->vertex, p->value, p->sets, p->slot};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_free(p);
 }
@@ -42,40 +41,28 @@ void sl_patches_clear(sl_patches *p) {
     memset(p->slot, 0xff, p->slots * sizeof *p->slot);
     p->root_count = p->patch_count = p->patches_alive = p->leaves_alive = 0;
     p->vertex_count = p->vertices_alive = 0;
-    p->first_free = p->resting[0] = p->resting[1] = p->last_root_block = p->first_free_vertex = SL_NO_INDEX;
+    p->first_free = p->last_root_block = p->first_free_vertex = SL_NO_INDEX;
     p->extrapolates = false;
 }
 
 size_t sl_patches_memory_bytes(const sl_patches *p) {
-    size_t of_chunk = SL_BLOCKS_A_CHUNK * sizeof **p->block_chunk + sizeof *p->block_chunk;
     size_t of_vertex = sizeof *p->vertex + (size_t)p->settings.channels * sizeof *p->value +
                        (p->sets ? sizeof *p->sets : 0);
-    return sizeof *p + p->patch_capacity * sizeof *p->patch + p->block_chunks * of_chunk +
+    return sizeof *p + p->patch_capacity * sizeof *p->patch + p->patch_capacity / 4 * sizeof *p->block +
            p->root_capacity * sizeof *p->root + p->vertex_capacity * of_vertex +
            (p->slots + p->root_slots) * sizeof *p->slot;
 }
 
 /* ---- blocks of four patches ------------------------------------------------------------------ */
 
-static bool reserve_chunk(sl_patches *p) {
-    if (p->patch_count < 4 * SL_BLOCKS_A_CHUNK * p->block_chunks) return true;
-    if (p->block_chunks == p->block_chunks_room) {
-        size_t room = sl_patches_room(p->block_chunks, 0);
-        if (!sl_regrow(&p->block_chunk, p->block_chunks, room, sizeof *p->block_chunk)) return false;
-        p->block_chunks_room = room;
-    }
-    sl_patch_block *chunk = sl_allocate_unset(SL_BLOCKS_A_CHUNK, sizeof *chunk);
-    if (chunk) p->block_chunk[p->block_chunks++] = chunk;
-    return chunk != NULL;
-}
-
 static bool reserve_block(sl_patches *p) {
     size_t used = p->patch_count;
     if (p->first_free != SL_NO_INDEX) return true;
-    if (!reserve_chunk(p)) return false;
     if (used + 4 <= p->patch_capacity) return true;
     size_t capacity = sl_patches_room(p->patch_capacity, used + 4) / 4 * 4;
-    if (capacity >= SL_NO_INDEX || !sl_regrow(&p->patch, used, capacity, sizeof *p->patch)) return false;
+    if (capacity >= SL_NO_INDEX || !sl_regrow(&p->patch, used, capacity, sizeof *p->patch) ||
+        !sl_regrow(&p->block, used / 4, capacity / 4, sizeof *p->block))
+        return false;
     p->patch_capacity = capacity;
     return true;
 }
@@ -97,21 +84,9 @@ static uint32_t take_block(sl_patches *p, uint32_t parent, uint32_t root) {
 
 /* Where there is a display its patches are still to be taken out of that. */
 static void give_block_back(sl_patches *p, uint32_t first) {
-    uint32_t *chain = p->settings.shown ? &p->resting[0] : &p->first_free;
     for (uint32_t k = 0; k < 4; k++) p->patch[first + k].flags = SL_PATCH_DIRTY;
-    p->patch[first].child = *chain;
-    *chain = first;
-}
-
-/* The copy that was just built knows nothing of what was given back before, and is the one that is drawn. A
- * frame may still be under way from the other one, but not when that is built the next time. */
-void sl_patches_rested(sl_patches *p) {
-    uint32_t *last = &p->resting[1];
-    while (*last != SL_NO_INDEX) last = &p->patch[*last].child;
-    *last = p->first_free;
-    p->first_free = p->resting[1];
-    p->resting[1] = p->resting[0];
-    p->resting[0] = SL_NO_INDEX;
+    p->patch[first].child = p->first_free;
+    p->first_free = first;
 }
 
 /* ---- places ---------------------------------------------------------------------------------- */

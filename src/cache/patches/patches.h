@@ -57,11 +57,6 @@ typedef struct sl_patch_block {
     uint32_t middle[5];
 } sl_patch_block;
 
-/* Blocks lie in chunks that never move. Where a display holds copies of the tree (sl_patches_settings.shown)
- * one that was given back rests for two builds of the display: so frames may be drawn from them while patches
- * are split. */
-enum { SL_BLOCKS_A_CHUNK = 64 };
-
 enum { SL_VERTEX_NEVER = 0 };    /* evaluated: updates count from 1 */
 
 typedef struct sl_patch_vertex {
@@ -120,11 +115,8 @@ typedef struct sl_patches {
     size_t root_slots;
     sl_patch *patch;
     size_t patch_count, patch_capacity, patches_alive, leaves_alive;
-    sl_patch_block **block_chunk; /* one block for four patches: sl_patch_block_of() */
-    size_t block_chunks, block_chunks_room;
+    sl_patch_block *block;       /* one for four patches: sl_patch_block_of() */
     uint32_t first_free;         /* blocks that are not in use, by their patches' child */
-    /* those given back since the last build of the display, and since the one before */
-    uint32_t resting[2];
     uint32_t last_root_block;    /* first patch of the block that new roots go to */
     sl_patch_vertex *vertex;
     float *value;                /* by vertex, so many channels each */
@@ -159,7 +151,7 @@ static inline int sl_patch_corners(const sl_patches *p, uint32_t patch) {
     return p->patch[patch].flags & SL_PATCH_TRIANGLE ? 3 : 4;
 }
 static inline sl_patch_block *sl_patch_block_of(const sl_patches *p, uint32_t patch) {
-    return &p->block_chunk[patch / (4 * SL_BLOCKS_A_CHUNK)][patch / 4 % SL_BLOCKS_A_CHUNK];
+    return &p->block[patch / 4];
 }
 static inline uint32_t sl_patch_parent(const sl_patches *p, uint32_t patch) {
     return sl_patch_block_of(p, patch)->parent;
@@ -230,9 +222,6 @@ sl_status sl_patch_split_at(sl_patches *patches, const sl_patch_place *place, sl
 sl_status sl_patch_split(sl_patches *patches, uint32_t patch, sl_error *error);
 /* Removes all below it. Its pixels become those of what was below. */
 void sl_patch_drop_children(sl_patches *patches, uint32_t patch);
-/* Lets blocks given back before the last build of the display but one be used again: they are in no copy any
- * more. */
-void sl_patches_rested(sl_patches *patches);
 
 /* Returns the vertex at a place, or SL_NO_INDEX. */
 uint32_t sl_vertex_find(const sl_patches *patches, sl_root_place place);

@@ -23,7 +23,7 @@ bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_b
 static void release_copy(sl_display_copy *copy) {
     sl_free(copy->root);
     sl_free(copy->word);
-    sl_free(copy->chunk);
+    sl_free(copy->middle);
     sl_free(copy->value);
     sl_free(copy->fans.spoke);
 }
@@ -86,7 +86,7 @@ size_t sl_display_memory_bytes(const sl_display *d) {
     size_t bytes = d->root_count * sizeof *d->root;
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
-        bytes += c->patch_capacity * sizeof *c->word + c->chunk_capacity * sizeof *c->chunk +
+        bytes += c->patch_capacity * sizeof *c->word + c->block_capacity * sizeof *c->middle +
                  c->vertex_capacity * c->channels * sizeof *c->value;
         bytes += c->fans.capacity * sizeof *c->fans.spoke;
     }
@@ -101,11 +101,9 @@ static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
     bool ok = sl_display_grow(&copy->word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
               sl_display_grow(&copy->value, &copy->vertex_capacity, p->vertex_count,
                               copy->channels * sizeof *copy->value) &&
-              sl_display_grow(&copy->chunk, &copy->chunk_capacity, p->block_chunks, sizeof *copy->chunk);
+              sl_display_grow(&copy->middle, &copy->block_capacity, p->patch_count / 4, sizeof *copy->middle);
     if (!ok) return false;
     for (size_t i = copy->patch_count; i < p->patch_count; i++) copy->word[i] = SL_DISPLAY_LEAF;
-    for (; copy->chunk_count < p->block_chunks; copy->chunk_count++)
-        copy->chunk[copy->chunk_count] = p->block_chunk[copy->chunk_count];
     copy->patch_count = p->patch_count;
     copy->vertex_count = p->vertex_count;
     return true;
@@ -141,6 +139,7 @@ static bool update_patch(sl_display_copy *copy, const sl_patches *p, uint32_t pa
     if (!sl_patch_is_alive(p, patch)) return true;
     if (sl_patch_is_leaf(p, patch)) return put_fan(&copy->fans, p, patch, word);
     *word = p->patch[patch].child / 4;
+    memcpy(copy->middle[*word], p->block[*word].middle, sizeof copy->middle[0]);
     return true;
 }
 
@@ -205,7 +204,6 @@ sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, 
     copy->builds = ++d->builds;
     for (size_t i = 0; i < p->patch_count; i++)
         p->patch[i].flags &= ~((uint32_t)SL_PATCH_DIRTY_FIRST << (copy - d->copy));
-    sl_patches_rested(p);
     sl_display_swap(d);
     return SL_OK;
 }

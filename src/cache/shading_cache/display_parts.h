@@ -54,10 +54,8 @@ typedef struct sl_display_copy {
     size_t root_count;
     uint32_t *word;            /* by patch, numbered as in sl_patches */
     size_t patch_count, patch_capacity;
-    /* those of sl_patches, for the vertices that splits have made: as they stay while anything here names
-     * them, both copies share them */
-    const sl_patch_block **chunk;
-    size_t chunk_count, chunk_capacity;
+    uint32_t (*middle)[5];     /* by block of four patches: the vertices that the split has made */
+    size_t block_capacity;
     size_t channels;           /* as in sl_patches: 3 or 6 */
     float *value;              /* by vertex: E, and L_s after it */
     size_t vertex_count, vertex_capacity;
@@ -100,12 +98,6 @@ struct sl_display {
     sl_display_root *root;
     size_t root_count;
 };
-
-/* The vertices that the split which made four children has added. Their other corners are their parent's,
- * which who looks for a leaf knows already. */
-static inline const uint32_t *sl_display_middles(const sl_display_copy *copy, uint32_t block) {
-    return copy->chunk[block / SL_BLOCKS_A_CHUNK][block % SL_BLOCKS_A_CHUNK].middle;
-}
 
 /* arrays.c: grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in
  * sl_regrow(). */

@@ -122,16 +122,14 @@ static inline void sl_leaf_corners(const sl_display_copy *copy, const sl_leaf *l
     int depth = leaf->depth;
     uint32_t own = depth > 0 ? leaf->child[depth] : 4;
     for (int c = 0; c < 4; c++) {
-        vertex[c] = depth > 0 ? sl_display_middles(copy, leaf->block[depth])[made[leaf->triangle][own][c]]
+        vertex[c] = depth > 0 ? copy->middle[leaf->block[depth]][made[leaf->triangle][own][c]]
                               : leaf->root->vertex[c];
     }
     if (own >= (leaf->triangle ? 3u : 4u)) return;
     do depth--;
     while (depth > 0 && leaf->child[depth] == own);
-    vertex[own] =
-        depth > 0
-            ? sl_display_middles(copy, leaf->block[depth])[made[leaf->triangle][leaf->child[depth]][own]]
-            : leaf->root->vertex[own];
+    vertex[own] = depth > 0 ? copy->middle[leaf->block[depth]][made[leaf->triangle][leaf->child[depth]][own]]
+                            : leaf->root->vertex[own];
 }
 
 /* ---- what it shows --------------------------------------------------------------------------- */

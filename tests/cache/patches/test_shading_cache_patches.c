@@ -421,28 +421,6 @@ static void eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in
     hierarchy_discard(&h);
 }
 
-/* Frames may be drawn from what the display knew before. */
-static void children_that_were_dropped_leave_room_after_two_builds_of_the_display_and_not_before(
-    void **state) {
-    (void)state;
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    sl_patches *p = h.patches;
-    uint32_t root = want_root(&h, 0);
-    split_levels(&h, root, 2);
-    uint32_t first = p->patch[root].child, dropped = p->patch[first].child;
-    const uint32_t *middle = sl_patch_block_of(p, dropped)->middle, before[2] = {middle[0], middle[4]};
-    sl_patch_drop_children(p, first);
-    for (int builds = 0; builds < 3; builds++) {
-        uint32_t leaf = p->patch[p->patch[root].child + 1 + (uint32_t)builds].child;
-        split(&h, leaf);
-        assert_int_equal(p->patch[leaf].child == dropped, builds == 2);
-        assert_int_equal(middle[0] == before[0] && middle[4] == before[1], builds < 2);
-        assert_sound(p);
-        sl_patches_rested(p);
-    }
-    hierarchy_discard(&h);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_square_split_to_depth_d_has_4_to_the_d_leaves_and_a_grid_of_vertices),
@@ -461,8 +439,6 @@ int main(void) {
         cmocka_unit_test(patches_are_not_split_where_floats_cannot_tell_their_corners_apart),
         cmocka_unit_test(eviction_takes_what_was_not_seen_for_longest_down_to_nine_tenths),
         cmocka_unit_test(eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in_view),
-        cmocka_unit_test(
-            children_that_were_dropped_leave_room_after_two_builds_of_the_display_and_not_before),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -117,7 +117,7 @@ static void a_still_scene_never_seems_to_change(void **state) {
 /* What a picture takes beyond what it takes before its
  * first split (both copies of the display there, the list of visible leaves, too), for each patch that splits
  * have made. */
-static void a_patch_takes_at_most_115_bytes_with_both_copies_of_the_display_and_all_else_that_grows(
+static void a_patch_takes_at_most_125_bytes_with_both_copies_of_the_display_and_all_else_that_grows(
     void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
@@ -139,7 +139,7 @@ static void a_patch_takes_at_most_115_bytes_with_both_copies_of_the_display_and_
     double patches = 4.0 * (double)count[SL_COUNT_SPLITS] - (double)count[SL_COUNT_PATCHES_EVICTED];
     double bytes = ((double)sl_method_memory_bytes(method) - before) / patches;
     print_message("%.0f patches, %.1f bytes each\n", patches, bytes);
-    assert_true(patches >= 20000.0 && bytes <= 115.0);
+    assert_true(patches >= 20000.0 && bytes <= 125.0);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
 }
@@ -151,7 +151,7 @@ int main(void) {
         cmocka_unit_test(a_moved_object_is_shown_in_its_place_at_once),
         cmocka_unit_test(a_still_scene_never_seems_to_change),
         cmocka_unit_test(
-            a_patch_takes_at_most_115_bytes_with_both_copies_of_the_display_and_all_else_that_grows),
+            a_patch_takes_at_most_125_bytes_with_both_copies_of_the_display_and_all_else_that_grows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
