@@ -64,8 +64,14 @@ static inline void split_levels(hierarchy *h, uint32_t patch, int levels) {
 /* Lists what hangs on an edge of a leaf; at: or NULL. */
 static inline size_t hanging_on(const sl_patches *p, const sl_patch_place *leaf, int edge, uint32_t *vertex,
                                 uint16_t *at, size_t room) {
-    const sl_hanging list = {vertex, at, room, SL_PATCH_DYADIC, 0};
-    return sl_patch_hanging(p, leaf, edge, &list);
+    sl_fan_spoke spoke[4 * SL_HANGING_MOST];
+    size_t all = sl_patch_spokes(p, leaf, SL_PATCH_DEPTH_MAX, 0, spoke), count = 0;
+    for (size_t i = 0; i < all && count < room; i++) {
+        if (spoke[i].edge != edge) continue;
+        if (at) at[count] = spoke[i].along;
+        vertex[count++] = spoke[i].vertex;
+    }
+    return count;
 }
 
 static inline int deepest(const sl_patches *p) {

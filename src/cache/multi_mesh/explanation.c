@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "cache/multi_mesh/direct.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
-#include "cache/patches/fan.h"
 
 /* ---- a pixel's vertices ---- */
 
@@ -25,49 +24,19 @@ static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel
     return false;
 }
 
-/* Gives the ends of the piece of an edge on which a point lies; returns how far along that it is. */
-static double piece_of(const sl_displayed *d, const sl_patch_place *place, int edge, double along,
-                       uint32_t end[2]) {
-    const double whole = SL_FAN_EDGE - 1;
-    sl_edge_vertices list = {.count = 0};
-    int low = -1;
-    if (d->settings.hanging) sl_mesh_edge_vertices(d->mesh, place, edge, &list);
-    while (low + 1 < list.count && (double)list.at[low + 1] <= whole * along) low++;
-    double from = low < 0 ? 0.0 : list.at[low], to = low + 1 < list.count ? list.at[low + 1] : whole;
-    end[0] = low < 0 ? sl_patch_corner(d->mesh, place->patch, (edge + 1) % 3) : list.vertex[low];
-    end[1] = low + 1 < list.count ? list.vertex[low + 1]
-                                  : sl_patch_corner(d->mesh, place->patch, (edge + 2) % 3);
-    return (whole * along - from) / (to - from);
-}
-
 /* The mean of the known corners stands in for one that is of no use. */
-static void share(const sl_displayed *d, const sl_patch_place *place, uint32_t vertex, double weight,
-                  sl_vertex_shares *shares) {
-    uint32_t known[3];
-    size_t count = 0;
-    if (sl_mesh_state(d->mesh, vertex) == SL_VERTEX_KNOWN) {
-        sl_share_add(shares, vertex, weight);
-        return;
+static sl_vertex_shares known_shares(const sl_patches *mesh, const sl_mesh_fan *fan, float a, float b) {
+    static const uint32_t corner[3] = {0, 1, 2};
+    sl_vertex_shares all = sl_leaf_shares(3, corner, fan->count, fan->spoke, a, b), shares = {.count = 0};
+    bool known[3];
+    for (int c = 0; c < 3; c++) known[c] = sl_mesh_state(mesh, fan->vertex[c]) == SL_VERTEX_KNOWN;
+    for (size_t i = 0; i < all.count; i++) {
+        uint32_t from = all.vertex[i];
+        bool itself = from > 2 || known[from];
+        if (itself) sl_share_add(&shares, fan->vertex[from], all.weight[i]);
+        for (int c = 0; c < 3 && !itself; c++)
+            if (known[c]) sl_share_add(&shares, fan->vertex[c], all.weight[i] / (known[0] + known[1] + known[2]));
     }
-    for (int c = 0; c < 3; c++) {
-        known[count] = sl_patch_corner(d->mesh, place->patch, c);
-        count += sl_mesh_state(d->mesh, known[count]) == SL_VERTEX_KNOWN;
-    }
-    for (size_t i = 0; i < count; i++) sl_share_add(shares, known[i], weight / (double)count);
-}
-
-/* Weighs a leaf's vertices as mesh.c interpolates: from the centre, the mean of the corners, to an edge. */
-static sl_vertex_shares shares_at(const sl_displayed *d, const sl_patch_place *place, float w1, float w2) {
-    float own_w1, own_w2;
-    sl_mesh_weights_within(place, w1, w2, &own_w1, &own_w2);
-    sl_fan_place fan = sl_fan_place_of(true, own_w1, own_w2);
-    sl_vertex_shares shares = {.count = 0};
-    uint32_t end[2];
-    double out = (double)fan.out, along = piece_of(d, place, (fan.edge + 2) % 3, (double)fan.along, end);
-    for (int c = 0; c < 3; c++)
-        share(d, place, sl_patch_corner(d->mesh, place->patch, c), (1.0 - out) / 3.0, &shares);
-    share(d, place, end[0], out * (1.0 - along), &shares);
-    share(d, place, end[1], out * along, &shares);
     return shares;
 }
 
@@ -133,11 +102,12 @@ static void tell_part(const telling *t, sl_component part) {
     float w1 = d->pixels->w1[at], w2 = d->pixels->w2[at];
     sl_patch_place place = sl_mesh_locate(d->mesh, face, w1, w2);
     sl_mesh_fan fan;
-    if (!sl_mesh_fan_shown(d->mesh, &place, false, &fan)) {
+    if (!sl_mesh_fan_shown(d->mesh, &place, d->settings.hanging, &fan)) {
         if (part == SL_INDIRECT) tell_ambient(t, reflectance);
         return;
     }
-    sl_vertex_shares all = shares_at(d, &place, w1, w2);
+    sl_mesh_weights_within(&place, w1, w2, &w1, &w2);
+    sl_vertex_shares all = known_shares(d->mesh, &fan, w1, w2);
     for (size_t i = 0; i < all.count; i++)
         if (all.weight[i] != 0.0) tell_vertex(t, part, all.vertex[i], all.weight[i], reflectance);
 }

@@ -10,6 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "cache/patches/primitives.h"
+
 typedef struct sl_fan_place {
     int edge;
     float along, out;
@@ -30,19 +32,46 @@ static inline sl_fan_place sl_fan_place_of(bool triangle, float a, float b) {
                           from + to < 1.0f ? from + to : 1.0f};
 }
 
-/* What vertices add to a pixel: of a leaf's corners, and of the ends of a piece of its edge. */
+/* A vertex on an edge of a leaf, so far along it in 1/SL_PATCH_DYADIC. */
+typedef struct sl_fan_spoke {
+    uint32_t vertex;
+    uint16_t edge, along;
+} sl_fan_spoke;
+
+/* Gives the ends of the piece of the edge on which a place lies; returns how far along the piece it is. Spokes
+ * are in order around the leaf. */
+static inline float sl_fan_piece(int corners, const uint32_t *corner, size_t count, const sl_fan_spoke *spoke,
+                                 const sl_fan_place *place, uint32_t end[2]) {
+    const int32_t whole_edge = SL_PATCH_DYADIC;
+    float along = place->along * (float)whole_edge;
+    int32_t whole = (int32_t)along, low = 0, high = whole_edge, next = place->edge + 1;
+    uint32_t from = corner[place->edge], to = corner[next == corners ? 0 : next];
+    /* no choice of ways, but of numbers: nobody could guess the ways */
+    for (size_t k = 0; k < count; k++) {
+        int32_t at = spoke[k].along;
+        bool here = spoke[k].edge == place->edge, before = here & (at <= whole),
+             beyond = here & (at > whole) & (at < high);
+        low = before ? at : low;
+        from = before ? spoke[k].vertex : from;
+        high = beyond ? at : high;
+        to = beyond ? spoke[k].vertex : to;
+    }
+    end[0] = from;
+    end[1] = to;
+    return (along - (float)low) / (float)(high - low);
+}
+
+/* The part of a leaf's vertices in what a place shows: of its corners, and of the ends of a piece of an edge.
+ */
 typedef struct sl_vertex_shares {
     size_t count;
     uint32_t vertex[6];
     double weight[6];
 } sl_vertex_shares;
-
-static inline void sl_share_add(sl_vertex_shares *s, uint32_t vertex, double weight) {
-    size_t at = 0;
-    while (at < s->count && s->vertex[at] != vertex) at++;
-    if (at == s->count) s->weight[s->count++] = 0.0;
-    s->vertex[at] = vertex;
-    s->weight[at] += weight;
-}
+void sl_share_add(sl_vertex_shares *shares, uint32_t vertex, double weight);
+/* Returns those at a place (a, b) of a leaf, as sl_fan_place_of() has it; count 0: there are no spokes, and
+ * the leaf is linear or bilinear. */
+sl_vertex_shares sl_leaf_shares(int corners, const uint32_t *corner, size_t count, const sl_fan_spoke *spoke,
+                                float a, float b);
 
 #endif

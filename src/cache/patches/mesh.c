@@ -5,8 +5,6 @@
 
 #include <math.h>
 
-#include "cache/patches/fan.h"
-
 /* ---- splits, points -------------------------------------------------------------------------- */
 
 /* Corner c of a child in four keeps the edge opposite to c half, unless c is the corner that it shares with
@@ -132,48 +130,30 @@ static bool read_corners(const sl_patches *mesh, const sl_patch_place *leaf, sl_
     bool invalid[3];
     float sum[3] = {0.0f, 0.0f, 0.0f};
     for (int c = 0; c < 3; c++) {
-        uint32_t vertex = sl_patch_corner(mesh, leaf->patch, c);
+        uint32_t vertex = fan->vertex[c] = sl_patch_corner(mesh, leaf->patch, c);
         if (!sl_mesh_is_sampled(mesh, vertex)) return false;
         invalid[c] = sl_mesh_state(mesh, vertex) == SL_VERTEX_INVALID;
         known += !invalid[c];
         for (int i = 0; i < fan->channels && !invalid[c]; i++)
-            sum[i] += fan->corner[c][i] = sl_vertex_value(mesh, vertex)[i];
+            sum[i] += fan->value[c][i] = sl_vertex_value(mesh, vertex)[i];
     }
     for (int c = 0; c < 3 && known > 0; c++)
-        for (int i = 0; i < fan->channels && invalid[c]; i++) fan->corner[c][i] = sum[i] / (float)known;
+        for (int i = 0; i < fan->channels && invalid[c]; i++) fan->value[c][i] = sum[i] / (float)known;
     return known > 0;
-}
-
-void sl_mesh_edge_vertices(const sl_patches *mesh, const sl_patch_place *leaf, int edge,
-                           sl_edge_vertices *list) {
-    const sl_hanging known = {list->vertex, list->at, SL_FAN_EDGE - 2, SL_FAN_EDGE - 1, SL_VERTEX_KNOWN};
-    list->count = (int)sl_patch_hanging(mesh, leaf, (edge + 1) % 3, &known);
-}
-
-static void append(sl_mesh_fan *fan, int edge, int at, const float *value) {
-    int n = fan->points[edge]++;
-    fan->along[edge][n] = (float)at / (float)(SL_FAN_EDGE - 1);
-    for (int i = 0; i < fan->channels; i++) fan->on_edge[edge][n][i] = value[i];
 }
 
 bool sl_mesh_fan_make(const sl_patches *mesh, const sl_patch_place *leaf, bool hanging, sl_mesh_fan *fan) {
     fan->channels = mesh->settings.channels;
-    fan->hanging = false;
     if (!read_corners(mesh, leaf, fan)) return false;
     for (int i = 0; i < fan->channels; i++) {
-        float first = fan->corner[0][i];
-        fan->centre[i] = first + ((fan->corner[1][i] - first) + (fan->corner[2][i] - first)) * (1.0f / 3.0f);
+        float first = fan->value[0][i];
+        fan->centre[i] = first + ((fan->value[1][i] - first) + (fan->value[2][i] - first)) * (1.0f / 3.0f);
     }
-    for (int edge = 0; edge < 3; edge++) {
-        sl_edge_vertices list;
-        list.count = 0;
-        if (hanging) sl_mesh_edge_vertices(mesh, leaf, edge, &list);
-        fan->hanging = fan->hanging || list.count > 0;
-        fan->points[edge] = 0;
-        append(fan, edge, 0, fan->corner[(edge + 1) % 3]);
-        for (int i = 0; i < list.count; i++)
-            append(fan, edge, list.at[i], sl_vertex_value(mesh, list.vertex[i]));
-        append(fan, edge, SL_FAN_EDGE - 1, fan->corner[(edge + 2) % 3]);
+    fan->count = hanging ? sl_patch_spokes(mesh, leaf, SL_FAN_LEVELS, SL_VERTEX_KNOWN, fan->spoke) : 0;
+    for (uint32_t k = 0; k < fan->count; k++) {
+        uint32_t vertex = fan->vertex[3 + k] = fan->spoke[k].vertex;
+        fan->spoke[k].vertex = 3 + k;
+        for (int i = 0; i < fan->channels; i++) fan->value[3 + k][i] = sl_vertex_value(mesh, vertex)[i];
     }
     return true;
 }
@@ -189,36 +169,24 @@ bool sl_mesh_fan_shown(const sl_patches *mesh, sl_patch_place *place, bool hangi
 
 static float clamp01(float x) { return x > 0.0f ? fminf(x, 1.0f) : 0.0f; }
 
-/* Piecewise linear between an edge's vertices, t from the first one. */
-static void edge_value(const sl_mesh_fan *fan, int edge, float t, float *value) {
-    const float *along = fan->along[edge];
-    int low = 0, high = fan->points[edge] - 1;
-    while (high - low > 1) {
-        int half = (low + high) / 2;
-        if (along[half] <= t) low = half;
-        else high = half;
-    }
-    float s = (t - along[low]) / (along[high] - along[low]);
-    for (int i = 0; i < fan->channels; i++) {
-        float a = fan->on_edge[edge][low][i], b = fan->on_edge[edge][high][i];
-        value[i] = s <= 0.5f ? a + s * (b - a) : b + (1.0f - s) * (a - b); /* exact at both ends */
-    }
-}
-
 void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value) {
+    static const uint32_t corner[3] = {0, 1, 2};
+    const float(*of)[3] = fan->value;
     w1 = clamp01(w1);
     w2 = clamp01(w2);
-    if (!fan->hanging) {
+    if (fan->count == 0) {
         for (int i = 0; i < fan->channels; i++)
-            value[i] = fan->corner[0][i] + (w1 * (fan->corner[1][i] - fan->corner[0][i]) +
-                                            w2 * (fan->corner[2][i] - fan->corner[0][i]));
+            value[i] = of[0][i] + (w1 * (of[1][i] - of[0][i]) + w2 * (of[2][i] - of[0][i]));
         return;
     }
     sl_fan_place at = sl_fan_place_of(true, w1, w2);
-    float on_edge[3];
-    edge_value(fan, (at.edge + 2) % 3, at.along, on_edge);
-    for (int i = 0; i < fan->channels; i++)
-        value[i] = fan->centre[i] + at.out * (on_edge[i] - fan->centre[i]);
+    uint32_t end[2];
+    float s = sl_fan_piece(3, corner, fan->count, fan->spoke, &at, end);
+    for (int i = 0; i < fan->channels; i++) {
+        float a = of[end[0]][i], b = of[end[1]][i];
+        float on_edge = s <= 0.5f ? a + s * (b - a) : b + (1.0f - s) * (a - b); /* exact at both ends */
+        value[i] = fan->centre[i] + at.out * (on_edge - fan->centre[i]);
+    }
 }
 
 bool sl_mesh_interpolate(const sl_patches *mesh, const sl_patch_place *leaf, float w1, float w2, bool hanging,

@@ -109,25 +109,16 @@ sl_mesh_point sl_mesh_point_nudged(const sl_patches *mesh, uint32_t vertex, sl_r
  * point of the edge opposite to that corner, and value = (1 - s) mean of the corners + s value on the edge,
  * which is piecewise linear between its known vertices (SL_FAN_LEVELS halvings deep, on either side of an
  * edge alike). */
-enum { SL_FAN_LEVELS = 6, SL_FAN_EDGE = (1 << SL_FAN_LEVELS) + 1 };
+enum { SL_FAN_LEVELS = 6, SL_FAN_VERTICES = 3 + 3 * ((1 << SL_FAN_LEVELS) - 1) };
 typedef struct sl_mesh_fan {
     int channels;
-    bool hanging;                          /* any edge has a known middle */
-    float corner[3][3], centre[3];         /* by corner, by channel */
-    /* on edge i, ends included, from corner i + 1 to corner i + 2 (mod 3) */
-    int points[3];
-    float along[3][SL_FAN_EDGE];           /* 0 to 1 */
-    float on_edge[3][SL_FAN_EDGE][3];
+    size_t count;                          /* spokes */
+    /* the leaf's corners, then what hangs on its edges and is known: spokes name these by their number here */
+    uint32_t vertex[SL_FAN_VERTICES];
+    float value[SL_FAN_VERTICES][3];
+    sl_fan_spoke spoke[SL_FAN_VERTICES - 3];
+    float centre[3];
 } sl_mesh_fan;
-/* The known vertices between the ends of an edge of a leaf that make its fan, and where they are in
- * 1/2^SL_FAN_LEVELS. */
-typedef struct sl_edge_vertices {
-    int count;
-    uint32_t vertex[SL_FAN_EDGE - 2];
-    uint16_t at[SL_FAN_EDGE - 2];
-} sl_edge_vertices;
-void sl_mesh_edge_vertices(const sl_patches *mesh, const sl_patch_place *leaf, int edge,
-                           sl_edge_vertices *list);
 /* hanging: false ignores what lies on edges. Where a corner is not known yet, or all are invalid: false. */
 bool sl_mesh_fan_make(const sl_patches *mesh, const sl_patch_place *leaf, bool hanging, sl_mesh_fan *fan);
 /* The same of the nearest of a patch and its ancestors that has one, as it is shown. */

@@ -83,54 +83,60 @@ static void mark(sl_patches *p, const sl_patch_place *leaf, void *context) {
 
 void sl_patches_touch(sl_patches *p, sl_root_place place) { sl_patches_visit_around(p, place, mark, NULL); }
 
-/* ---- vertices along an edge ------------------------------------------------------------------ */
+/* ---- vertices along edges -------------------------------------------------------------------- */
 
 typedef struct edge_walk {
     const sl_patches *patches;
-    const sl_hanging *list;
     uint32_t corner;             /* a vertex that the edge begins with */
+    uint32_t state, shortest;
+    int edge;
     size_t count;
+    sl_fan_spoke *spoke;
 } edge_walk;
 
-/* Lists those between two places, the stretch being `length` parts from `first` on. Finer leaves beside it
+/* Lists those between two places, which are so far along the edge and so far apart. Finer leaves beside it
  * have its middle for a corner, and only then may they have the middles of its halves. */
-static void walk_edge(edge_walk *w, sl_root_place from, sl_root_place to, uint32_t first, uint32_t length) {
+static void walk_edge(edge_walk *w, sl_root_place from, sl_root_place to, uint32_t along, uint32_t length) {
     uint32_t u = (uint32_t)from.u + to.u, v = (uint32_t)from.v + to.v;
-    if (length < 2 || (u | v) % 2 != 0 || w->count == w->list->room) return;
+    if (length < w->shortest || (u | v) % 2 != 0 || w->count == SL_HANGING_MOST) return;
     sl_root_place middle = {from.root, (uint16_t)(u / 2), (uint16_t)(v / 2)};
-    uint32_t vertex = sl_vertex_find(w->patches, middle);
+    uint32_t vertex = sl_vertex_find(w->patches, middle), half = length / 2;
     if (vertex == SL_NO_INDEX || vertex == w->corner) return; /* the latter: the edge is one point */
     const sl_patch_vertex *at = &w->patches->vertex[vertex];
-    if (w->list->state && at->evaluated != w->list->state) return;
-    if (at->halved) walk_edge(w, from, middle, first, length / 2);
-    if (w->count == w->list->room) return;
-    if (w->list->at) w->list->at[w->count] = (uint16_t)(first + length / 2);
-    w->list->vertex[w->count++] = vertex;
-    if (at->halved) walk_edge(w, middle, to, first + length / 2, length / 2);
+    if (w->state && at->evaluated != w->state) return;
+    if (at->halved) walk_edge(w, from, middle, along, half);
+    if (w->count == SL_HANGING_MOST) return;
+    w->spoke[w->count++] = (sl_fan_spoke){vertex, (uint16_t)w->edge, (uint16_t)(along + half)};
+    if (at->halved) walk_edge(w, middle, to, along + half, half);
 }
 
-size_t sl_patch_hanging(const sl_patches *p, const sl_patch_place *leaf, int edge, const sl_hanging *list) {
-    int next = (edge + 1) % leaf->corners;
-    edge_walk walk = {p, list, sl_patch_corner(p, leaf->patch, edge), 0};
-    walk_edge(&walk, (sl_root_place){leaf->root, leaf->u[edge], leaf->v[edge]},
-              (sl_root_place){leaf->root, leaf->u[next], leaf->v[next]}, 0, list->parts);
-    return walk.count;
+size_t sl_patch_spokes(const sl_patches *p, const sl_patch_place *leaf, int levels, uint32_t state,
+                       sl_fan_spoke *spoke) {
+    size_t count = 0;
+    for (int edge = 0; edge < leaf->corners; edge++) {
+        int next = (edge + 1) % leaf->corners;
+        edge_walk walk = {p, sl_patch_corner(p, leaf->patch, edge), state, 2u * (SL_PATCH_DYADIC >> levels),
+                          edge, 0, spoke + count};
+        walk_edge(&walk, (sl_root_place){leaf->root, leaf->u[edge], leaf->v[edge]},
+                  (sl_root_place){leaf->root, leaf->u[next], leaf->v[next]}, 0, SL_PATCH_DYADIC);
+        count += walk.count;
+    }
+    return count;
 }
 
 uint32_t sl_leaf_oldest(const sl_patches *p, uint32_t leaf) {
-    uint32_t oldest = UINT32_MAX, vertex[SL_HANGING_MOST];
-    const sl_hanging list = {.vertex = vertex, .room = SL_HANGING_MOST, .parts = SL_PATCH_DYADIC};
+    uint32_t oldest = UINT32_MAX;
+    sl_fan_spoke spoke[4 * SL_HANGING_MOST];
     for (int c = 0; c < sl_patch_corners(p, leaf); c++) {
         uint32_t evaluated = p->vertex[sl_patch_corner(p, leaf, c)].evaluated;
         oldest = evaluated < oldest ? evaluated : oldest;
     }
+    if (oldest == SL_VERTEX_NEVER) return oldest;
     sl_patch_place place = sl_patch_place_of(p, leaf);
-    for (int e = 0; e < place.corners && oldest != SL_VERTEX_NEVER; e++) {
-        size_t count = sl_patch_hanging(p, &place, e, &list);
-        for (size_t i = 0; i < count; i++) {
-            uint32_t evaluated = p->vertex[vertex[i]].evaluated;
-            if (evaluated != SL_VERTEX_NEVER && evaluated < oldest) oldest = evaluated;
-        }
+    size_t count = sl_patch_spokes(p, &place, SL_PATCH_DEPTH_MAX, 0, spoke);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t evaluated = p->vertex[spoke[i].vertex].evaluated;
+        if (evaluated != SL_VERTEX_NEVER && evaluated < oldest) oldest = evaluated;
     }
     return oldest;
 }

@@ -56,14 +56,11 @@ static void extrapolate(sl_patches *p, uint32_t vertex) {
 
 /* To its corners, and to what hangs on its edges: that has the leaf around it, too. */
 static void extrapolate_leaf(sl_patches *p, uint32_t leaf) {
-    uint32_t vertex[SL_HANGING_MOST];
-    const sl_hanging list = {.vertex = vertex, .room = SL_HANGING_MOST, .parts = SL_PATCH_DYADIC};
+    sl_fan_spoke spoke[4 * SL_HANGING_MOST];
     sl_patch_place place = sl_patch_place_of(p, leaf);
-    for (int e = 0; e < place.corners; e++) {
-        size_t count = sl_patch_hanging(p, &place, e, &list);
-        extrapolate(p, sl_patch_corner(p, leaf, e));
-        for (size_t i = 0; i < count; i++) extrapolate(p, vertex[i]);
-    }
+    size_t count = sl_patch_spokes(p, &place, SL_PATCH_DEPTH_MAX, 0, spoke);
+    for (int c = 0; c < place.corners; c++) extrapolate(p, sl_patch_corner(p, leaf, c));
+    for (size_t i = 0; i < count; i++) extrapolate(p, spoke[i].vertex);
 }
 
 /* Values come from vertices with light of their own, so the order does not matter. */

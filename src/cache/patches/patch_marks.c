@@ -1,4 +1,4 @@
-/* The edges of leaves as marks, for those who look on. */
+/* For those who look on: the edges of leaves as marks, and the shares of vertices in what a place shows. */
 #include <stdlib.h>
 
 #include "base/memory.h"
@@ -47,4 +47,35 @@ sl_mark *sl_patches_edge_marks(const sl_patches *p, const sl_edge_marking *how, 
         if (i == 0 || pair[i] != pair[i - 1]) marks[(*count)++] = mark_of(p, how, pair[i]);
     sl_free(pair);
     return marks;
+}
+
+/* ---- shares ---------------------------------------------------------------------------------- */
+
+void sl_share_add(sl_vertex_shares *s, uint32_t vertex, double weight) {
+    size_t at = 0;
+    while (at < s->count && s->vertex[at] != vertex) at++;
+    if (at == s->count) s->weight[s->count++] = 0.0;
+    s->vertex[at] = vertex;
+    s->weight[at] += weight;
+}
+
+/* Of a fan: from the centre, the mean of the corners, to a piece of an edge. */
+sl_vertex_shares sl_leaf_shares(int corners, const uint32_t *corner, size_t count, const sl_fan_spoke *spoke,
+                                float a, float b) {
+    sl_vertex_shares s = {.count = 0};
+    bool triangle = corners == 3;
+    double x = (double)a, y = (double)b;
+    if (count == 0) {
+        const double linear[4] = {1.0 - x - y, x, y, 0.0},
+                     bilinear[4] = {(1.0 - x) * (1.0 - y), x * (1.0 - y), x * y, (1.0 - x) * y};
+        for (int c = 0; c < corners; c++) sl_share_add(&s, corner[c], (triangle ? linear : bilinear)[c]);
+        return s;
+    }
+    sl_fan_place place = sl_fan_place_of(triangle, a, b);
+    uint32_t end[2];
+    double along = (double)sl_fan_piece(corners, corner, count, spoke, &place, end), out = (double)place.out;
+    for (int c = 0; c < corners; c++) sl_share_add(&s, corner[c], (1.0 - out) / corners);
+    sl_share_add(&s, end[0], out * (1.0 - along));
+    sl_share_add(&s, end[1], out * along);
+    return s;
 }

@@ -20,12 +20,14 @@
  *   patch_around.c     leaves around a vertex, vertices along a leaf's edge
  *   patch_extrapolate.c     vertices without light of their own
  *   patch_evict.c      children that nobody has seen for long, or that are below a pixel
- *   patch_marks.c      edges as those who look on are shown them
+ *   fan.h              where vertices lie on leaves' edges
+ *   patch_marks.c      edges and shares as those who look on are shown them
  *   screen_size.c      sizes in the picture
  *   mesh.h             values between vertices, for multi-mesh caching */
 #ifndef SL_PATCHES_PATCHES_H
 #define SL_PATCHES_PATCHES_H
 
+#include "cache/patches/fan.h"
 #include "cache/patches/primitives.h"
 #include "cache/patches/screen_size.h"
 
@@ -242,23 +244,17 @@ static inline bool sl_middle_place(const sl_patch_place *place, int a, int b, sl
  * been evaluated the nearest ancestor whose corners all are stands in; false: there is none. */
 bool sl_patch_value(const sl_patches *patches, const sl_patch_place *leaf, double u, double v, float *value);
 
-/* Lists vertices that lie on edge i of a leaf (corner i to i + 1), between its ends, in order; for leaves
- * beside finer ones. At most `room`. at: how far along the edge each lies, in 1/parts of it (a power of two),
- * or NULL; those that lie on no such part are left out. state: only those whose `evaluated` is that, or 0. */
-typedef struct sl_hanging {
-    uint32_t *vertex;
-    uint16_t *at;
-    size_t room;
-    uint32_t parts, state;
-} sl_hanging;
-size_t sl_patch_hanging(const sl_patches *patches, const sl_patch_place *leaf, int edge,
-                        const sl_hanging *list);
+/* Lists the vertices on a leaf's edges, between their ends, that finer leaves beside it have: edge by edge (i
+ * from corner i to i + 1), in order. levels: halvings of an edge that are looked at. state: only those whose
+ * `evaluated` is that, or 0. spoke has room for SL_HANGING_MOST for each edge, which are all that are listed,
+ * or for 2^levels - 1 if that is less. */
+enum { SL_HANGING_MOST = 1024 };
+size_t sl_patch_spokes(const sl_patches *patches, const sl_patch_place *leaf, int levels, uint32_t state,
+                       sl_fan_spoke *spoke);
 
 /* Returns when the oldest of all that a leaf shows was evaluated: of its corners (SL_VERTEX_NEVER: one never
  * was), and of what hangs on its edges and was evaluated at all. */
 uint32_t sl_leaf_oldest(const sl_patches *patches, uint32_t leaf);
-/* Vertices on a leaf's edges that are looked at for that. */
-enum { SL_HANGING_MOST = 1024 };
 
 /* Visits all leaves around a place of a root, of all roots that meet there; one may come twice. */
 typedef void sl_leaf_visitor(sl_patches *patches, const sl_patch_place *leaf, void *context);

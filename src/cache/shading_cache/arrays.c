@@ -109,26 +109,17 @@ static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
     return true;
 }
 
-/* Of an edge no more than SL_HANGING_MOST are shown. */
 static bool put_fan(sl_fans *fans, const sl_patches *p, uint32_t patch, uint32_t *word) {
-    uint32_t vertex[SL_HANGING_MOST];
-    uint16_t along[SL_HANGING_MOST];
-    const sl_hanging list = {vertex, along, SL_HANGING_MOST, SL_PATCH_DYADIC, 0};
+    sl_fan_spoke spoke[4 * SL_HANGING_MOST];
     sl_patch_place leaf = sl_patch_place_of(p, patch);
-    size_t first = fans->used, end = first + 1;
-    for (int edge = 0; edge < leaf.corners; edge++) {
-        size_t count = sl_patch_hanging(p, &leaf, edge, &list);
-        if (count == 0) continue;
-        if (end + count >= SL_FAN_BIT ||
-            !sl_display_grow(&fans->spoke, &fans->capacity, end + count, sizeof *fans->spoke))
-            return false;
-        for (size_t k = 0; k < count; k++)
-            fans->spoke[end++] = (sl_fan_spoke){vertex[k], (uint16_t)edge, along[k]};
-    }
-    if (end == first + 1) return true;
-    fans->spoke[first] = (sl_fan_spoke){.vertex = (uint32_t)(end - first - 1)};
+    size_t count = sl_patch_spokes(p, &leaf, SL_PATCH_DEPTH_MAX, 0, spoke), end = fans->used + 1 + count;
+    if (count == 0) return true;
+    if (end > SL_FAN_BIT || !sl_display_grow(&fans->spoke, &fans->capacity, end, sizeof *fans->spoke))
+        return false;
+    fans->spoke[fans->used] = (sl_fan_spoke){.vertex = (uint32_t)count};
+    memcpy(&fans->spoke[fans->used + 1], spoke, count * sizeof *spoke);
+    *word = SL_FAN_BIT | (uint32_t)fans->used;
     fans->used = end;
-    *word = SL_FAN_BIT | (uint32_t)first;
     return true;
 }
 

@@ -19,11 +19,6 @@ typedef struct sl_display_root {
 
 /* Fans in one array: first the number of vertices that hang on the leaf's edges, in `vertex`, then these,
  * around the leaf. Those of leaves that have changed stay where they are until the copy is made anew. */
-typedef struct sl_fan_spoke {
-    uint32_t vertex;
-    uint16_t edge, along;      /* the latter in 1/SL_PATCH_DYADIC of the edge */
-} sl_fan_spoke;
-
 typedef struct sl_fans {
     sl_fan_spoke *spoke;
     size_t used, capacity, wasted;

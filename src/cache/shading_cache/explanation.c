@@ -6,38 +6,13 @@
 #include "base/math.h"
 #include "base/memory.h"
 
-/* ---- weights: those of sl_leaf_value() ---- */
-
-static void plain_shares(const sl_leaf *leaf, const uint32_t corner[4], sl_vertex_shares *s) {
-    double a = (double)leaf->a, b = (double)leaf->b;
-    if (leaf->triangle) {
-        const double weight[3] = {1.0 - a - b, a, b};
-        for (int c = 0; c < 3; c++) sl_share_add(s, corner[c], weight[c]);
-    } else {
-        const double weight[4] = {(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b};
-        for (int c = 0; c < 4; c++) sl_share_add(s, corner[c], weight[c]);
-    }
-}
-
-/* From the centre, the mean of the corners, to a piece of an edge. */
-static void fan_shares(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
-                       sl_vertex_shares *s) {
-    int corners = leaf->triangle ? 3 : 4;
-    sl_fan_place place = sl_fan_place_of(leaf->triangle, leaf->a, leaf->b);
-    uint32_t end[2];
-    double along = (double)sl_fan_piece(copy, leaf, corner, &place, end), out = (double)place.out;
-    for (int c = 0; c < corners; c++) sl_share_add(s, corner[c], (1.0 - out) / corners);
-    sl_share_add(s, end[0], out * (1.0 - along));
-    sl_share_add(s, end[1], out * along);
-}
-
+/* Those of sl_leaf_value(). */
 static sl_vertex_shares shares_of(const sl_display_copy *copy, const sl_leaf *leaf) {
-    sl_vertex_shares s = {.count = 0};
+    const sl_fan_spoke *fan = sl_is_fan_word(leaf->word) ? sl_fan_at(&copy->fans, leaf->word) : NULL;
     uint32_t corner[4];
     sl_leaf_corners(copy, leaf, corner);
-    if (sl_is_fan_word(leaf->word)) fan_shares(copy, leaf, corner, &s);
-    else plain_shares(leaf, corner, &s);
-    return s;
+    return sl_leaf_shares(leaf->triangle ? 3 : 4, corner, fan ? fan->vertex : 0, fan ? fan + 1 : NULL,
+                          leaf->a, leaf->b);
 }
 
 /* ---- terms ---- */

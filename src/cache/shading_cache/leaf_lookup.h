@@ -5,7 +5,6 @@
 
 #include <string.h>
 
-#include "cache/patches/fan.h"
 #include "cache/shading_cache/display_parts.h"
 
 /* Places in a root count in 2^-24: so many digits has a float below 1, and no leaf is smaller than 2^-14. All
@@ -140,27 +139,11 @@ static inline void sl_display_value(const sl_display_copy *copy, size_t colours,
     memcpy(value, copy->value + copy->channels * vertex, 3 * colours * sizeof *value);
 }
 
-/* Ends of the piece of the edge on which the place lies, and how far along the piece it is. The fan's
- * vertices are ordered around the leaf. */
-static inline float sl_fan_piece(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
-                                 const sl_fan_place *place, uint32_t end[2]) {
+/* Ends of the piece of the edge of a fan on which the place lies, and how far along the piece it is. */
+static inline float sl_leaf_piece(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
+                                  const sl_fan_place *place, uint32_t end[2]) {
     const sl_fan_spoke *fan = sl_fan_at(&copy->fans, leaf->word);
-    float along = place->along * (float)SL_PATCH_DYADIC;
-    int32_t whole = (int32_t)along, low = 0, high = SL_PATCH_DYADIC, next = place->edge + 1;
-    uint32_t from = corner[place->edge], to = corner[next == (leaf->triangle ? 3 : 4) ? 0 : next];
-    /* no choice of ways, but of numbers: nobody could guess the ways */
-    for (uint32_t k = 1; k <= fan->vertex; k++) {
-        int32_t at = fan[k].along;
-        bool here = fan[k].edge == place->edge, before = here & (at <= whole),
-             beyond = here & (at > whole) & (at < high);
-        low = before ? at : low;
-        from = before ? fan[k].vertex : from;
-        high = beyond ? at : high;
-        to = beyond ? fan[k].vertex : to;
-    }
-    end[0] = from;
-    end[1] = to;
-    return (along - (float)low) / (float)(high - low);
+    return sl_fan_piece(leaf->triangle ? 3 : 4, corner, fan->vertex, fan + 1, place, end);
 }
 
 /* The leaf's values as far as they do not depend on the place: k0 + a k1 + b k2 + a b k3, for each channel;
@@ -200,7 +183,7 @@ static inline void sl_leaf_value(const sl_display_copy *copy, size_t colours, co
     }
     sl_fan_place place = sl_fan_place_of(leaf->triangle, leaf->a, leaf->b);
     uint32_t end[2];
-    float along = sl_fan_piece(copy, leaf, field->corner, &place, end), from[6], to[6];
+    float along = sl_leaf_piece(copy, leaf, field->corner, &place, end), from[6], to[6];
     sl_display_value(copy, colours, end[0], from);
     sl_display_value(copy, colours, end[1], to);
     for (size_t i = 0; i < 3 * colours; i++) {

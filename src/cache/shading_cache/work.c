@@ -55,17 +55,13 @@ static void ask_for(worker *w, uint32_t vertex) {
 /* A leaf shows what hangs on its edges, too. What was evaluated there for neighbours that are seen no more
  * nobody else would ask for. Returns how many, so many at most. */
 static size_t ask_for_stale_hanging(worker *w, uint32_t patch) {
-    uint32_t vertex[SL_HANGING_MOST];
-    const sl_hanging list = {.vertex = vertex, .room = SL_HANGING_MOST, .parts = SL_PATCH_DYADIC};
-    size_t found = 0, most = SL_HANGING_A_PATCH;
+    sl_fan_spoke spoke[4 * SL_HANGING_MOST];
     sl_patch_place place = sl_patch_place_of(w->patches, patch);
-    for (int e = 0; e < place.corners; e++) {
-        size_t count = sl_patch_hanging(w->patches, &place, e, &list);
-        for (size_t i = 0; i < count && found < most; i++) {
-            if (!sl_vertex_is_stale(w->patches, w->settings, vertex[i])) continue;
-            ask_for(w, vertex[i]);
-            found++;
-        }
+    size_t found = 0, count = sl_patch_spokes(w->patches, &place, SL_PATCH_DEPTH_MAX, 0, spoke);
+    for (size_t i = 0; i < count && found < SL_HANGING_A_PATCH; i++) {
+        if (!sl_vertex_is_stale(w->patches, w->settings, spoke[i].vertex)) continue;
+        ask_for(w, spoke[i].vertex);
+        found++;
     }
     return found;
 }
