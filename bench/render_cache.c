@@ -340,7 +340,7 @@ static void meet(const render_cache *c, const sl_ray16 *ray, const sl_hit16 *hit
     sl_surface s;
     p->place[0] = hit->w1[lane], p->place[1] = hit->w2[lane], p->place[2] = 0.0f;
     sl_scene_surface(scene, p->triangle, p->place[0], p->place[1], sl_neg(d), &s);
-    q->point = (sl_root_point){s.position, s.normal, s.geometric_normal, p->triangle};
+    q->point = (sl_lit_point){s.position, s.normal, s.geometric_normal, p->triangle};
     q->material = s.material;
     q->eye = scene->camera.eye;
     q->radiance = sl_material_is_glossy(s.material) || sl_material_is_mirror(s.material);

@@ -106,11 +106,6 @@ sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, c
     return (sl_rgb){(float)sum[0], (float)sum[1], (float)sum[2]};
 }
 
-/* Shares of the way to its leaf's middle by which a point is moved that lies inside other geometry, one after
- * another. */
-enum { NUDGES = 3 };
-static const double nudge[NUDGES] = {0.01, 0.05, 0.2};
-
 /* Returns the share of the way to a face's middle that is needed to be so far from those of its edges that a
  * point lies on; at most a quarter. */
 static double share_inside(const sl_vec3d corner[3], sl_vec3d middle, sl_vec3d p, double far) {
@@ -144,18 +139,14 @@ void sl_step_inside(const sl_scene *scene, double inwards, sl_mesh_point *at) {
     at->position = sl_to_float(sl_addd(p, way));
 }
 
-static bool is_inside(const sl_patches *mesh, const sl_tracer *tracer, const sl_mesh_point *at,
-                      sl_counters *counters) {
-    return sl_mesh_point_in_solid(mesh->primitives, tracer, at, counters);
-}
-
-bool sl_leave_solid(const sl_patches *mesh, const sl_tracer *tracer, uint32_t vertex, sl_root_place leaf,
-                    sl_mesh_point *at, bool *moved, sl_counters *counters) {
+bool sl_leave_solid(const sl_patches *mesh, const sl_tracer *tracer, uint32_t vertex, sl_mesh_point *at,
+                    bool *moved, sl_counters *counters) {
+    bool inside = sl_mesh_point_in_solid(mesh->primitives, tracer, at, counters);
     *moved = false;
-    if (!is_inside(mesh, tracer, at, counters)) return true;
-    for (int i = 0; i < NUDGES && !*moved; i++) {
-        *at = sl_mesh_point_nudged(mesh, vertex, leaf, nudge[i]);
-        *moved = !is_inside(mesh, tracer, at, counters);
+    for (int nudge = 1; nudge <= SL_NUDGES && inside; nudge++) {
+        *at = sl_mesh_point_at(mesh->primitives, sl_vertex_nudged(mesh, vertex, nudge));
+        inside = sl_mesh_point_in_solid(mesh->primitives, tracer, at, counters);
+        *moved = !inside;
     }
-    return *moved;
+    return !inside;
 }

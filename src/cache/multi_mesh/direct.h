@@ -24,10 +24,10 @@ sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, c
  */
 void sl_step_inside(const sl_scene *scene, double inwards, sl_mesh_point *at);
 
-/* Moves the point of a vertex that lies inside a solid towards the middle of a leaf that has it, at most a
- * fifth of the way, until it does not. False: it still does, and no light there is anybody's. */
-bool sl_leave_solid(const sl_patches *mesh, const sl_tracer *tracer, uint32_t vertex, sl_root_place leaf,
-                    sl_mesh_point *at, bool *moved, sl_counters *counters);
+/* Nudges the point of a vertex that lies inside a solid until it does not. False: it still does, and no light
+ * there is anybody's. */
+bool sl_leave_solid(const sl_patches *mesh, const sl_tracer *tracer, uint32_t vertex, sl_mesh_point *at,
+                    bool *moved, sl_counters *counters);
 
 static inline sl_lit_point sl_lit_point_of(const sl_mesh_point *at) {
     return (sl_lit_point){at->position, at->normal, at->geometric_normal, at->triangle};

@@ -93,21 +93,16 @@ static void see_below(sl_displayed *d, const sl_patch_place *place) {
     }
 }
 
-static void see_share(void *context, size_t share, unsigned worker) {
+static void see_root(void *context, size_t entry, unsigned worker) {
     (void)worker;
     sl_displayed *d = context;
-    const sl_visible_pixels *pixels = d->pixels;
-    size_t begin, end;
-    sl_visible_share(pixels, share, &begin, &end);
-    for (size_t e = begin; e < end; e++) {
-        if (!sl_displayed_wants(d, e)) continue;
-        sl_patch_place root = sl_patch_root_place(d->mesh, pixels->face[e].face);
-        d->first[root.patch] = pixels->face[e].first;
-        for (uint32_t i = 0; i < pixels->face[e].count; i++)
-            d->order[pixels->face[e].first + i] = pixels->face[e].first + i;
-        d->mesh->patch[root.patch].pixels = pixels->face[e].count;
-        see_below(d, &root);
-    }
+    if (!sl_displayed_wants(d, entry)) return;
+    const sl_visible_face *face = &d->pixels->face[entry];
+    sl_patch_place root = sl_patch_root_place(d->mesh, face->face);
+    d->first[root.patch] = face->first;
+    for (uint32_t i = 0; i < face->count; i++) d->order[face->first + i] = face->first + i;
+    d->mesh->patch[root.patch].pixels = face->count;
+    see_below(d, &root);
 }
 
 /* ---- a new view ---- */
@@ -161,12 +156,12 @@ sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels,
         d->pixels = NULL;
         return status;
     }
-    sl_parallel_for(d->settings.threads, SL_VISIBLE_SHARES, see_share, d);
+    sl_parallel_for(d->settings.threads, pixels->face_count, see_root, d);
     sl_displayed_heap_build(d);
     return SL_OK;
 }
 
-size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, uint32_t *face, size_t room) {
+size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, size_t room) {
     /* Corners of roots alone: no leaf is cut before the middles of its edges are known. */
     size_t count = 0;
     for (size_t e = 0; d->pixels && e < d->pixels->face_count && count < room; e++) {
@@ -176,7 +171,6 @@ size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, uint32_t *face, s
             uint32_t v = sl_patch_corner(d->mesh, root, c);
             if (sl_mesh_state(d->mesh, v) != SL_VERTEX_UNKNOWN) continue;
             sl_mesh_set_state(d->mesh, v, SL_VERTEX_REQUESTED);
-            face[count] = d->pixels->face[e].face;
             vertex[count++] = v;
         }
     }
@@ -211,7 +205,7 @@ typedef struct draw_job {
     const sl_displayed *d;
     sl_rgb fallback;
     float *const *planes;
-    uint64_t redrawn[SL_VISIBLE_SHARES]; /* pixels */
+    uint64_t *redrawn;         /* pixels, by worker */
 } draw_job;
 
 static void draw_leaf(const draw_job *job, const sl_patch_place *leaf) {
@@ -248,25 +242,21 @@ static uint64_t draw_below(const draw_job *job, const sl_patch_place *place) {
     return redrawn;
 }
 
-static void draw_share(void *context, size_t share, unsigned worker) {
-    (void)worker;
-    draw_job *job = context;
+static void draw_root(void *context, size_t entry, unsigned worker) {
+    const draw_job *job = context;
     const sl_displayed *d = job->d;
-    size_t begin, end;
-    sl_visible_share(d->pixels, share, &begin, &end);
-    for (size_t e = begin; e < end; e++) {
-        if (!sl_displayed_wants(d, e)) continue;
-        sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[e].face);
-        job->redrawn[share] += draw_below(job, &root);
-    }
+    if (!sl_displayed_wants(d, entry)) return;
+    sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[entry].face);
+    job->redrawn[worker] += draw_below(job, &root);
 }
 
 void sl_displayed_draw(sl_displayed *d, unsigned threads, sl_rgb fallback, float *const planes[3],
                        sl_counters *counters) {
+    enum { THREADS_MOST = 256 };
     if (!d->pixels) return;
-    draw_job job = {.d = d, .fallback = fallback, .planes = planes};
-    sl_parallel_for(threads, SL_VISIBLE_SHARES, draw_share, &job);
-    for (int share = 0; share < SL_VISIBLE_SHARES; share++)
-        sl_count(counters, SL_COUNT_PIXELS_REDRAWN, job.redrawn[share]);
+    uint64_t redrawn[THREADS_MOST] = {0};
+    draw_job job = {.d = d, .fallback = fallback, .planes = planes, .redrawn = redrawn};
+    sl_parallel_for(threads, d->pixels->face_count, draw_root, &job);
+    for (int t = 0; t < THREADS_MOST; t++) sl_count(counters, SL_COUNT_PIXELS_REDRAWN, redrawn[t]);
     d->dirty_all = false;
 }

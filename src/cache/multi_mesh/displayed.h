@@ -89,9 +89,9 @@ size_t sl_displayed_memory_bytes(const sl_displayed *displayed);
 sl_status sl_displayed_see(sl_displayed *displayed, const sl_visible_pixels *pixels,
                            bool (*want)(const void *context, uint32_t face), const void *context,
                            sl_error *error);
-/* Lists vertices of visible leaves that are UNKNOWN, ascending by first use, each marked REQUESTED, and the
- * faces whose corners they are; at most `room`. Returns how many. */
-size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, uint32_t *face, size_t room);
+/* Lists vertices of visible leaves that are UNKNOWN, ascending by first use, each marked REQUESTED; at most
+ * `room`. Returns how many. */
+size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, size_t room);
 /* A vertex's value: INVALID where it is not `valid`, or no number, which is counted. */
 void sl_displayed_put(sl_displayed *displayed, uint32_t vertex, sl_rgb value, bool valid,
                       sl_counters *counters);

@@ -23,7 +23,6 @@ static const float TOLERANCE = 0.25f;
 /* A sample that a round wants: a vertex of a light's mesh. */
 typedef struct wanted_sample {
     uint32_t light, vertex;
-    sl_root_place leaf;       /* of whoever asked first */
     float share;              /* once it is taken */
     bool valid;
 } wanted_sample;
@@ -42,10 +41,10 @@ typedef enum fetch_state { FETCH_READY, FETCH_PENDING, FETCH_INVALID, FETCH_SPLI
 
 /* ---- fetch ---- */
 
-static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_root_place leaf) {
+static bool want(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex) {
     if (sl_mesh_state(m->mesh[light], vertex) != SL_VERTEX_UNKNOWN) return true;
     if (!sl_make_room(&m->wanted, m->wanted_count, &m->wanted_capacity, sizeof *m->wanted)) return false;
-    m->wanted[m->wanted_count++] = (wanted_sample){.light = light, .vertex = vertex, .leaf = leaf};
+    m->wanted[m->wanted_count++] = (wanted_sample){.light = light, .vertex = vertex};
     sl_mesh_set_state(m->mesh[light], vertex, SL_VERTEX_REQUESTED);
     return true;
 }
@@ -94,12 +93,11 @@ static bool is_confident(const sl_irradiance_meshes *m, uint32_t light, const sl
 static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place,
                              sl_error *error) {
     sl_patches *mesh = m->mesh[light];
-    sl_root_place leaf = sl_patch_middle(place);
     bool complete = true;
     for (int i = 0; i < 3; i++) {
         uint32_t corner = sl_patch_corner(mesh, place->patch, i);
         if (sl_mesh_is_sampled(mesh, corner)) continue;
-        if (!want(m, light, corner, leaf)) return FETCH_FAILED;
+        if (!want(m, light, corner)) return FETCH_FAILED;
         complete = false;
     }
     for (int i = 0; i < 3; i++) {
@@ -110,7 +108,7 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_p
         /* as short as edges get */
         if (middle == SL_NO_INDEX) sl_set_edge(&mesh->patch[place->patch], i, SL_EDGE_CLOSED);
         if (middle == SL_NO_INDEX || sl_mesh_is_sampled(mesh, middle)) continue;
-        if (!want(m, light, middle, leaf)) return FETCH_FAILED;
+        if (!want(m, light, middle)) return FETCH_FAILED;
         complete = false;
     }
     if (!complete) return FETCH_PENDING;
@@ -123,15 +121,14 @@ static fetch_state test_leaf(sl_irradiance_meshes *m, uint32_t light, const sl_p
     return FETCH_READY;
 }
 
-static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, sl_root_place leaf,
-                                float *share) {
+static fetch_state fetch_corner(sl_irradiance_meshes *m, uint32_t light, uint32_t vertex, float *share) {
     const sl_patches *mesh = m->mesh[light];
     if (sl_mesh_state(mesh, vertex) == SL_VERTEX_INVALID) return FETCH_INVALID;
     if (sl_mesh_state(mesh, vertex) == SL_VERTEX_KNOWN) {
         *share = *sl_vertex_value(mesh, vertex);
         return FETCH_READY;
     }
-    return want(m, light, vertex, leaf) ? FETCH_PENDING : FETCH_FAILED;
+    return want(m, light, vertex) ? FETCH_PENDING : FETCH_FAILED;
 }
 
 static int corner_at(const sl_patch_place *place, sl_root_place x) {
@@ -174,7 +171,7 @@ static fetch_state fetch_from_leaf(sl_irradiance_meshes *m, uint32_t light, cons
     int edge = edge_halved_by(leaf, x->at);
     uint32_t middle = edge >= 0 ? sl_mesh_middle(mesh, leaf, edge, &status, error) : SL_NO_INDEX;
     if (status != SL_OK) return FETCH_FAILED;
-    if (middle != SL_NO_INDEX) return fetch_corner(m, light, middle, x->leaf, share);
+    if (middle != SL_NO_INDEX) return fetch_corner(m, light, middle, share);
     fetch_state state = test_leaf(m, light, leaf, error);
     if (state != FETCH_READY) return state;
     return is_confident(m, light, leaf) ? interpolate(mesh, leaf, x->at, share) : FETCH_SPLIT;
@@ -191,7 +188,7 @@ static fetch_state fetch(sl_irradiance_meshes *m, uint32_t light, const sl_face_
     for (;;) {
         int corner = corner_at(&place, x->at);
         if (corner >= 0)
-            return fetch_corner(m, light, sl_patch_corner(mesh, place.patch, corner), x->leaf, share);
+            return fetch_corner(m, light, sl_patch_corner(mesh, place.patch, corner), share);
         if (sl_patch_is_leaf(mesh, place.patch)) {
             fetch_state state = place.depth >= x->wanted_depth
                                     ? fetch_from_leaf(m, light, &place, x, share, error)
@@ -235,8 +232,7 @@ static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_p
 }
 
 /* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry:
- * then it is asked for a little further inside the leaf that wants it. (Inside its face would be too far:
- * what stands on a floor would get the light of what is beyond its shadow.) */
+ * then it is asked for a little beside. */
 static void sample_vertex(void *context, size_t index, unsigned worker, void *result,
                           sl_counters *counters) {
     (void)result;
@@ -251,8 +247,7 @@ static void sample_vertex(void *context, size_t index, unsigned worker, void *re
     sl_lit_point point = sl_lit_point_of(&at);
     if (!(sl_light_unoccluded(&m->settings.lights->light[wanted->light], &point) > 0.0)) return;
     bool moved;
-    wanted->valid =
-        sl_leave_solid(mesh, m->settings.tracer, wanted->vertex, wanted->leaf, &at, &moved, counters);
+    wanted->valid = sl_leave_solid(mesh, m->settings.tracer, wanted->vertex, &at, &moved, counters);
     if (moved) wanted->share = take(m, wanted->light, &at, worker, counters);
 }
 

@@ -20,8 +20,6 @@
 typedef struct sl_face_point {
     sl_root_place at;
     int wanted_depth;          /* leaves above this are cut whatever their edges say */
-    /* of the leaf that asks: where the vertex is asked for if it lies inside other geometry */
-    sl_root_place leaf;
 } sl_face_point;
 
 typedef struct sl_irradiance_settings {

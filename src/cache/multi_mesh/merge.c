@@ -43,20 +43,10 @@ static void resolve_row(void *context, size_t row, unsigned worker) {
     for (size_t column = 0; column < width; column++) {
         size_t pixel = row * width + column;
         uint32_t triangle = r->id[pixel];
-        bool none = triangle == SL_NO_INDEX;
-        if (r->out->specular[0])
-            put(r->out->specular, pixel,
-                none ? sl_grey(0.0f) : r->scene->materials[r->scene->material_index[triangle]].specular);
+        if (r->out->specular[0] && triangle != SL_NO_INDEX)
+            put(r->out->specular, pixel, r->scene->materials[r->scene->material_index[triangle]].specular);
         if (r->out->emission[0]) put(r->out->emission, pixel, emission_seen(r, row, column, triangle));
     }
-}
-
-/* Blackens what shows nothing. */
-static void clear_row(void *context, size_t row, unsigned worker) {
-    (void)worker;
-    const resolving *r = context;
-    size_t width = (size_t)r->out->width;
-    for (int k = 0; k < 3; k++) memset(r->out->diffuse[k] + row * width, 0, width * sizeof(float));
 }
 
 static void give_planes(sl_materials_seen *m, float *planes[3], size_t *next) {
@@ -70,7 +60,7 @@ sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, c
     size_t pixels = (size_t)view->width * (size_t)view->height, next = 0;
     size_t planes = 3u + (wanted.specular ? 3u : 0u) + (wanted.emission ? 3u : 0u);
     sl_materials_seen *m = sl_allocate(1, sizeof *m);
-    if (m) m->planes = sl_allocate_unset(planes * pixels, sizeof *m->planes);
+    if (m) m->planes = sl_allocate(planes * pixels, sizeof *m->planes); /* what shows nothing is black */
     if (!m || !m->planes) {
         sl_materials_destroy(m);
         return sl_fail_memory(error, "the material pass");
@@ -81,7 +71,6 @@ sl_status sl_materials_resolve(const sl_scene *scene, const sl_raster *raster, c
     if (wanted.specular) give_planes(m, m->specular, &next);
     if (wanted.emission) give_planes(m, m->emission, &next);
     resolving r = {scene, view, id, m};
-    sl_parallel_for(threads, (size_t)view->height, clear_row, &r);
     sl_gbuffer targets = {.width = view->width, .height = view->height, .id = (uint32_t *)(uintptr_t)id,
                           .diffuse_r = m->diffuse[0], .diffuse_g = m->diffuse[1], .diffuse_b = m->diffuse[2]};
     sl_status status = sl_raster_resolve(raster, view, threads, &targets, counters, error);

@@ -68,7 +68,7 @@ static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t
     sl_status status = points && share && valid ? SL_OK : sl_fail_memory(error, "samples");
     for (size_t i = 0; i < count && status == SL_OK; i++) {
         points[i] = (sl_face_point){s->part[part]->mesh->vertex[wanted[i].vertex].place,
-                                    sl_multi_mesh_light_depth(s, wanted[i].wanted_depth), wanted[i].leaf};
+                                    sl_multi_mesh_light_depth(s, wanted[i].wanted_depth)};
     }
     /* equation (3) */
     if (status == SL_OK)
@@ -93,8 +93,8 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
     for (size_t i = 0; i < count && status == SL_OK; i++) {
         bool moved;
         points[i] = sl_mesh_point_of(part->mesh, wanted[i].vertex);
-        valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, wanted[i].vertex, wanted[i].leaf,
-                                                &points[i], &moved, &s->counters);
+        valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, wanted[i].vertex, &points[i],
+                                                &moved, &s->counters);
     }
     if (status == SL_OK) sl_multi_mesh_gather(s, count, points, irradiance); /* equation (7) */
     for (size_t i = 0; i < count && status == SL_OK; i++)
@@ -116,13 +116,12 @@ sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t
 
 /* Some of the vertices that visible leaves lack; *none: there are no more. */
 static sl_status fill_missing(sl_multi_mesh_state *s, sl_component part, bool *none, sl_error *error) {
-    uint32_t vertex[FIRST_VERTICES], face[FIRST_VERTICES];
+    uint32_t vertex[FIRST_VERTICES];
     sl_wanted_vertex wanted[FIRST_VERTICES];
-    size_t count = sl_displayed_missing(s->part[part], vertex, face, FIRST_VERTICES);
+    size_t count = sl_displayed_missing(s->part[part], vertex, FIRST_VERTICES);
     *none = count < FIRST_VERTICES;
     s->priorities_stale |= count > 0;
-    for (size_t i = 0; i < count; i++)
-        wanted[i] = (sl_wanted_vertex){vertex[i], 0, sl_mesh_face_middle(face[i])};
+    for (size_t i = 0; i < count; i++) wanted[i] = (sl_wanted_vertex){vertex[i], 0};
     return sl_multi_mesh_sample(s, part, count, wanted, error);
 }
 
@@ -182,9 +181,8 @@ static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *er
         sl_status status = sl_displayed_request(mesh, &place, vertex, &count, error);
         if (status != SL_OK) return status;
         int depth = sl_displayed_wanted_depth(mesh, &place);
-        sl_root_place leaf = sl_patch_middle(&place);
         for (size_t i = 0; i < count; i++)
-            r->wanted[part][r->wanted_count[part]++] = (sl_wanted_vertex){vertex[i], depth, leaf};
+            r->wanted[part][r->wanted_count[part]++] = (sl_wanted_vertex){vertex[i], depth};
     }
     return SL_OK;
 }

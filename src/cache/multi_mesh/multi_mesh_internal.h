@@ -124,7 +124,6 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);
 typedef struct sl_wanted_vertex {
     uint32_t vertex;
     int wanted_depth;
-    sl_root_place leaf;       /* of the leaf that wants it */
 } sl_wanted_vertex;
 /* ---- probes.c ---- */
 

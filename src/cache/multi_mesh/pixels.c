@@ -137,20 +137,3 @@ void sl_visible_pixels_destroy(sl_visible_pixels *pixels) {
     sl_free(pixels->w2);
     sl_free(pixels);
 }
-
-static size_t entry_from(const sl_visible_pixels *pixels, size_t first) {
-    size_t low = 0, high = pixels->face_count;
-    while (low < high) {
-        size_t middle = (low + high) / 2;
-        if (pixels->face[middle].first < first) low = middle + 1;
-        else high = middle;
-    }
-    return low;
-}
-
-void sl_visible_share(const sl_visible_pixels *pixels, size_t share, size_t *begin, size_t *end) {
-    *begin = entry_from(pixels, pixels->count * share / SL_VISIBLE_SHARES);
-    *end = share + 1 == SL_VISIBLE_SHARES
-               ? pixels->face_count
-               : entry_from(pixels, pixels->count * (share + 1) / SL_VISIBLE_SHARES);
-}

@@ -21,15 +21,11 @@ typedef struct sl_visible_pixels {
     float *w1, *w2;            /* perspective-correct weights of the triangle's corners 1 and 2 there */
 } sl_visible_pixels;
 
-enum { SL_VISIBLE_SHARES = 64 };
-
 /* From an id plane. Pixels of mirrors and of alpha masks are as the id map has them. The same at any number
  * of threads. */
 sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
                                  const uint32_t *id, unsigned threads, sl_visible_pixels **pixels,
                                  sl_counters *counters, sl_error *error);
 void sl_visible_pixels_destroy(sl_visible_pixels *pixels);
-/* Faces in view, dealt into SL_VISIBLE_SHARES tasks by their pixels: entries begin .. end of one. */
-void sl_visible_share(const sl_visible_pixels *pixels, size_t share, size_t *begin, size_t *end);
 
 #endif

@@ -142,21 +142,17 @@ float sl_displayed_prioritise_below(sl_displayed *d, const sl_patch_place *place
     return node->priority = most;
 }
 
-static void prioritise_share(void *context, size_t share, unsigned worker) {
+static void prioritise_root(void *context, size_t entry, unsigned worker) {
     (void)worker;
     sl_displayed *d = context;
-    size_t begin, end;
-    sl_visible_share(d->pixels, share, &begin, &end);
-    for (size_t e = begin; e < end; e++) {
-        if (!sl_displayed_wants(d, e)) continue;
-        sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[e].face);
-        sl_displayed_prioritise_below(d, &root);
-    }
+    if (!sl_displayed_wants(d, entry)) return;
+    sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[entry].face);
+    sl_displayed_prioritise_below(d, &root);
 }
 
 void sl_displayed_prioritise(sl_displayed *d) {
     if (!d->pixels) return;
-    sl_parallel_for(d->settings.threads, SL_VISIBLE_SHARES, prioritise_share, d);
+    sl_parallel_for(d->settings.threads, d->pixels->face_count, prioritise_root, d);
     sl_displayed_heap_build(d);
     d->dirty_all |= d->corners_asked;
     d->corners_asked = false;

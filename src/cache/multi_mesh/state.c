@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/parallel.h"
 
 /* ---- life ---- */
 
@@ -113,21 +112,11 @@ sl_status sl_multi_mesh_see_materials(sl_multi_mesh_state *s, const sl_view *vie
     return SL_OK;
 }
 
-/* A row of all planes that will be drawn. */
-static void clear_row(void *context, size_t row, unsigned worker) {
-    (void)worker;
-    const sl_multi_mesh_state *s = context;
-    size_t width = (size_t)s->settings.width;
-    for (int i = 0; i < SL_COMPONENTS; i++)
-        for (int k = 0; k < 3 && sl_is_in_view(s->part[i]); k++)
-            memset(s->planes[i][k] + row * width, 0, width * sizeof(float));
-}
-
 sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = SL_OK;
     for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
         if (s->part[i]) status = sl_displayed_see(s->part[i], s->visible, wants[i], s->scene, error);
-    if (status == SL_OK) sl_parallel_for(s->settings.threads, (size_t)s->settings.height, clear_row, s);
+    memset(s->plane_memory, 0, 3 * SL_COMPONENTS * sl_multi_mesh_pixels(s) * sizeof *s->plane_memory);
     return status;
 }
 

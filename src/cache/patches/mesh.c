@@ -43,25 +43,11 @@ sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, f
 }
 
 sl_mesh_point sl_mesh_point_at(const sl_primitives *primitives, sl_root_place place) {
-    sl_root_point at;
+    sl_lit_point at;
     sl_root_point_at(primitives, place.root, place.u, place.v, &at);
     bool inside = at.triangle != SL_NO_INDEX;
     return (sl_mesh_point){at.position, at.normal, inside ? at.geometric_normal : at.normal, at.triangle,
                            place.root};
-}
-
-static sl_vec3 between(sl_vec3 a, sl_vec3 b, double share) {
-    sl_vec3d from = sl_to_double(a);
-    return sl_to_float(sl_addd(from, sl_scaled(sl_subd(sl_to_double(b), from), share)));
-}
-
-sl_mesh_point sl_mesh_point_nudged(const sl_patches *mesh, uint32_t vertex, sl_root_place middle,
-                                   double share) {
-    sl_mesh_point from = sl_mesh_point_of(mesh, vertex), to = sl_mesh_point_at(mesh->primitives, middle);
-    sl_vec3 geometric = sl_face_normal(mesh->primitives->scene, middle.root);
-    return (sl_mesh_point){between(from.position, to.position, share),
-                           sl_normalize_or(between(from.normal, to.normal, share), geometric), geometric,
-                           middle.root / 2, middle.root};
 }
 
 /* ---- edges ----------------------------------------------------------------------------------- */

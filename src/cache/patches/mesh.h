@@ -99,11 +99,6 @@ static inline sl_mesh_point sl_mesh_point_of(const sl_patches *mesh, uint32_t ve
 static inline sl_root_place sl_mesh_face_middle(uint32_t face) {
     return (sl_root_place){face, SL_PATCH_DYADIC / 3, SL_PATCH_DYADIC / 3};
 }
-/* Returns a vertex moved towards the middle of a leaf that has it by a share of the way (0.01, 0.05, 0.2):
- * where it is asked for when it lies inside other geometry. */
-sl_mesh_point sl_mesh_point_nudged(const sl_patches *mesh, uint32_t vertex, sl_root_place middle,
-                                   double share);
-
 /* The values of a leaf: linear between corners where no edge has a known middle; else a fan around the leaf's
  * centre: with b the smallest of the three weights, a point lies s = 1 - 3 b of the way from the centre to a
  * point of the edge opposite to that corner, and value = (1 - s) mean of the corners + s value on the edge,

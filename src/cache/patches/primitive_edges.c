@@ -95,7 +95,7 @@ static place_key corner_key(const sl_primitives *p, uint32_t code) {
 
 static sl_vec3 front_normal(const sl_primitives *p, uint32_t code, uint32_t t) {
     uint32_t u, v;
-    sl_root_point point;
+    sl_lit_point point;
     sl_edge_point(sl_primitive_corners(p, primitive_of(code)), part_of(code), t, &u, &v);
     sl_root_point_at(p, 2 * primitive_of(code), u, v, &point);
     return point.normal;

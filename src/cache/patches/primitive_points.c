@@ -188,7 +188,7 @@ sl_vec3 sl_root_position(const sl_primitives *p, uint32_t root, uint32_t u, uint
                     sl_scene_position(s, s->vertex[2][t]), w1, w2);
 }
 
-void sl_root_point_at(const sl_primitives *p, uint32_t root, uint32_t u, uint32_t v, sl_root_point *point) {
+void sl_root_point_at(const sl_primitives *p, uint32_t root, uint32_t u, uint32_t v, sl_lit_point *point) {
     const sl_scene *s = p->scene;
     uint32_t primitive = root / 2;
     float w1, w2, side = root % 2 ? -1.0f : 1.0f;

@@ -13,6 +13,7 @@
 #ifndef SL_PATCHES_PRIMITIVES_H
 #define SL_PATCHES_PRIMITIVES_H
 
+#include "cache/light/light_sample.h"
 #include "cache/patches/solids.h"
 #include "scene/scene.h"
 
@@ -52,20 +53,13 @@ sl_status sl_primitives_of_triangles(const sl_scene *scene, sl_primitives **prim
 void sl_primitives_destroy(sl_primitives *primitives);
 size_t sl_primitives_memory_bytes(const sl_primitives *primitives);
 
-/* A point of a root, as the scene stands now (objects move; their points move with them). u and v in
- * 1/SL_PATCH_DYADIC. */
-typedef struct sl_root_point {
-    sl_vec3 position;
-    /* unit, on the root's side; the limit where a parameter line collapses to a point */
-    sl_vec3 normal, geometric_normal;
-    /* of the scene, on which it lies: what rays from it skip; SL_NO_INDEX on corners and edges of
-     * triangles */
-    uint32_t triangle;
-} sl_root_point;
-/* Points lie on the scene's triangles, which rays meet, also those of bicubic patches; the normal is then the
+/* Gives a point of a root, as the scene stands now (objects move; their points move with them): normals are
+ * unit, on the root's side, the limit where a parameter line collapses to a point; its triangle is SL_NO_INDEX
+ * on corners and edges of triangles. u and v in 1/SL_PATCH_DYADIC.
+ * Points lie on the scene's triangles, which rays meet, also those of bicubic patches; the normal is then the
  * surface's own. The surface itself: sl_bicubic_at() in scene/bicubic.h. */
 void sl_root_point_at(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v,
-                      sl_root_point *point);
+                      sl_lit_point *point);
 /* the same one, alone */
 sl_vec3 sl_root_position(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v);
 /* Returns the scene triangle that holds (u, v) of a root and the weights of its corners 1 and 2 there: for

@@ -31,7 +31,6 @@ typedef struct area_renderer {
 typedef struct lit {
     const area_renderer *renderer;
     const sl_sample_request *request;
-    sl_lit_point point;
     sl_lit_lobe lobe;
     bool has_lobe;
     sl_counters *counters;
@@ -71,7 +70,7 @@ static uint32_t add_dense_points(const lit *at, size_t l, uint32_t points, sl_li
     bool edge = (s->seen > 0.0 && s->seen < s->all) || r->settings.cache.area == SL_AREA_SAMPLED;
     if (!at->request->dense || at->request->set > 0 || points >= SL_DENSE_POINTS || !edge) return points;
     sl_light_numbers more = numbers_of(r, l, points, SL_DENSE_POINTS - points);
-    sl_light_by_points(r->sampling, l, &at->point, &more, NULL, s, at->counters);
+    sl_light_by_points(r->sampling, l, &at->request->point, &more, NULL, s, at->counters);
     return SL_DENSE_POINTS;
 }
 
@@ -84,13 +83,13 @@ static void add_area_light(const lit *at, size_t l, sl_sample *sample) {
     sl_light_numbers numbers = numbers_of(r, l, at->request->set * points, points);
     sl_light_sums s = {.all = 0.0};
     const sl_lit_lobe *lobe = at->has_lobe ? &at->lobe : NULL;
-    double form = sl_light_by_points(r->sampling, l, &at->point, &numbers, lobe, &s, at->counters);
+    double form = sl_light_by_points(r->sampling, l, &at->request->point, &numbers, lobe, &s, at->counters);
     if (!(form > 0.0)) return;
     double n = (double)add_dense_points(at, l, points, &s), e = s.seen / n, variance = mean_variance(&s, n);
     if (r->settings.cache.area == SL_AREA_RATIO) {
         bool weighed = s.all > 0.0;
         e = weighed ? form * (s.seen / s.all)
-                    : (double)sl_light_probe(r->sampling, l, &at->point, 1, at->counters);
+                    : (double)sl_light_probe(r->sampling, l, &at->request->point, 1, at->counters);
         variance = weighed ? form * form * ratio_variance(&s, n) : 0.0;
     }
     add(&sample->irradiance, light->colour, e);
@@ -102,11 +101,11 @@ static void add_area_light(const lit *at, size_t l, sl_sample *sample) {
 static void add_light(const lit *at, size_t l, sl_sample *sample) {
     const area_renderer *r = at->renderer;
     const sl_sampled_light *light = &r->lights->light[l];
-    double e = (double)sl_light_sample_by_rays(r->sampling, l, &at->point, 1, at->counters);
+    double e = (double)sl_light_sample_by_rays(r->sampling, l, &at->request->point, 1, at->counters);
     if (!(e > 0.0)) return;
     add(&sample->irradiance, light->colour, e);
     if (!at->has_lobe) return;
-    sl_vec3 to_light = sl_light_direction(light, &at->point);
+    sl_vec3 to_light = sl_light_direction(light, &at->request->point);
     add_reflected(at, light->colour, e * (double)sl_bsdf_value(&at->lobe.bsdf, to_light, SL_LOBE_GLOSSY).r,
                   sample);
 }
@@ -124,7 +123,7 @@ static void add_lights(const lit *at, sl_sample *sample) {
     if (!at->has_lobe || r->settings.scene->emitter_count == 0) return;
     uint32_t draws = (uint32_t)at->lobe.draws;
     sl_light_numbers numbers = numbers_of(r, LOBE_STREAM, at->request->set * draws, draws);
-    sl_rgb met = sl_lobe_draws(r->sampling, &at->point, &at->lobe, &numbers, at->counters);
+    sl_rgb met = sl_lobe_draws(r->sampling, &at->request->point, &at->lobe, &numbers, at->counters);
     add_reflected(at, met, 1.0, sample);
 }
 
@@ -132,14 +131,13 @@ static void render_point(const void *state, const sl_sample_request *request, un
                          sl_sample *sample, sl_counters *counters) {
     (void)worker;
     const area_renderer *r = state;
-    const sl_root_point *p = &request->point;
+    const sl_lit_point *p = &request->point;
     sample->valid = !sl_solids_hold(r->solids, *r->settings.tracer, p->position, p->geometric_normal,
                                     p->triangle, &request->eye, counters);
     if (!sample->valid) return;
     int points = r->settings.cache.area_samples;
     lit at = {.renderer = r,
               .request = request,
-              .point = sl_request_lit_point(request),
               .lobe = {.points = (double)points, .draws = (double)((points + 1) / 2)},
               .counters = counters};
     at.has_lobe = sl_request_lobe(request, &at.lobe.bsdf);

@@ -65,7 +65,7 @@ static sl_status make_map(renderer *r, sl_error *error) {
 /* ---- at a point ------------------------------------------------------------------------------ */
 
 /* Returns what a photon counts for on a surface shaded with this normal. */
-static double cosine_quotient(const sl_root_point *p, const sl_photon *photon) {
+static double cosine_quotient(const sl_lit_point *p, const sl_photon *photon) {
     sl_vec3 to_light = sl_octahedral_decode(photon->direction);
     double shading = (double)sl_dot(p->normal, to_light),
            geometric = (double)sl_dot(p->geometric_normal, to_light);
@@ -76,7 +76,7 @@ static void render_point(const void *state, const sl_sample_request *request, un
                          sl_sample *sample, sl_counters *counters) {
     (void)worker;
     const renderer *r = state;
-    const sl_root_point *p = &request->point;
+    const sl_lit_point *p = &request->point;
     if (!r->tree || !sl_request_wants_irradiance(request)) return;
     uint32_t place[NEIGHBOURS];
     double distance[NEIGHBOURS];

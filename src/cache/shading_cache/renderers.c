@@ -34,7 +34,7 @@ void sl_render_each(sl_render_point *render, const void *state, size_t count,
 }
 
 bool sl_request_is_sound(const sl_sample_request *q) {
-    const sl_root_point *p = &q->point;
+    const sl_lit_point *p = &q->point;
     return sl_is_finite(p->position) && sl_is_finite(p->normal) && sl_is_finite(p->geometric_normal) &&
            sl_dot(p->normal, p->normal) > 0.0f && sl_dot(p->geometric_normal, p->geometric_normal) > 0.0f;
 }
@@ -63,22 +63,16 @@ bool sl_request_lobe(const sl_sample_request *q, sl_bsdf *lobe) {
     return true;
 }
 
-sl_lit_point sl_request_lit_point(const sl_sample_request *q) {
-    const sl_root_point *p = &q->point;
-    return (sl_lit_point){p->position, p->normal, p->geometric_normal, p->triangle};
-}
-
 void sl_request_sky_light(const sl_renderer_settings *settings, const sl_sequence *sequence,
                           const sl_sample_request *q, int samples, sl_sample *sample,
                           sl_counters *counters) {
     enum { SKY_STREAM = 0x736b79 };
     sl_bsdf lobe;
     bool has_lobe = sl_request_lobe(q, &lobe);
-    sl_lit_point point = sl_request_lit_point(q);
     uint32_t count = (uint32_t)samples;
     sl_light_numbers numbers = {sequence, sl_random_key(settings->seed, SKY_STREAM), q->set * count, count};
     sl_sky_light sky =
-        sl_sky_light_at(settings->scene, *settings->tracer, &point, sl_request_wants_irradiance(q),
+        sl_sky_light_at(settings->scene, *settings->tracer, &q->point, sl_request_wants_irradiance(q),
                         has_lobe ? &lobe : NULL, &numbers, counters);
     sample->irradiance = sl_rgb_add(sample->irradiance, sky.irradiance);
     if (has_lobe)

@@ -12,11 +12,10 @@
 #define SL_SHADING_CACHE_RENDERERS_H
 
 #include "cache/frame/settings.h"
-#include "cache/light/light_sample.h"
 #include "cache/patches/primitives.h"
 
 typedef struct sl_sample_request {
-    sl_root_point point;
+    sl_lit_point point;
     const sl_material *material;
     sl_vec3 eye;               /* for radiance */
     bool dense;                /* shadows' edges want SL_DENSE_POINTS on area lights */
@@ -92,7 +91,6 @@ bool sl_request_wants_mirror(const sl_sample_request *request);
 /* The lobe alone, ks = 1, seen from the eye; false where the eye is behind the surface. */
 bool sl_request_lobe(const sl_sample_request *request, sl_bsdf *lobe);
 
-sl_lit_point sl_request_lit_point(const sl_sample_request *request);
 /* Adds the environment's direct light by so many directions (light/light_sample.h), and its variance. */
 void sl_request_sky_light(const sl_renderer_settings *settings, const sl_sequence *sequence,
                           const sl_sample_request *request, int samples, sl_sample *sample,

@@ -4,37 +4,11 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/patches/primitive_parts.h"
 #include "cache/shading_cache/state.h"
 
 #include <string.h>
 
 /* ---- requests and samples ---- */
-
-/* Of the largest patches that have the vertex for a corner: the root's own corners are on all grids. */
-static int32_t side_of_patches(const sl_patch_vertex *v) {
-    uint32_t places = v->u | v->v | SL_PATCH_DYADIC;
-    return (int32_t)(places & -places);
-}
-
-static int32_t at_most(int32_t way, int32_t most) { return way > most ? most : way < -most ? -most : way; }
-
-/* Where a vertex is shaded. On its root's border it is moved inwards by 1/256 of the way to the middle: in
- * the crease between two walls it would see half of what is behind the other. Inside other geometry it is
- * asked for again, moved by 1, by 5 and by 20 % of the patch that it was made for. */
-static void place_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_root_point *point) {
-    static const int32_t ways[] = {256, 100, 20, 5};
-    const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    int corners = sl_primitive_corners(s->primitives, v->root / 2);
-    int32_t centre = SL_PATCH_DYADIC / (corners == 3 ? 3 : 2), u = v->u, w = v->v;
-    int32_t side = nudge ? side_of_patches(v) : SL_PATCH_DYADIC;
-    uint32_t t;
-    if (nudge || sl_edge_at(corners, v->u, v->v, &t) >= 0) {
-        u += at_most(centre - u, side) / ways[nudge];
-        w += at_most(centre - w, side) / ways[nudge];
-    }
-    sl_root_point_at(s->primitives, v->root, (uint32_t)u, (uint32_t)w, point);
-}
 
 void sl_shading_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
@@ -46,7 +20,8 @@ void sl_shading_request(const sl_shading_state *s, uint32_t vertex, int nudge, s
                                    .dense = v->dense,
                                    .radiance = sl_material_has_lobe(material),
                                    .set = more ? sets->count : 0};
-    place_request(s, vertex, nudge, &request->point);
+    sl_root_place at = sl_vertex_nudged(s->patches, vertex, nudge);
+    sl_root_point_at(s->primitives, at.root, at.u, at.v, &request->point);
 }
 
 static void add_sample(sl_sample *sum, const sl_sample *part) {

@@ -27,7 +27,7 @@
 #include "cache/shading_cache/state.h"
 #include "cache/shading_cache/explanation.h"
 
-enum { LEVELS_AN_UPDATE = 3, CROWD = 4, CHOICES_A_PATCH = 16, NUDGES = 3 };
+enum { LEVELS_AN_UPDATE = 3, CROWD = 4, CHOICES_A_PATCH = 16 };
 
 /* A patch is split above 1.2 stop sizes, and dropped by ageing below 0.8: in between nothing swings to and
  * fro. */
@@ -208,7 +208,7 @@ static sl_status evaluate_or_split(sl_shading_state *s, size_t choices, size_t *
 void sl_shading_sample(sl_shading_state *s, size_t count) {
     for (size_t i = 0; i < count; i++) sl_shading_request(s, s->vertex[i], 0, &s->request[i]);
     sl_shading_render(s, count, s->request, s->sample);
-    for (int nudge = 1; nudge <= NUDGES; nudge++) {
+    for (int nudge = 1; nudge <= SL_NUDGES; nudge++) {
         for (size_t i = 0; i < count; i++) {
             if (s->sample[i].valid) continue;
             sl_sample again;

@@ -96,8 +96,8 @@ static inline void rig_sample(rig *r, const uint32_t *vertex, size_t count) {
 }
 
 static inline void rig_fill_missing(rig *r) {
-    uint32_t vertex[256], face[256];
-    for (size_t count; (count = sl_displayed_missing(r->mesh, vertex, face, 256)) > 0;)
+    uint32_t vertex[256];
+    for (size_t count; (count = sl_displayed_missing(r->mesh, vertex, 256)) > 0;)
         rig_sample(r, vertex, count);
     sl_displayed_prioritise(r->mesh);
 }

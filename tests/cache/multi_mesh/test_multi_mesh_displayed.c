@@ -125,8 +125,8 @@ static void the_first_image_samples_the_corners_of_faces_in_view_and_no_more(voi
     assert_int_equal(r.samples, corners);
     assert_int_equal(r.mesh->mesh->leaves_alive, roots_in_view(r.mesh));
     assert_int_equal(r.counters.value[SL_COUNT_SPLITS], 0);
-    uint32_t vertex, face;
-    assert_int_equal(sl_displayed_missing(r.mesh, &vertex, &face, 1), 0);
+    uint32_t vertex;
+    assert_int_equal(sl_displayed_missing(r.mesh, &vertex, 1), 0);
     rig_discard(&r);
 }
 

@@ -55,8 +55,7 @@ static void ask(lit_floor *f, int depth) {
         for (uint32_t q = 0; q <= SL_PATCH_DYADIC; q += step) {
             for (uint32_t p = 0; p + q <= SL_PATCH_DYADIC; p += step) {
                 sl_face_point x = {.at = {face, (uint16_t)p, (uint16_t)q},
-                                   .wanted_depth = depth < 3 ? depth : 3,
-                                   .leaf = sl_mesh_face_middle(face)};
+                                   .wanted_depth = depth < 3 ? depth : 3};
                 float share[2];
                 bool valid;
                 assert_int_equal(sl_irradiance_at(f->meshes, 1, &x, share, &valid, &f->counters, NULL),
@@ -143,7 +142,7 @@ static uint64_t ask_one(bool few_rays, float ambient, uint16_t q, float share[2]
     lit_floor f;
     bool valid;
     make_with(&f, true, few_rays, ambient);
-    sl_face_point x = {.at = {0, 0, q}, .leaf = sl_mesh_face_middle(0)};
+    sl_face_point x = {.at = {0, 0, q}};
     for (int round = 0; round < 2; round++)
         assert_int_equal(sl_irradiance_at(f.meshes, 1, &x, share, &valid, &f.counters, NULL), SL_OK);
     assert_true(valid);

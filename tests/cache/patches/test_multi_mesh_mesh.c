@@ -150,34 +150,6 @@ static void visit_all(const sl_patches *mesh, place_visitor visitor, void *conte
     }
 }
 
-/* Of whichever leaf has them: of one in a face around as well as of one in the lowest. */
-static void nudged_points_move_towards_the_middle_of_the_leaf_that_asks(void **state) {
-    (void)state;
-    trace_mesh parts = field(2, 2);
-    world w = world_of(&parts, 1, 12);
-    refine_randomly(&w, 100, 4, 3);
-    for (uint32_t n = 0; n < w.mesh->patch_count; n++) {
-        if (!sl_patch_is_alive(w.mesh, n)) continue;
-        sl_patch_place place = sl_patch_place_of(w.mesh, n);
-        double p = (double)(place.u[0] + place.u[1] + place.u[2]) / 3.0 / SL_PATCH_DYADIC,
-               q = (double)(place.v[0] + place.v[1] + place.v[2]) / 3.0 / SL_PATCH_DYADIC;
-        sl_vec3d middle = position_in_face(w.primitives, place.root, p, q);
-        for (int c = 0; c < 3; c++) {
-            sl_mesh_point point, moved, centre;
-            uint32_t v = sl_patch_corner(w.mesh, n, c);
-            point = sl_mesh_point_of(w.mesh, v);
-            moved = sl_mesh_point_nudged(w.mesh, v, sl_patch_middle(&place), 0.2);
-            centre = sl_mesh_point_nudged(w.mesh, v, sl_patch_middle(&place), 1.0);
-            sl_vec3d step = sl_subd(sl_to_double(moved.position), sl_to_double(point.position)),
-                     whole = sl_subd(middle, sl_to_double(point.position));
-            assert_true(sl_lengthd(sl_subd(sl_to_double(centre.position), middle)) < 2e-4);
-            assert_true(sl_lengthd(sl_subd(step, sl_scaled(whole, 0.2))) < 2e-4);
-            assert_int_equal(moved.triangle, place.root / 2);
-        }
-    }
-    discard(&w);
-}
-
 /* Where nobody holds copies of the tree. Vertices of tested edges stay, with their values. */
 static void blocks_that_drops_leave_are_used_again_at_once(void **state) {
     (void)state;
@@ -378,7 +350,6 @@ static void triangles_without_area_are_never_split(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nudged_points_move_towards_the_middle_of_the_leaf_that_asks),
         cmocka_unit_test(blocks_that_drops_leave_are_used_again_at_once),
         cmocka_unit_test(children_keep_what_is_left_of_closed_edges),
         cmocka_unit_test(a_constant_stays_the_same_in_every_bit_whatever_is_refined),

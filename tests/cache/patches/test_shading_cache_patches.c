@@ -156,7 +156,7 @@ static void a_shared_vertex_is_evaluated_once_for_both(void **state) {
     sl_patches *p = h.patches;
     /* what the renderer would answer: a function of position */
     for (uint32_t i = 0; i < p->vertex_count; i++) {
-        sl_root_point point;
+        sl_lit_point point;
         sl_root_point_at(h.primitives, p->vertex[i].root, p->vertex[i].u, p->vertex[i].v, &point);
         sl_vertex_value(p, i)[0] = point.position.x + 10.0f * point.position.y;
         p->vertex[i].evaluated = 1;

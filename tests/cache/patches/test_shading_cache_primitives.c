@@ -160,7 +160,7 @@ static void points_of_roots_and_their_parameters_agree(void **state) {
         for (uint32_t root = 0; root < 2; root++) {
             for (uint32_t i = 0; i <= 8; i++) {
                 for (uint32_t j = 0; j <= 8; j++) {
-                    sl_root_point point;
+                    sl_lit_point point;
                     double u = i / 8.0, v = j / 8.0, back_u, back_v;
                     sl_root_point_at(p, root, i * SL_PATCH_DYADIC / 8, j * SL_PATCH_DYADIC / 8, &point);
                     sl_vec3 c[4];
@@ -202,7 +202,7 @@ static void points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces
                  v = sl_random_bits(key, 3 * k + 2) % (SL_PATCH_DYADIC + 1);
         if (k % 5 == 0) u = u / 4096 * 4096;
         if (k % 7 == 0) v = 0;
-        sl_root_point point;
+        sl_lit_point point;
         sl_root_point_at(p, root, u, v, &point);
         sl_vec3 position, normal;
         sl_bicubic_at(b, (double)u / SL_PATCH_DYADIC, (double)v / SL_PATCH_DYADIC, &position, &normal);
@@ -300,7 +300,7 @@ static void a_canonical_place_is_where_the_point_is_with_its_normal(void **state
             assert_true(canonical.root <= root && canonical.root % 2 == root % 2);
             assert_int_equal(sl_root_object(p, root), sl_root_object(p, canonical.root));
             moved += !same_root_place(at, canonical);
-            sl_root_point a, b;
+            sl_lit_point a, b;
             sl_root_point_at(p, root, u, v, &a);
             sl_root_point_at(p, canonical.root, canonical.u, canonical.v, &b);
             assert_true(distance(a.position, b.position) < 1e-4);
@@ -382,7 +382,7 @@ static void points_move_with_their_objects_and_roots_stay_what_they_are(void **s
         if (strcmp(scene->object_names[sl_root_object(p, 2 * i)], "ball") == 0) moving = i;
     }
     assert_int_not_equal(moving, SL_NO_INDEX);
-    sl_root_point before, after, still, still_after;
+    sl_lit_point before, after, still, still_after;
     uint32_t third = SL_PATCH_DYADIC / 4;
     sl_root_point_at(p, 2 * moving, third, third, &before);
     sl_root_point_at(p, 0, third, third, &still);
