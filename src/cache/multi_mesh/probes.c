@@ -5,8 +5,7 @@
  * six pixels lies between four such pixels. Where it says something else, n x n rays tell by how much, and
  * whether an eye could tell.
  *
- * Nothing is asked of lights that could not be missed there, nor where corners are in the penumbra: that
- * their edges know. What is asked depends on the view and on what the meshes know, and is forgotten at once.
+ * Nothing is asked where corners are in the penumbra: that their edges know. What is asked depends on the view and on what the meshes know, and is forgotten at once.
  */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
@@ -19,9 +18,6 @@
 enum { SPACING = 4, CLOSER_RAYS = 4 };
 /* Of what a light could give at a corner: all of it, or nothing, but for what interpolation makes of them. */
 static const float ALL = 0.9f, NOTHING = 0.05f;
-/* Less than that, to what arrives there altogether, no eye can tell (a grey level of 255 is a fortieth of the
- * light). */
-static const float UNSEEN = 0.01f;
 
 typedef struct probed_leaf {
     const sl_multi_mesh_state *s;
@@ -70,21 +66,6 @@ static bool value_at(const probed_leaf *leaf, float w1, float w2, sl_rgb *value)
 
 /* ---- one light ---- */
 
-/* Tells whether it would be missed in the leaf, or noticed. Judged in the middle of it. */
-static bool matters(const probed_leaf *leaf, size_t light) {
-    sl_root_place middle = sl_patch_middle(leaf->place);
-    sl_mesh_point point = point_at(leaf, middle.u, middle.v);
-    sl_lit_point lit = sl_lit_point_of(&point);
-    float w1 = (float)middle.u / (float)SL_PATCH_DYADIC, w2 = (float)middle.v / (float)SL_PATCH_DYADIC;
-    float most = (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit);
-    sl_rgb value, none = sl_grey(0.0f), own;
-    if (!(most > 0.0f) || !value_at(leaf, w1, w2, &value)) return false;
-    own = value_of_light(leaf, light, most, &point);
-    if (own.r < UNSEEN * value.r && own.g < UNSEEN * value.g && own.b < UNSEEN * value.b) return false;
-    return shows(leaf, w1, w2, value, changed_by(value, none, own)) ||
-           shows(leaf, w1, w2, value, changed_by(value, own, none));
-}
-
 typedef enum seen_by_corners { CORNERS_DIFFER, CORNERS_SEE_ALL, CORNERS_SEE_NOTHING } seen_by_corners;
 
 static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, float share[3]) {
@@ -101,17 +82,6 @@ static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, f
     return all ? CORNERS_SEE_ALL : nothing ? CORNERS_SEE_NOTHING : CORNERS_DIFFER;
 }
 
-/* Light of one lamp alone, if it is more than the mesh shows: a highlight between corners that are beside it.
- */
-static bool outshines(const probed_leaf *leaf, size_t light, float w1, float w2, sl_rgb value,
-                      const sl_mesh_point *point) {
-    sl_lit_point lit = sl_lit_point_of(point);
-    sl_rgb own =
-        value_of_light(leaf, light, (float)sl_light_unoccluded(&leaf->s->lights->light[light], &lit), point);
-    return shows(leaf, w1, w2, value,
-                 (sl_rgb){fmaxf(own.r, value.r), fmaxf(own.g, value.g), fmaxf(own.b, value.b)});
-}
-
 /* Tells whether what a pixel sees of the light is something that an eye can tell from what corners make of
  * it. */
 static bool differs(const probed_leaf *leaf, size_t light, const float share[3], bool lit_corners,
@@ -120,11 +90,9 @@ static bool differs(const probed_leaf *leaf, size_t light, const float share[3],
     float w1 = pixels->w1[pixel], w2 = pixels->w2[pixel], own_w1, own_w2;
     sl_mesh_point point = point_at(leaf, w1 * (float)SL_PATCH_DYADIC, w2 * (float)SL_PATCH_DYADIC);
     sl_lit_point lit = sl_lit_point_of(&point);
-    bool is_lit = sl_light_probe(leaf->s->sampling, light, &lit, 1, leaf->counters) > 0.0f,
-         specular = leaf->part == SL_DIRECT_SPECULAR;
     sl_rgb value;
-    if ((is_lit == lit_corners && !(specular && is_lit)) || !value_at(leaf, w1, w2, &value)) return false;
-    if (is_lit == lit_corners) return outshines(leaf, light, w1, w2, value, &point);
+    bool is_lit = sl_light_probe(leaf->s->sampling, light, &lit, 1, leaf->counters) > 0.0f;
+    if (is_lit == lit_corners || !value_at(leaf, w1, w2, &value)) return false;
     sl_mesh_weights_within(leaf->place, w1, w2, &own_w1, &own_w2);
     float interpolated = share[0] + own_w1 * (share[1] - share[0]) + own_w2 * (share[2] - share[0]);
     float seen = sl_light_probe(leaf->s->sampling, light, &lit, CLOSER_RAYS, leaf->counters);
@@ -135,20 +103,14 @@ static bool differs(const probed_leaf *leaf, size_t light, const float share[3],
 
 /* ---- a leaf ---- */
 
-/* Highlights are probed in each leaf's middle pixel too: they are narrow, and a ray is cheaper than three
- * vertices. */
 static bool is_probe(const probed_leaf *leaf, uint32_t i) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
-    if (leaf->part == SL_DIRECT_SPECULAR && i == leaf->d->mesh->patch[leaf->place->patch].pixels / 2)
-        return true;
     uint32_t at = pixels->pixel[sl_displayed_pixel(leaf->d, leaf->place->patch, i)], width = (uint32_t)pixels->width;
     return at % width % SPACING == SPACING / 2 && at / width % SPACING == SPACING / 2;
 }
 
 static bool is_contradicted_by(const probed_leaf *leaf, size_t light) {
     float share[3];
-    /* highlights need not be in the middle */
-    if (leaf->part != SL_DIRECT_SPECULAR && !matters(leaf, light)) return false;
     seen_by_corners corners = what_corners_see(leaf, light, share);
     if (corners == CORNERS_DIFFER) return false;
     uint32_t count = leaf->d->mesh->patch[leaf->place->patch].pixels;

@@ -198,4 +198,17 @@ static inline void visit_leaves(const sl_displayed *d, visit_leaf *visit, void *
 
 static inline size_t roots_in_view(const sl_displayed *d) { return d->pixels->face_count; }
 
+/* Shadow borders across a room. */
+static inline sl_rgb stripes(const void *context, sl_vec3 p) {
+    (void)context;
+    float s = p.x * 1.7f + p.y * 2.3f + p.z * 1.1f;
+    return s - floorf(s) < 0.3f ? (sl_rgb){0.1f, 0.12f, 0.15f} : (sl_rgb){0.9f, 0.8f, 0.6f};
+}
+
+static inline sl_scene *striped_room(void) {
+    sl_scene *scene = furnished_room(6, 6);
+    scene->camera = room_camera(sl_v3(2, 1.5f, 4.9f), sl_v3(2.2f, 1.2f, 0));
+    return scene;
+}
+
 #endif

@@ -45,19 +45,6 @@ static sl_rgb noise_with_holes(const void *context, sl_vec3 p) {
     return value.r < 0.2f ? sl_grey(NAN) : value;
 }
 
-/* Shadow borders across a room. */
-static sl_rgb stripes(const void *context, sl_vec3 p) {
-    (void)context;
-    float s = p.x * 1.7f + p.y * 2.3f + p.z * 1.1f;
-    return s - floorf(s) < 0.3f ? (sl_rgb){0.1f, 0.12f, 0.15f} : (sl_rgb){0.9f, 0.8f, 0.6f};
-}
-
-static sl_scene *room(void) {
-    sl_scene *scene = furnished_room(6, 6);
-    scene->camera = room_camera(sl_v3(2, 1.5f, 4.9f), sl_v3(2.2f, 1.2f, 0));
-    return scene;
-}
-
 /* ---- leaves and their pixels ---- */
 
 typedef struct check {
@@ -94,7 +81,7 @@ static check check_all(const rig *r) {
 static void each_pixel_belongs_to_the_leaf_in_which_it_lies(void **state) {
     (void)state;
     sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(room(), (field){stripes, NULL}, &settings, 160, 120);
+    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 160, 120);
     rig_look(&r, NULL, 1);
     for (int round = 0; round < 3; round++) {
         check c = check_all(&r);
@@ -109,7 +96,7 @@ static void each_pixel_belongs_to_the_leaf_in_which_it_lies(void **state) {
 static void the_first_image_samples_the_corners_of_faces_in_view_and_no_more(void **state) {
     (void)state;
     sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(room(), (field){stripes, NULL}, &settings, 160, 120);
+    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 160, 120);
     rig_look(&r, NULL, 1);
     size_t corners = 0;
     uint8_t *is_corner = calloc(r.mesh->mesh->vertex_count, 1);
@@ -203,7 +190,7 @@ static void noise_is_refined_down_to_pixels_and_ends(void **state) {
     field_value *fields[] = {noise, noise_with_holes};
     for (int f = 0; f < 2; f++) {
         sl_displayed_settings settings = usual_settings();
-        rig r = rig_of(room(), (field){fields[f], &seed}, &settings, 96, 72);
+        rig r = rig_of(striped_room(), (field){fields[f], &seed}, &settings, 96, 72);
         rig_look(&r, NULL, 1);
         size_t served = rig_finish(&r);
         check c = check_all(&r);
@@ -272,7 +259,7 @@ static sl_rgb curved(const void *context, sl_vec3 p) {
 /* Samples asked for by the first view and, together, by returns to it. */
 static void come_and_go(field f, uint64_t *first, uint64_t *again) {
     sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(room(), f, &settings, 160, 120);
+    rig r = rig_of(striped_room(), f, &settings, 160, 120);
     sl_camera other[3] = {room_camera(sl_v3(2.1f, 1.6f, 4.5f), sl_v3(1.8f, 1.0f, 0)),
                           room_camera(sl_v3(0.5f, 1.0f, 3), sl_v3(4, 1.2f, 2)),
                           room_camera(sl_v3(2.2f, 1.2f, 1.2f), sl_v3(2.2f, 1.2f, 0))};

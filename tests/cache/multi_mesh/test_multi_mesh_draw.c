@@ -4,12 +4,6 @@
 
 #include "multi_mesh_field.h"
 
-static sl_rgb stripes(const void *context, sl_vec3 p) {
-    (void)context;
-    float s = p.x * 1.7f + p.y * 2.3f + p.z * 1.1f;
-    return s - floorf(s) < 0.3f ? (sl_rgb){0.1f, 0.12f, 0.15f} : (sl_rgb){0.9f, 0.8f, 0.6f};
-}
-
 /* Some vertices lie inside other geometry. */
 static sl_rgb stripes_with_holes(const void *context, sl_vec3 p) {
     float s = p.x * 3.1f - p.y * 2.7f + p.z * 2.9f;

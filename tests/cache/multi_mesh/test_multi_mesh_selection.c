@@ -4,18 +4,6 @@
 #include "cache/multi_mesh/displayed.h"
 #include "multi_mesh_field.h"
 
-static sl_rgb stripes(const void *context, sl_vec3 p) {
-    (void)context;
-    float s = p.x * 1.7f + p.y * 2.3f + p.z * 1.1f;
-    return s - floorf(s) < 0.3f ? (sl_rgb){0.1f, 0.12f, 0.15f} : (sl_rgb){0.9f, 0.8f, 0.6f};
-}
-
-static sl_scene *room(void) {
-    sl_scene *scene = furnished_room(6, 6);
-    scene->camera = room_camera(sl_v3(2, 1.5f, 4.9f), sl_v3(2.2f, 1.2f, 0));
-    return scene;
-}
-
 typedef struct largest {
     const sl_displayed *d;
     float priority;
@@ -57,7 +45,7 @@ static void assert_priorities_are_up_to_date(rig *r) {
 static void roots_have_the_largest_priority_of_their_leaves_after_10000_splits(void **state) {
     (void)state;
     sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(room(), (field){stripes, NULL}, &settings, 480, 360);
+    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 480, 360);
     rig_look(&r, NULL, 1);
     assert_priorities(r.mesh);
     for (int i = 0; r.counters.value[SL_COUNT_SPLITS] < 10000; i++) {
@@ -73,7 +61,7 @@ static void roots_have_the_largest_priority_of_their_leaves_after_10000_splits(v
 static void a_leaf_that_is_taken_is_not_taken_twice(void **state) {
     (void)state;
     sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(room(), (field){stripes, NULL}, &settings, 96, 72);
+    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 96, 72);
     rig_look(&r, NULL, 1);
     float last = sl_displayed_priority(r.mesh);
     size_t taken = 0;
@@ -129,7 +117,7 @@ static void chain_and_heap_come_to_the_same_leaves(void **state) {
     for (int s = 0; s < 2; s++) {
         sl_displayed_settings settings = usual_settings();
         settings.selection = s == 0 ? SL_SELECT_HEAP : SL_SELECT_CHAIN;
-        rig r = rig_of(room(), (field){stripes, NULL}, &settings, 160, 120);
+        rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 160, 120);
         rig_look(&r, NULL, 1);
         roots = (double)roots_in_view(r.mesh);
         for (int k = 0; k < 3; k++) {

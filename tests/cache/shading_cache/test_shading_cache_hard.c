@@ -68,23 +68,6 @@ static void who_sees_nothing_asks_for_nothing(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void eyes_in_walls_on_walls_and_in_boxes_are_no_trouble(void **state) {
-    (void)state;
-    /* back wall, floor, within the short box, the lamp */
-    const float eye[4][3] = {{278, 273, 559.2f}, {278, 0, 280}, {185, 100, 169}, {278, 548.8f, 279.5f}};
-    for (int i = 0; i < 4; i++) {
-        sl_scene *scene = load_scene(room);
-        sl_settings settings = cache_settings(20, 20);
-        settings.shading_cache.updates = 12;
-        look(scene, eye[i][0], eye[i][1], eye[i][2], 250, 260, 250);
-        sl_method *method = method_of(scene, &settings);
-        to_the_end(method);
-        brightest(method);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
-    }
-}
-
 static void refinement_comes_to_an_end_by_itself(void **state) {
     (void)state;
     sl_scene *scene = load_scene(room);
@@ -151,7 +134,6 @@ static void with_things_that_move_bits_do_not_depend_on_threads(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(who_sees_nothing_asks_for_nothing),
-        cmocka_unit_test(eyes_in_walls_on_walls_and_in_boxes_are_no_trouble),
         cmocka_unit_test(refinement_comes_to_an_end_by_itself),
         cmocka_unit_test(with_things_that_move_bits_do_not_depend_on_threads),
     };

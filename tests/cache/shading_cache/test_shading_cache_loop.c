@@ -611,31 +611,6 @@ static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(vo
     }
 }
 
-/* ---- a handful of pixels --------------------------------------------------------------------- */
-
-/* A pixel sees all of the room, but shows what is in its middle. */
-static void pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_their_pixels(void **state) {
-    (void)state;
-    static const int sizes[][2] = {{1, 1}, {2, 1}, {1, 5}, {9, 9}};
-    sl_scene *scene = room();
-    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        sl_settings settings = small_settings("shading-cache", sizes[i][0], sizes[i][1]),
-                    path = small_settings("path", sizes[i][0], sizes[i][1]);
-        settings.shading_cache.indirect = SL_INDIRECT_NONE;
-        path.transport = "matched:shading-cache";
-        path.shading_cache = settings.shading_cache;
-        path.spp = 1;
-        sl_image *image = render(scene, &settings, NULL), *truth = render(scene, &path, NULL);
-        sl_comparison c;
-        assert_int_equal(sl_image_compare(image, truth, NULL, &c, NULL, NULL), SL_OK);
-        print_message("%d x %d: %.2f %%\n", sizes[i][0], sizes[i][1], 100.0 * c.rel_rmse);
-        assert_true(c.rel_rmse < 0.05);
-        sl_image_destroy(image);
-        sl_image_destroy(truth);
-    }
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(
@@ -657,7 +632,6 @@ int main(void) {
         cmocka_unit_test(in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_split_for_less),
         cmocka_unit_test(a_change_ends_while_there_are_corners_that_were_never_evaluated),
         cmocka_unit_test(refinement_to_the_end_takes_few_more_updates_than_its_points_fill),
-        cmocka_unit_test(pictures_of_one_pixel_or_one_row_show_what_lies_in_the_middles_of_their_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -294,86 +294,6 @@ static void furnaces_are_evenly_lit(void **state) {
     shop_close(&s);
 }
 
-/* Irradiance by the path tracer: what leaves a diffuse surface, seen along its normal, is kd E / pi. */
-static void traced_irradiance(shop *s, const sl_sample_request *q, double mean[3], double variance[3]) {
-    enum { SAMPLES = 600 };
-    sl_path_tracer *path;
-    sl_path_settings settings = {.width = 1, .height = 1, .threads = 1, .seed = 9};
-    assert_true(sl_transport_named("full", &settings.transport));
-    settings.transport.bounces = (uint32_t)s->settings.cache.path_depth;
-    settings.transport.emission = false;
-    settings.transport.direct_lobes = settings.transport.receiver_lobes = SL_LOBE_DIFFUSE;
-    assert_int_equal(sl_path_tracer_create(s->scene, s->tracer, &settings, &path, NULL), SL_OK);
-    sl_ray16 rays;
-    sl_vec3 eye = sl_mad(q->point.position, 1e-3f * s->scene->diagonal, q->point.geometric_normal);
-    double sum[SL_PACKET][3] = {{0.0}};
-    for (unsigned i = 0; i < SL_PACKET; i++) {
-        rays.origin_x[i] = eye.x;
-        rays.origin_y[i] = eye.y;
-        rays.origin_z[i] = eye.z;
-        rays.direction_x[i] = -q->point.geometric_normal.x;
-        rays.direction_y[i] = -q->point.geometric_normal.y;
-        rays.direction_z[i] = -q->point.geometric_normal.z;
-        rays.near[i] = 0.0f;
-        rays.far[i] = INFINITY;
-        rays.skip[i] = SL_NO_INDEX;
-    }
-    const double per_kd[3] = {SL_PI / (double)q->material->diffuse.r, SL_PI / (double)q->material->diffuse.g,
-                              SL_PI / (double)q->material->diffuse.b};
-    for (unsigned k = 0; k < SAMPLES; k++) {
-        sl_rgb found[SL_PACKET];
-        sl_path_tracer_radiance(path, &rays, SL_PACKET, 5, k, found, &s->counters);
-        for (unsigned i = 0; i < SL_PACKET; i++) {
-            sum[i][0] += (double)found[i].r * per_kd[0] / SAMPLES;
-            sum[i][1] += (double)found[i].g * per_kd[1] / SAMPLES;
-            sum[i][2] += (double)found[i].b * per_kd[2] / SAMPLES;
-        }
-    }
-    for (int c = 0; c < 3; c++) {
-        double squares = 0.0;
-        mean[c] = 0.0;
-        for (unsigned i = 0; i < SL_PACKET; i++) {
-            mean[c] += sum[i][c] / SL_PACKET;
-            squares += sum[i][c] * sum[i][c] / SL_PACKET;
-        }
-        variance[c] = fmax(squares - mean[c] * mean[c], 0.0) / (SL_PACKET - 1);
-    }
-    sl_path_tracer_destroy(path);
-}
-
-static void direct_and_indirect_light_are_the_path_tracers(void **state) {
-    (void)state;
-    shop s;
-    shop_open(&s, load_scene("scenes/cornell.json"));
-    s.settings.cache.area_samples = 256;
-    s.settings.cache.indirect_samples = 1200;
-    sl_sample_renderer direct = shop_renderer(&s, sl_area_renderer),
-                       indirect = shop_renderer(&s, sl_bidirectional_renderer);
-    int precise = 0;
-    for (uint32_t t = 0; t < s.scene->triangle_count; t += 3) {
-        sl_sample_request q = request_on(s.scene, t, 0.3f, 0.25f, true);
-        sl_sample d = shop_sample(&s, &direct, &q), i = shop_sample(&s, &indirect, &q);
-        if (!d.valid || !sl_material_is_diffuse(q.material) || sl_material_is_emitter(q.material)) continue;
-        double mean[3], variance[3];
-        traced_irradiance(&s, &q, mean, variance);
-        const float found[3] = {d.irradiance.r + i.irradiance.r, d.irradiance.g + i.irradiance.g,
-                                d.irradiance.b + i.irradiance.b};
-        for (int c = 0; c < 3; c++) {
-            /* one channel may vary more than their mean */
-            double error = sqrt(variance[c] + 2.0 * (double)(d.variance + i.variance));
-            precise += mean[c] > 0.0 && error < 0.1 * mean[c];
-            if (!(fabs((double)found[c] - mean[c]) < 4.0 * error)) {
-                fail_msg("triangle %u, channel %d: %g, the path tracer has %g (+- %g)", t, c,
-                         (double)found[c], mean[c], error);
-            }
-        }
-    }
-    assert_true(precise >= 18);
-    direct.destroy(direct.state);
-    indirect.destroy(indirect.state);
-    shop_close(&s);
-}
-
 /* ---- batches --------------------------------------------------------------------------------- */
 
 static bool same_sample(const sl_sample *a, const sl_sample *b) {
@@ -462,24 +382,6 @@ static void sets_of_samples_average(void **state) {
     shop_close(&s);
 }
 
-static void a_moved_light_is_seen_after_the_edit(void **state) {
-    (void)state;
-    trace_mesh mesh = lamp_over_floor(1.0f, 4.0f, 0.0f);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0, 2, 0}, .intensity = sl_grey(8.0f)};
-    mesh.light_count = 1;
-    shop s;
-    shop_open(&s, trace_mesh_build(&mesh));
-    sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
-    sl_sample_request q = request_at(sl_v3(0, 0, 0), up);
-    assert_true(fabs((double)shop_sample(&s, &r, &q).irradiance.r - 2.0) < 1e-5);
-    s.scene->lights[0].position.y = 1.0f;
-    s.scene->version++;
-    assert_int_equal(r.edit(r.state, SL_CHANGED_LIGHTS, NULL), SL_OK);
-    assert_true(fabs((double)shop_sample(&s, &r, &q).irradiance.r - 8.0) < 1e-5);
-    r.destroy(r.state);
-    shop_close(&s);
-}
-
 static void points_that_are_not_finite_are_broken_and_leave_the_batch_alone(void **state) {
     (void)state;
     sl_sample_renderer r = constant_renderer((sl_rgb){1, 2, 3});
@@ -496,10 +398,6 @@ static void points_that_are_not_finite_are_broken_and_leave_the_batch_alone(void
     r.destroy(r.state);
 }
 
-/* ---- points inside other geometry ------------------------------------------------------------ */
-
-enum { NOTHING, CLOSED_BOX, BOX_WITHOUT_BOTTOM, CANOPY };
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(penumbras_have_their_width),
@@ -509,10 +407,8 @@ int main(void) {
         cmocka_unit_test(narrow_lobes_show_the_lamp),
         cmocka_unit_test(the_sky_is_counted_once),
         cmocka_unit_test(furnaces_are_evenly_lit),
-        cmocka_unit_test(direct_and_indirect_light_are_the_path_tracers),
         cmocka_unit_test(answers_depend_on_their_request_alone),
         cmocka_unit_test(sets_of_samples_average),
-        cmocka_unit_test(a_moved_light_is_seen_after_the_edit),
         cmocka_unit_test(points_that_are_not_finite_are_broken_and_leave_the_batch_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
