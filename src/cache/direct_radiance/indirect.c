@@ -50,9 +50,8 @@ static void fill_tables(indirect_pass *p) {
     const sl_map_photons *photons = p->pass->photons;
     p->plain = !p->lobe && !p->ray_end;
     for (size_t j = 0; j < p->count; j++) {
-        p->form[j] = sl_photon_load(photons, j, p->pass->weight, &p->photon[j]);
+        p->form[j] = sl_photon_load(photons, j, p->pass->weight, &p->photon[j], p->lobe ? &p->lobe[j] : NULL);
         if (p->ray_end) p->ray_end[j] = ray_end(&photons->photon[j], 1e-5f * p->pass->scene->scale);
-        if (p->lobe) (void)sl_photon_with_lobe(photons, j, p->pass->weight, &p->lobe[j]);
         if (p->form[j] == SL_FORM_POLYGON) p->plain = false;
     }
 }
@@ -246,7 +245,9 @@ void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_til
     sum_photons(sums, tile, false, light, &ignored);
 }
 
-sl_weight_terms sl_weight_terms_of(const sl_map_photons *photons, size_t photon) {
+/* ---- photons as they are looked up ---- */
+
+static sl_weight_terms terms_of(const sl_map_photons *photons, size_t photon) {
     double nearest = (double)photons->nearest, diagonal = (double)photons->box_diagonal;
     const uint32_t own = photons->photon[photon].samples;
     const float samples = own ? (float)own : (float)photons->count;
@@ -263,7 +264,7 @@ sl_weight_terms sl_weight_terms_of(const sl_map_photons *photons, size_t photon)
  * polygon is multiplied by the flux as it is: the plain weight's colour, in units of 1. */
 static sl_weight_form form_of(const sl_map_photons *photons, size_t photon, sl_photon_weight *weight,
                               sl_weight_terms *terms) {
-    *terms = sl_weight_terms_of(photons, photon);
+    *terms = terms_of(photons, photon);
     if (sl_weight_is_cosine(*weight)) return SL_FORM_COSINE;
     if (*weight != SL_WEIGHT_POLYGON || !photons->polygon || !(photons->polygon[photon].over_area > 0.0f))
         return SL_FORM_DISC;
@@ -272,32 +273,23 @@ static sl_weight_form form_of(const sl_map_photons *photons, size_t photon, sl_p
     return SL_FORM_POLYGON;
 }
 
+/* L_o of the printed weights depends on where it is seen from. */
 sl_weight_form sl_photon_load(const sl_map_photons *photons, size_t photon, sl_photon_weight weight,
-                              sl_photon_registers *registers) {
-    sl_lobe_registers lobe;
+                              sl_photon_registers *registers, sl_lobe_registers *out) {
+    const sl_photon_lobe *lobe = photons->lobe ? &photons->lobe[photon] : NULL;
+    sl_map_photon p = photons->photon[photon];
+    const sl_rgb arriving = sl_weight_is_printed(weight) ? p.radiance : p.flux;
     sl_weight_terms terms;
-    sl_map_photon p =
-        photons->lobe ? sl_photon_with_lobe(photons, photon, weight, &lobe) : photons->photon[photon];
-    sl_weight_form form = form_of(photons, photon, &weight, &terms);
+    const sl_weight_form form = form_of(photons, photon, &weight, &terms);
+    if (lobe) {
+        const float scale = (lobe->exponent + 2.0f) * (float)(0.5 / SL_PI);
+        const sl_vec3 mirrored = sl_normalize_or(sl_reflect(lobe->to_light, lobe->normal), lobe->normal);
+        p.flux = p.radiance = sl_rgb_mul(arriving, sl_rgb_scale(lobe->specular, scale));
+        const sl_photon_registers r = sl_photon_registers_of(&p, weight, terms);
+        *out = (sl_lobe_registers){mirrored.x, mirrored.y, mirrored.z, lobe->exponent,
+                                   {r.red, r.green, r.blue}};
+        p.flux = p.radiance = sl_rgb_mul(arriving, sl_rgb_scale(lobe->diffuse, (float)(1.0 / SL_PI)));
+    }
     *registers = sl_photon_registers_of(&p, weight, terms);
     return form;
-}
-
-/* L_o of the printed weights depends on where it is seen from. */
-sl_map_photon sl_photon_with_lobe(const sl_map_photons *photons, size_t photon, sl_photon_weight weight,
-                                  sl_lobe_registers *out) {
-    const sl_photon_lobe *lobe = &photons->lobe[photon];
-    sl_map_photon p = photons->photon[photon], glossy;
-    sl_rgb arriving = sl_weight_is_printed(weight) ? p.radiance : p.flux;
-    glossy = p;
-    glossy.flux =
-        sl_rgb_mul(arriving, sl_rgb_scale(lobe->specular, (lobe->exponent + 2.0f) * (float)(0.5 / SL_PI)));
-    glossy.radiance = glossy.flux;
-    sl_weight_terms terms;
-    (void)form_of(photons, photon, &weight, &terms);
-    sl_photon_registers r = sl_photon_registers_of(&glossy, weight, terms);
-    sl_vec3 mirrored = sl_normalize_or(sl_reflect(lobe->to_light, lobe->normal), lobe->normal);
-    *out = (sl_lobe_registers){mirrored.x, mirrored.y, mirrored.z, lobe->exponent, {r.red, r.green, r.blue}};
-    p.flux = p.radiance = sl_rgb_mul(arriving, sl_rgb_scale(lobe->diffuse, (float)(1.0 / SL_PI)));
-    return p;
 }

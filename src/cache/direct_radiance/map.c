@@ -15,24 +15,12 @@ static sl_status allocate_planes(sl_radiance_map *map, const sl_radiance_map_opt
                                  sl_error *error) {
     size_t n = map->texels;
     map->triangle = sl_allocate(n, sizeof *map->triangle);
-    map->block_angle = sl_allocate(n, sizeof *map->block_angle);
     map->path = sl_allocate(n, sizeof *map->path);
-    bool ok = map->triangle && map->block_angle && map->path && allocate_vectors(map->position, n) &&
+    bool ok = map->triangle && map->path && allocate_vectors(map->position, n) &&
               allocate_vectors(map->color, n) && allocate_vectors(map->geometric, n);
     if (options->normals) ok = ok && allocate_vectors(map->normal, n);
     if (options->tracer) ok = ok && allocate_vectors(map->arrival, n) && allocate_vectors(map->carried, n);
     return ok ? SL_OK : sl_fail_memory(error, "a radiance map's pictures");
-}
-
-static void measure_texels(sl_radiance_map *map, const sl_map_face *f, bool parallel) {
-    double wide = (f->right - f->left) / (double)f->width, high = (f->top - f->bottom) / (double)f->height;
-    for (int y = 0; y < f->height; y++) {
-        for (int x = 0; x < f->width; x++) {
-            double x0 = f->left + wide * (double)x, y0 = f->bottom + high * (double)y;
-            double size = parallel ? wide * high : sl_rectangle_solid_angle(x0, y0, x0 + wide, y0 + high);
-            map->block_angle[f->first + (size_t)y * (size_t)f->width + (size_t)x] = (float)size;
-        }
-    }
 }
 
 static sl_status render(const sl_map_drawing *drawing, sl_error *error) {
@@ -40,8 +28,6 @@ static sl_status render(const sl_map_drawing *drawing, sl_error *error) {
     sl_status status = sl_map_faces_choose(drawing, error);
     if (status == SL_OK) status = allocate_planes(map, drawing->options, error);
     if (status != SL_OK) return status;
-    for (size_t f = 0; f < map->face_count; f++)
-        measure_texels(map, &map->face[f], sl_face_is_directional(map, &map->face[f]));
     return sl_map_pictures_draw(drawing, error);
 }
 
@@ -69,14 +55,13 @@ void sl_radiance_map_destroy(sl_radiance_map *map) {
     }
     sl_free(map->face);
     sl_free(map->triangle);
-    sl_free(map->block_angle);
     sl_free(map->path);
     sl_free(map);
 }
 
 size_t sl_radiance_map_bytes(const sl_radiance_map *map) {
     if (!map) return 0;
-    size_t planes = 12 + (map->normal[0] ? 3u : 0u) + (map->arrival[0] ? 6u : 0u);
+    size_t planes = 11 + (map->normal[0] ? 3u : 0u) + (map->arrival[0] ? 6u : 0u);
     return sizeof *map + map->face_count * sizeof *map->face + planes * map->texels * sizeof(float);
 }
 
@@ -85,6 +70,14 @@ static double corner_angle(double x, double y) { return sl_atan(x * y / sqrt(1.0
 
 double sl_rectangle_solid_angle(double x0, double y0, double x1, double y1) {
     return (corner_angle(x1, y1) - corner_angle(x0, y1)) - (corner_angle(x1, y0) - corner_angle(x0, y0));
+}
+
+double sl_map_part(const sl_radiance_map *map, const sl_map_face *face, int column, int row, int texels) {
+    const double wide = (face->right - face->left) / face->width * texels,
+                 high = (face->top - face->bottom) / face->height * texels,
+                 x = face->left + wide / texels * column, y = face->bottom + high / texels * row;
+    return sl_face_is_directional(map, face) ? wide * high
+                                             : sl_rectangle_solid_angle(x, y, x + wide, y + high);
 }
 
 double sl_printed_footprint(double b, double fov, int m) {

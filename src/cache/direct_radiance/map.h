@@ -39,11 +39,10 @@ typedef struct sl_radiance_map {
     /* shading normals turned to the light; NULL where no weight or material asks for them */
     float *normal[3];
     float *geometric[3];             /* geometric ones, likewise turned; always there, as they decide sides */
-    /* per texel: solid angle in sr (directional: area in m^2) of the texel itself */
-    float *block_angle;
     /* per texel: b, the way from the light; by way of mirrors the unfolded one */
     float *path;
-    /* NULL, or of light by way of mirrors: unit, at y towards where it comes from; 0 where it came straight */
+    /* NULL, or of light by way of mirrors: unit, at y towards where it comes from; 0 where it came straight
+     */
     float *arrival[3];
     float *carried[3];               /* beside that: the reflectances of the mirrors on the way, multiplied */
     bool lambertian;                 /* color holds L_o */
@@ -117,6 +116,7 @@ typedef struct sl_map_texel {
     sl_vec3d shading;    /* unit; the geometric one where the map has no pictures of it */
     sl_vec3d to_light;   /* unit, at y towards where its light comes from */
     double way;          /* b */
+    double size;         /* dOmega, sr; directional: area, m^2 */
     double cos_alpha;    /* of the geometric normal; >= SL_TEXEL_COS_MIN */
     double footprint;    /* A' = b^2 dOmega of the texel */
     /* Psi = L_o A of the texel, W/sr. Maps of true colour: W, still to be reflected by the material */
@@ -236,8 +236,8 @@ static inline bool sl_face_is_directional(const sl_radiance_map *map, const sl_m
     return map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
 }
 
-/* Solid angle of the block whose lower left texel that is (directional: area). */
-double sl_block_angle(const sl_radiance_map *map, const sl_map_face *face, int column, int row);
+/* Solid angle, sr (directional: area, m^2), of a square of so many texels whose lower left one that is. */
+double sl_map_part(const sl_radiance_map *map, const sl_map_face *face, int column, int row, int texels);
 
 /* Appends the sample; nothing where it holds no light, or where a float cannot hold it. */
 void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_map_texel *sample);

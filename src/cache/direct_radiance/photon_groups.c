@@ -110,7 +110,6 @@ static void finish(sl_photon_list *list, const sl_map_face *face, const surface_
 /* Adds a texel to its surface's group. block: the solid angle for which printed weights take a photon. */
 static void add_to_groups(const sl_photon_list *list, const sl_map_face *face, int column, int row,
                           double block, surface_sum group[SL_PHOTON_GROUPS]) {
-    double angle = (double)list->map->block_angle[sl_map_texel_index(face, column, row)];
     sl_map_texel t;
     if (!sl_map_texel_read(list->scene, list->map, face, column, row, NULL, &t)) return;
     const sl_texel_rectangle texel =
@@ -125,14 +124,14 @@ static void add_to_groups(const sl_photon_list *list, const sl_map_face *face, i
                              .material = t.material,
                              .rectangle = texel};
     }
-    add_texel(g, &t, stranger, angle / block);
+    add_texel(g, &t, stranger, t.size / block);
     g->bent = g->bent || sl_dotd(g->first_normal, t.normal) < 1.0 - 1e-6;
     if (!stranger) g->rectangle = join(g->rectangle, texel);
 }
 
 void sl_photon_groups_take(sl_photon_list *list, const sl_map_face *f, int column, int row) {
     const int texels = sl_block_texels(f);
-    const double block = sl_block_angle(list->map, f, column, row);
+    const double block = sl_map_part(list->map, f, column, row, texels);
     surface_sum group[SL_PHOTON_GROUPS] = {{.luminance = 0.0}};
     for (int y = row; y < row + texels; y++) {
         for (int x = column; x < column + texels; x++) add_to_groups(list, f, x, y, block, group);

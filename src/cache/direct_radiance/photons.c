@@ -9,16 +9,6 @@
 /* A receiver that is as near as that to a photon gets nothing from it: its direction would be noise. */
 #define NEAREST_RECEIVER 1e-6
 
-double sl_block_angle(const sl_radiance_map *map, const sl_map_face *face, int column, int row) {
-    double angle = 0.0;
-    int texels = sl_block_texels(face);
-    for (int y = row; y < row + texels; y++) {
-        for (int x = column; x < column + texels; x++)
-            angle += (double)map->block_angle[sl_map_texel_index(face, x, y)];
-    }
-    return angle;
-}
-
 /* Photon (i, k) of m x m is the texel at ((i + 1/2) / m, (k + 1/2) / m). With an even number of texels a
  * block that is a texel's corner: the lower left of the four around it is taken. It stands for the whole
  * block, whose solid angle is the texels' together: with the texel's own, the photons would hold m^2 / w^2 of
@@ -28,8 +18,7 @@ static void take_point(sl_photon_list *list, const sl_map_face *face, int column
     int texels = sl_block_texels(face), x = column + (texels - 1) / 2, y = row + (texels - 1) / 2;
     sl_map_texel t;
     if (!sl_map_texel_read(list->scene, list->map, face, x, y, color, &t)) return;
-    double own = (double)list->map->block_angle[sl_map_texel_index(face, x, y)];
-    double times = sl_block_angle(list->map, face, column, row) / own;
+    const double times = sl_map_part(list->map, face, column, row, texels) / t.size;
     t.footprint *= times;
     for (int k = 0; k < 3; k++) t.flux[k] *= times;
     if (!t.mirrored) t.rectangle = (sl_texel_rectangle){column, row, column + texels, row + texels};
@@ -91,7 +80,8 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
                               const sl_radiance_map_settings *settings, sl_map_photons **photons,
                               sl_counters *counters, sl_error *error) {
     bool polygons = settings->weight == SL_WEIGHT_POLYGON;
-    sl_status status = create(map, polygons, SL_PHOTON_GROUPS * count_blocks(map, SL_NO_INDEX), photons, error);
+    sl_status status =
+        create(map, polygons, SL_PHOTON_GROUPS * count_blocks(map, SL_NO_INDEX), photons, error);
     if (status != SL_OK) return status;
     sl_map_photons *p = *photons;
     p->nearest = (float)(NEAREST_RECEIVER * (double)scene->scale);
@@ -174,7 +164,7 @@ static bool find_way(const sl_radiance_map *map, const sl_map_face *face, size_t
         t->way = sl_lengthd(t->to_light);
         t->to_light = sl_scaled(t->to_light, 1.0 / t->way); /* at the light itself NaN, and near: dropped */
     }
-    t->footprint = (double)map->block_angle[i] * (parallel ? 1.0 : t->way * t->way);
+    t->footprint = t->size * (parallel ? 1.0 : t->way * t->way);
     return t->footprint > 0.0 && isfinite(t->footprint) && t->way >= 0.0;
 }
 
@@ -192,7 +182,7 @@ static bool find_arriving(const sl_radiance_map *map, const sl_map_face *face, s
     const double c[3] = {(double)intensity.r, (double)intensity.g, (double)intensity.b};
     bool any = false;
     for (int k = 0; k < 3; k++) {
-        arriving[k] = c[k] > 0.0 ? c[k] * (double)map->block_angle[i] : 0.0;
+        arriving[k] = c[k] > 0.0 ? c[k] * t->size : 0.0;
         any |= arriving[k] > 0.0;
         if (!isfinite(arriving[k])) return false;
     }
@@ -236,10 +226,12 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
     double arriving[3];
     *t = (sl_map_texel){0};
     if (map->triangle[i] == SL_NO_INDEX) return false;
+    t->size = sl_map_part(map, face, column, row, 1);
     t->position = plane_at(map->position, i);
     t->mirrored = map->arrival[0] && sl_lengthd(plane_at(map->arrival, i)) > 0.0;
     if (!is_finite(t->position) || !find_way(map, face, i, t)) return false;
-    if (!sl_face_is_directional(map, face) && t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_central_diagonal(scene))
+    if (!sl_face_is_directional(map, face) &&
+        t->way < SL_PHOTON_NEAREST_LIGHT * (double)sl_scene_central_diagonal(scene))
         return false;
 
     t->normal = plane_at(map->geometric, i);

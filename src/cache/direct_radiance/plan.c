@@ -119,15 +119,16 @@ void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, 
 
 /* ---- memory: pictures from the lights, for the most part ---- */
 
-/* A picture has the order of receivers 4 and 12 layers; mirrors tell of two ways a pixel. A texel of a map: 21
- * planes and the rasterizer's 6; while it is drawn a G-buffer's 17, which counts where a face is large. A
- * sample: four photons with their lobes, and their polygons. Texels of a depth cube are there twice while it is drawn. */
+/* A picture has the order of receivers 4 and 12 layers; mirrors tell of two ways a pixel. A texel of a map:
+ * 20 planes and the rasterizer's 6; while it is drawn a G-buffer's 17, which counts where a face is large. A
+ * sample: four photons with their lobes, and their polygons. Texels of a depth cube are there twice while it
+ * is drawn. */
 enum {
     FACES = 6,
     LAYERS = 12,
     A_PIXEL = 8,
     OF_MIRRORS = 60,
-    A_TEXEL = 28 * 4,
+    A_TEXEL = 27 * 4,
     A_TEXEL_DRAWN = 17 * 4,
     A_SAMPLE = 512,
     A_THREAD = 2000000

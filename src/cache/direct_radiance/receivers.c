@@ -94,8 +94,9 @@ sl_light_points sl_receiver_tile_points(const sl_receiver_tile *t) {
 /* ---- all tiles ---- */
 
 /* Passes 6 and 7, of which each counts the fragments that it shades. */
-static void light_tile(const sl_direct_light *direct, const sl_photon_sums *sums, const sl_receiver_tile *tile,
-                       bool glossy, const sl_tile_target *to, sl_counters *counters) {
+static void light_tile(const sl_direct_light *direct, const sl_photon_sums *sums,
+                       const sl_receiver_tile *tile, bool glossy, const sl_tile_target *to,
+                       sl_counters *counters) {
     if (direct) sl_direct_light_tile(direct, tile, glossy, to, counters);
     if (sums) sl_indirect_light_tile(sums, tile, glossy, to, counters);
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, tile->count * (direct && sums ? 2 : 1));

@@ -216,14 +216,10 @@ static inline float sl_lobe_power(float along, float squared, float exponent) {
 
 typedef enum sl_weight_form { SL_FORM_DISC, SL_FORM_COSINE, SL_FORM_POLYGON } sl_weight_form;
 
-sl_weight_terms sl_weight_terms_of(const sl_map_photons *photons, size_t photon);
-/* A photon as it is looked up: with SL_FORM_POLYGON the colour is the flux, to be multiplied by Pi / A_q. */
+/* A photon as it is looked up: with SL_FORM_POLYGON the colour is the flux, to be multiplied by Pi / A_q; of
+ * one with a lobe that of its diffuse part. lobe: is written where photons have lobes. */
 sl_weight_form sl_photon_load(const sl_map_photons *photons, size_t photon, sl_photon_weight weight,
-                              sl_photon_registers *registers);
-/* Of photons with lobes: the record whose flux and radiance are those of the lobe's diffuse part, and the
- * lobe. */
-sl_map_photon sl_photon_with_lobe(const sl_map_photons *photons, size_t photon, sl_photon_weight weight,
-                                  sl_lobe_registers *lobe);
+                              sl_photon_registers *registers, sl_lobe_registers *lobe);
 
 /* The fragment programs of passes 6 and 7: loops over a tile's receivers that are compiled for every
  * instruction set. */

@@ -46,7 +46,6 @@ static inline hand_map *hand_map_begin(sl_map_light light, int faces, int w, int
                                .texels = texels,
                                .lambertian = true};
     h->map.triangle = calloc(texels, sizeof *h->map.triangle);
-    h->map.block_angle = hand_plane(texels);
     h->map.path = hand_plane(texels);
     for (int c = 0; c < 3; c++) {
         h->map.position[c] = hand_plane(texels);
@@ -67,13 +66,15 @@ static inline hand_map *hand_map_begin(sl_map_light light, int faces, int w, int
                                    .rows = m,
                                    .first = (size_t)f * each};
         h->face[f].view = sl_view_pyramid(&h->face[f].frame, light.position, -1, 1, -1, 1, w, w, 1e-4f);
-        for (int i = 0; i < w * w; i++) {
-            double x = -1 + 2.0 * (i % w) / w, y = -1 + 2.0 * (i / w) / w, s = 2.0 / w;
-            h->map.block_angle[h->face[f].first + (size_t)i] =
-                (float)sl_rectangle_solid_angle(x, y, x + s, y + s);
-        }
     }
     return h;
+}
+
+static inline double texel_size(const sl_radiance_map *map, size_t i) {
+    const sl_map_face *f = map->face;
+    while (i >= f->first + (size_t)f->width * (size_t)f->height) f++;
+    const size_t width = (size_t)f->width, texel = i - f->first;
+    return sl_map_part(map, f, (int)(texel % width), (int)(texel / width), 1);
 }
 
 /* Texel i shows triangle's surface at p, which reflects as much as a white Lambertian surface of that
@@ -118,7 +119,6 @@ static inline void hand_map_render(hand_map *h, const sl_raster *raster) {
 
 static inline void hand_map_end(hand_map *h) {
     free(h->map.triangle);
-    free(h->map.block_angle);
     free(h->map.path);
     for (int c = 0; c < 3; c++) {
         free(h->map.position[c]);

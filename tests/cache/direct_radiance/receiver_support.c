@@ -103,14 +103,13 @@ static float polygon_weight(const sl_map_photons *photons, size_t photon, const 
 sl_rgb sl_photon_irradiance(const sl_map_photons *photons, size_t photon, sl_photon_weight weight, sl_vec3 x,
                             sl_vec3 n, sl_vec3 shading) {
     sl_photon_registers p;
-    sl_weight_form form = sl_photon_load(photons, photon, weight, &p);
+    sl_lobe_registers lobe;
+    sl_weight_form form = sl_photon_load(photons, photon, weight, &p, &lobe);
     float w = form == SL_FORM_COSINE ? sl_cosine_weight(&p, x, n, shading)
               : form == SL_FORM_DISC ? sl_disc_weight(&p, x, n, shading)
                                      : polygon_weight(photons, photon, &p, x, n, shading);
     sl_rgb e = {p.red * w, p.green * w, p.blue * w};
     if (!photons->lobe) return e;
-    sl_lobe_registers lobe;
-    (void)sl_photon_with_lobe(photons, photon, weight, &lobe);
     sl_vec3 d = sl_v3(x.x - p.x, x.y - p.y, x.z - p.z);
     float power = sl_lobe_power(lobe.x * d.x + lobe.y * d.y + lobe.z * d.z, sl_dot(d, d), lobe.exponent),
           share = w * power;

@@ -121,7 +121,7 @@ static void facets_of_a_curved_surface_are_one_photon(void **state) {
         sl_vec3d n = sl_v3d(-sl_cos(turn) * sl_cos(tilt), sl_sin(tilt), sl_sin(turn) * sl_cos(tilt));
         sl_vec3d p = sl_addd(sl_v3d(2, 0, 0), n);
         hand_texel(h, i, 0, sl_to_float(p), sl_to_float(n), sl_grey(0.5f));
-        double angle = (double)h->map.block_angle[i], b2 = sl_dotd(p, p);
+        double angle = texel_size(&h->map, i), b2 = sl_dotd(p, p);
         mean = sl_addd(mean, sl_scaled(p, angle));
         weight += angle;
         area += b2 * angle / (-sl_dotd(p, n) / sqrt(b2));
@@ -151,7 +151,7 @@ static void a_block_of_many_surfaces_has_four_photons(void **state) {
                                   sl_random_unit(key, 3 * i + 2) - 0.5f),
                             sl_v3(-1, 0, 0));
         hand_texel(h, i, 0, sl_v3(1 + sl_random_unit(key, i + 1000), 0, 0), n, sl_grey(0.5f));
-        texels += 0.5 * 3.0 * (double)h->map.block_angle[i] / SL_PI;
+        texels += 0.5 * 3.0 * texel_size(&h->map, i) / SL_PI;
     }
     sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
     sl_map_photons *photons = take_photons(scene, &h->map, &settings);

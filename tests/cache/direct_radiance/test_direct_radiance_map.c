@@ -9,6 +9,7 @@
 
 #include "base/math.h"
 #include "cache/direct_radiance/map.h"
+#include "radiance_maps.h"
 #include "trace/trace.h"
 #include "trace_scenes.h"
 
@@ -113,7 +114,7 @@ static bool all_finite(const sl_radiance_map *map) {
     for (size_t i = 0; i < map->texels; i++) {
         finite &= sl_is_finite(at(map->position, i)) && sl_is_finite(at(map->color, i)) &&
                   sl_is_finite(at(map->geometric, i));
-        finite &= isfinite(map->path[i]) && isfinite(map->block_angle[i]) && map->block_angle[i] > 0.0f;
+        finite &= isfinite(map->path[i]);
         finite &= !map->normal[0] || sl_is_finite(at(map->normal, i));
     }
     return finite;
@@ -269,7 +270,7 @@ static void true_colour_and_normals_are_there_exactly_when_asked_for(void **stat
 
 static double angles(const sl_radiance_map *map) {
     double sum = 0.0;
-    for (size_t i = 0; i < map->texels; i++) sum += (double)map->block_angle[i];
+    for (size_t i = 0; i < map->texels; i++) sum += texel_size(map, i);
     return sum;
 }
 
@@ -422,7 +423,7 @@ static void a_mirror_beside_the_light_shows_real_positions_at_unfolded_distances
         if (!is_mirrored(w.map, i)) continue;
         const sl_vec3 p = at(w.map->position, i), arrival = at(w.map->arrival, i);
         const float b = w.map->path[i], cosine = sl_dot(arrival, at(w.map->normal, i));
-        angle += (double)w.map->block_angle[i];
+        angle += texel_size(w.map, i);
         assert_true(distance_to_triangle(w.scene, w.map->triangle[i], p) < 1e-5 * (double)w.scene->diagonal);
         assert_true(fabsf(b - sl_length(sl_sub(p, image))) < 1e-5f);
         assert_true(sl_length(sl_sub(arrival, sl_scale(sl_sub(image, p), 1.0f / b))) < 1e-5f);

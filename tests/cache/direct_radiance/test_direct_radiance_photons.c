@@ -175,7 +175,7 @@ static void mirrored_texels_arrive_from_where_they_say(void **state) {
     sl_map_photons *photons = take_photons(scene, &h->map, &points);
     assert_int_equal(photons->count, 1);
     assert_true(fabsf(photons->photon[0].cos_alpha - 0.8f) < 1e-6f);
-    const float footprint = 9.0f * h->map.block_angle[0];
+    const float footprint = 9.0f * (float)texel_size(&h->map, 0);
     assert_true(fabsf(photons->photon[0].footprint - footprint) < 1e-6f);
     assert_true(fabsf(photons->photon[0].flux.r - 0.01f * footprint / 0.8f) < 1e-6f);
     sl_map_photons_destroy(photons);

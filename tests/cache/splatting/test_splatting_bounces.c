@@ -116,13 +116,6 @@ static world *integrating_sphere(float albedo) {
     return w;
 }
 
-static world *room(bool quad_light) {
-    world *w = world_room(quad_light);
-    sl_vec3 middle = sl_scale(sl_add(w->scene->box_min, w->scene->box_max), 0.5f);
-    look_from(w, middle, sl_v3(w->scene->box_min.x, middle.y, w->scene->box_min.z));
-    return w;
-}
-
 /* Everything emits L_e and reflects rho: b bounces add pi L_e (rho + ... + rho^b) to what arrives straight.
  */
 static void the_furnace_sums_the_series(void **state) {
@@ -322,24 +315,6 @@ static void no_bounce_leaks_through_a_thin_wall(void **state) {
     world_free(w);
 }
 
-static void second_level_records_do_not_depend_on_threads(void **state) {
-    (void)state;
-    world *w = room(true);
-    sl_irradiance first[8];
-    const unsigned threads[] = {1, 2, 5};
-    for (int run = 0; run < 3; run++) {
-        bouncer b = bouncer_new(w, 3, threads[run]);
-        for (uint64_t n = 0; n < 8; n++) {
-            sl_gather_point point = world_surface_point(w, n);
-            sl_irradiance e = irradiance_at(&b, &point);
-            if (run == 0) first[n] = e;
-            else assert_memory_equal(&e, &first[n], sizeof e);
-        }
-        bouncer_free(&b);
-    }
-    world_free(w);
-}
-
 static void a_scene_without_anything_to_see_has_no_second_level_records(void **state) {
     (void)state;
     world *w = world_new();
@@ -366,7 +341,6 @@ int main(void) {
         cmocka_unit_test(second_level_records_stay_as_long_as_the_light_does),
         cmocka_unit_test(a_camera_that_goes_elsewhere_brings_second_level_records_there),
         cmocka_unit_test(no_bounce_leaks_through_a_thin_wall),
-        cmocka_unit_test(second_level_records_do_not_depend_on_threads),
         cmocka_unit_test(a_scene_without_anything_to_see_has_no_second_level_records),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -193,27 +193,6 @@ static void an_eye_amid_the_records_sees_the_floor_as_it_is(void **state) {
     static const camera low = {{1.5, 0.02, 0.1}, {1.0, -0.08, 0}};
     sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
     expect_floor("an eye close to the floor", &settings, &low, 0.02, 0.06, 300);
-    /* Records made from above, of metres, then the eye amid them. */
-    settings.records_per_frame = 1000;
-    sl_scene *scene = wall_scene(&from_above);
-    sl_method *method;
-    sl_progress progress = {0};
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    const float eye[3] = {1.5f, 0.02f, 0.1f}, target[3] = {1.0f, -0.08f, 0.0f}, up[3] = {0, 1, 0};
-    assert_int_equal(sl_scene_set_camera(scene, eye, target, up, (float)(40.0 * pi / 180.0), NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-    progress.done = false;
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    sl_image *image;
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-    assert_sound_picture(image, "an eye that moved to the floor");
-    floor_error e = error_of_floor(image, &low);
-    print_message("an eye that moved to the floor: mean error %.4f, worst %.3f\n", e.mean, e.worst);
-    assert_true(e.mean < 0.03 && e.worst < 0.1);
-    sl_image_destroy(image);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
 }
 
 /* ---- close surfaces: the path tracer on the same paths --------------------------------------- */
@@ -283,27 +262,6 @@ static void boxes_that_interpenetrate_have_the_path_tracers_light(void **state) 
         expect_path_tracer(i ? "shiny boxes" : "boxes", json, obj, SL_QUALITY_NORMAL, 100, i ? 0.3 : 0.2,
                            0.02, 24 * 24 / 2);
     }
-}
-
-/* A floor that lies there twice, in other triangles: which of the two is seen must not matter. */
-static void coplanar_duplicates_change_nothing(void **state) {
-    (void)state;
-    char obj[4096], json[1024];
-    int n = append_box(obj, sizeof obj, 1, (point){-2, 0, -2}, (point){2, 3, 2});
-    snprintf(json, sizeof json, lit_json, dull);
-    sl_scene *once = scene_from_text(json, obj);
-    snprintf(obj + n, sizeof obj - (size_t)n, "f 1 5 6 2\nf 1 2 6\nf 2 3 4 1\nf 5 7 8\n");
-    sl_scene *twice = scene_from_text(json, obj);
-    sl_settings settings = small_settings("splatting", 32, 32);
-    sl_image *a = render(once, &settings, NULL), *b = render(twice, &settings, NULL);
-    sl_comparison c;
-    assert_int_equal(sl_image_compare(b, a, NULL, &c, NULL, NULL), SL_OK);
-    print_message("coplanar duplicates: relative rmse %.5f\n", c.rel_rmse);
-    assert_true(c.rel_rmse < 0.005);
-    sl_image_destroy(a);
-    sl_image_destroy(b);
-    sl_scene_destroy(once);
-    sl_scene_destroy(twice);
 }
 
 /* ---- what rays hardly find, and normals that say nothing ---- */
@@ -550,7 +508,6 @@ int main(void) {
         cmocka_unit_test(an_eye_amid_the_records_sees_the_floor_as_it_is),
         cmocka_unit_test(a_wedge_has_bounded_records_and_error),
         cmocka_unit_test(boxes_that_interpenetrate_have_the_path_tracers_light),
-        cmocka_unit_test(coplanar_duplicates_change_nothing),
         cmocka_unit_test(a_small_bright_patch_is_right_in_the_mean),
         cmocka_unit_test(shading_normals_that_cancel_or_are_none_give_light_all_the_same),
         cmocka_unit_test(no_light_leaks_through_a_wall_of_a_thousandth),

@@ -215,27 +215,6 @@ static void another_view_starts_with_what_it_sees_again(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* Stopped half-way, saved, loaded: the second run goes on. */
-static void an_unfinished_run_can_be_gone_on_with(void **state) {
-    const place *p = *state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    sl_settings settings = small_settings("splatting", 48, 48);
-    sl_error error;
-    sl_progress progress = {0};
-    sl_method *first = new_method(scene, &settings), *second = new_method(scene, &settings);
-    for (int i = 0; i < 8; i++) assert_int_equal(sl_method_update(first, &progress, &error), SL_OK);
-    assert_false(progress.done);
-    uint64_t made = count_of(first, SL_COUNT_RECORDS);
-    assert_true(made > 0);
-    save(first, p->path);
-    load(second, p->path);
-    sl_image_destroy(finish(second));
-    assert_true(count_of(second, SL_COUNT_RECORDS) > 0);
-    sl_method_destroy(first);
-    sl_method_destroy(second);
-    sl_scene_destroy(scene);
-}
-
 /* ---- what does not fit ---- */
 
 static void expect_refusal(const char *path, const char *scene_path, const sl_settings *settings,
@@ -284,32 +263,6 @@ static void caches_of_other_scenes_and_settings_are_refused(void **state) {
     expect_refusal("/tmp", "scenes/cornell.json", &settings, "/tmp");
     expect_refusal("/dev/null", "scenes/cornell.json", &settings, "is not a file");
     expect_refusal("/nonexistent/cache", "scenes/cornell.json", &settings, "cannot read /nonexistent/cache");
-}
-
-static void methods_without_a_cache_say_so(void **state) {
-    const place *p = *state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    const sl_settings settings = small_settings("path", 8, 8);
-    sl_method *method = new_method(scene, &settings);
-    sl_error error;
-    assert_false(sl_method_keeps_cache(method));
-    assert_int_equal(sl_method_save(method, p->path, &error), SL_ERROR_USAGE);
-    assert_non_null(strstr(error.message, "path keeps no cache"));
-    assert_int_equal(sl_method_load(method, p->path, &error), SL_ERROR_USAGE);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
-static void a_place_that_cannot_be_written_is_named(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
-    const sl_settings settings = small_settings("splatting", 8, 8);
-    sl_method *method = new_method(scene, &settings);
-    sl_error error;
-    assert_int_equal(sl_method_save(method, "/nonexistent/cache", &error), SL_ERROR_OUTPUT);
-    assert_non_null(strstr(error.message, "/nonexistent/cache"));
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
 }
 
 /* ---- damage ---- */
@@ -441,10 +394,7 @@ int main(void) {
         TEST(so_it_does_with_more_bounces),
         TEST(records_from_a_file_end_where_those_that_were_made_did),
         TEST(another_view_starts_with_what_it_sees_again),
-        TEST(an_unfinished_run_can_be_gone_on_with),
         TEST(caches_of_other_scenes_and_settings_are_refused),
-        TEST(methods_without_a_cache_say_so),
-        TEST(a_place_that_cannot_be_written_is_named),
         TEST(files_cut_short_are_refused_at_every_length),
         TEST(any_bit_that_differs_is_noticed),
         TEST(nonsense_that_is_sealed_does_no_harm),
