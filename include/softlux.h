@@ -263,13 +263,15 @@ typedef struct sl_comparison {
     double flip;          /**< mean LDR-FLIP at 67 pixels per degree, in [0,1]; 0 where equal */
     double mean_image;     /**< mean(x) */
     double mean_reference; /**< mean(r) */
-    double reserved[8];    /**< 0 */
+    /** rel_rmse of what a screen shows: both images * 2^stops, clipped to [0,1], in linear light */
+    double rel_rmse_shown;
+    double reserved[7];    /**< 0 */
 } sl_comparison;
 
 /** {0}: all pixels, exposure as it is. */
 typedef struct sl_compare_options {
     const sl_image *mask;  /**< first channel, same size; or NULL */
-    float exposure_stops;  /**< for ssim and flip: both images * 2^stops, clipped to [0,1], sRGB */
+    float exposure_stops;  /**< of what a screen shows: ssim, flip and rel_rmse_shown */
     uint64_t reserved[8];  /**< 0 */
 } sl_compare_options;
 

@@ -106,6 +106,8 @@ static const char details[] =
     "  rel_rmse_surfaces   the same without the pixels that show light sources or sky: where a layer "
     "emission.* of A or B is\n"
     "                    not 0; told where there is such a layer. Lamps that are seen are most of mean(r)\n"
+    "  rel_rmse_shown    that of all pixels as a screen shows them: both pictures times 2^STOPS, clipped to "
+    "[0,1]\n"
     "  rel_mse           mean((x-r)^2 / (r^2 + 0.01 mean(r)^2))\n"
     "  rel_mse_trimmed   the same without the largest 0.1 % of the terms\n"
     "  rel_mse_noise     what the noise of B adds to rel_mse, from its layers even.* and odd.*, if any\n"
@@ -159,7 +161,7 @@ static bool parse(int argc, char **argv, compare_request *q, int *status) {
             "difference", 0, &q->difference, "FILE",
             "write (x-r)/(|r| + 0.01 |mean r|) in false colour: blue too dark, red too bright, full at 50 %"),
         SL_REAL("exposure", &q->exposure, NULL, "STOPS", -100, 100,
-                "both pictures times 2^STOPS for ssim and flip [0]"),
+                "both pictures times 2^STOPS for ssim, flip, rel_rmse_shown [0]"),
         SL_FLAG("identical", &q->identical, "every bit of R, G, B must be equal"),
         SL_REAL("max-rmse", &bound[MAX_RMSE], &bounded[MAX_RMSE], "X", 0, HUGE_VAL, "rmse must be at most X"),
         SL_REAL("max-rel-rmse", &bound[MAX_REL_RMSE], &bounded[MAX_REL_RMSE], "X", 0, HUGE_VAL,
@@ -270,13 +272,14 @@ typedef struct metric {
     int bound; /* -1: none */
     bool count;
 } metric;
-enum { METRICS = 16 };
+enum { METRICS = 17 };
 
 /* surfaces: NaN where the pictures do not tell. */
 static void list_metrics(const sl_comparison *r, double surfaces, metric to[METRICS]) {
     const metric all[METRICS] = {{"rmse", r->rmse, MAX_RMSE, false},
                                  {"rel_rmse", r->rel_rmse, MAX_REL_RMSE, false},
                                  {"rel_rmse_surfaces", surfaces, -1, false},
+                                 {"rel_rmse_shown", r->rel_rmse_shown, -1, false},
                                  {"rel_mse", r->rel_mse, MAX_REL_MSE, false},
                                  {"rel_mse_trimmed", r->rel_mse_trimmed, -1, false},
                                  {"rel_mse_noise", r->rel_mse_noise, -1, false},

@@ -170,12 +170,27 @@ static void tone_map(const comparison *c, const float *const planes[3], double f
     }
 }
 
+static void shown_metric(const comparison *c, const double *image, const double *reference,
+                         sl_comparison *result) {
+    double squares = 0.0, sum = 0.0;
+    for (size_t i = 0; i < c->pixels; i++) {
+        if (c->state[i] != COMPARED) continue;
+        for (size_t k = i; k < 3 * c->pixels; k += c->pixels) {
+            squares += (image[k] - reference[k]) * (image[k] - reference[k]);
+            sum += reference[k];
+        }
+    }
+    double n = (double)result->values;
+    result->rel_rmse_shown = ratio(sqrt(squares / n), sum / n);
+}
+
 static sl_status perceptual_metrics(const comparison *c, float stops, sl_comparison *result,
                                     sl_error *error) {
     double factor = sl_pow(2.0, (double)stops);
     double *image = c->terms, *reference = c->terms + 3 * c->pixels;
     tone_map(c, c->image, factor, image);
     tone_map(c, c->reference, factor, reference);
+    shown_metric(c, image, reference, result);
     unsigned char *use = sl_allocate(c->pixels, 1);
     if (!use) return sl_fail_memory(error, "a comparison");
     for (size_t i = 0; i < c->pixels; i++) use[i] = c->state[i] == COMPARED;

@@ -102,6 +102,23 @@ static void trimming_leaves_out_a_thousandth_of_the_terms(void **state) {
     sl_image_destroy(x);
 }
 
+/* A lamp at twice the white of a screen is as white as one at ten times. */
+static void what_is_clipped_to_white_is_no_difference_that_is_shown(void **state) {
+    (void)state;
+    sl_image *r = uniform(4, 4, 0.25f, 0.25f, 0.25f), *x = uniform(4, 4, 0.25f, 0.25f, 0.25f);
+    sl_compare_options stop = {.exposure_stops = 1.0f};
+    for (int channel = 0; channel < 3; channel++) {
+        r->planes[channel * 16 + 5] = 10.0f;
+        x->planes[channel * 16 + 5] = 2.0f;
+    }
+    assert_true(compare(x, r, NULL).rel_rmse_shown == 0.0 && compare(x, r, NULL).rel_rmse > 1.0);
+    for (int channel = 0; channel < 3; channel++) x->planes[channel * 16] = 0.5f;
+    assert_near(compare(x, r, NULL).rel_rmse_shown, sqrt(0.25 * 0.25 / 16.0) / ((15.0 * 0.25 + 1.0) / 16.0), 1e-12);
+    assert_near(compare(x, r, &stop).rel_rmse_shown, sqrt(0.5 * 0.5 / 16.0) / ((15.0 * 0.5 + 1.0) / 16.0), 1e-12);
+    sl_image_destroy(r);
+    sl_image_destroy(x);
+}
+
 static void a_black_reference_gives_zero_or_infinity(void **state) {
     (void)state;
     sl_image *black = uniform(4, 4, 0, 0, 0), *zero = uniform(4, 4, -0.0f, 0, 0),
@@ -406,6 +423,7 @@ int main(void) {
         cmocka_unit_test(what_cannot_be_compared_is_an_error),
         cmocka_unit_test(the_difference_picture_is_blue_too_dark_and_red_too_bright),
         cmocka_unit_test(ssim_is_wangs_formula),
+        cmocka_unit_test(what_is_clipped_to_white_is_no_difference_that_is_shown),
         cmocka_unit_test(flip_is_the_papers_formula),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
