@@ -111,6 +111,8 @@ typedef struct sl_sub_frame {
     sl_sub_frame_purpose purpose;
     unsigned turn, share;  /* light samples of a pixel are shared out among so many, and take turns; 0: one */
     const uint8_t *wanted; /* pixels, rows from the bottom: nothing is drawn in others. NULL: all */
+    /* by texture: of those that are filtered (raster/textures/mip.h); NULL: none is */
+    const struct sl_mip *mips;
 } sl_sub_frame;
 static inline bool sl_sub_frame_shows(const sl_sub_frame *at, size_t pixel) {
     return !at->wanted || at->wanted[pixel];

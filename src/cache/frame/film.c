@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/frame/picture_value.h"
+#include "raster/textures/mip.h"
 #include "raster/views/outlines.h"
 #include "trace/pixel_filter.h"
 #include "trace/sequence.h"
@@ -26,6 +27,7 @@ struct sl_film {
     bool edges_known;
     unsigned asked, drawn; /* sub-frames */
     unsigned most;         /* of any pixel, once the pilot is there */
+    sl_mip *mips;          /* NULL: nothing is textured */
     uint16_t *count;       /* sub-frames that each pixel is in, its first so many; rows from the bottom */
     uint8_t *edge;         /* pixels at edges */
     uint8_t *wanted;       /* of the next sub-frame, behind the pilot */
@@ -50,16 +52,20 @@ sl_status sl_film_create(const sl_scene *scene, const sl_settings *settings, boo
     f->low = sl_allocate(pixels, sizeof *f->low);
     f->high = sl_allocate(pixels, sizeof *f->high);
     sl_sequence_make(&f->sequence);
-    if (f->count && f->edge && f->wanted && f->low && f->high) return SL_OK;
+    const bool room = f->count && f->edge && f->wanted && f->low && f->high;
+    sl_status status = room ? SL_OK : sl_fail_memory(error, "a film");
+    if (status == SL_OK) status = sl_mips_create(scene, settings->threads, &f->mips, error);
+    if (status == SL_OK) return SL_OK;
     sl_film_destroy(f);
     *film = NULL;
-    return sl_fail_memory(error, "a film");
+    return status;
 }
 
 void sl_film_destroy(sl_film *f) {
     if (!f) return;
     sl_outlines_destroy(f->outlines);
     sl_image_destroy(f->sums);
+    sl_mips_destroy(f->scene, f->mips);
     sl_free(f->count);
     sl_free(f->edge);
     sl_free(f->wanted);
@@ -92,7 +98,8 @@ static sl_status widen_edges(sl_film *f, sl_error *error) {
         for (int x = 0; x < w; x++) {
             for (int k = 0; k < 9; k++) {
                 const int u = x + k % 3 - 1, v = y + k / 3 - 1;
-                if (u < 0 || v < 0 || u >= w || v >= h || !narrow[(size_t)v * (size_t)w + (size_t)u]) continue;
+                if (u < 0 || v < 0 || u >= w || v >= h || !narrow[(size_t)v * (size_t)w + (size_t)u])
+                    continue;
                 f->edge[(size_t)y * (size_t)w + (size_t)x] = 1;
             }
         }
@@ -150,7 +157,8 @@ bool sl_film_next(const sl_film *f, sl_sub_frame *next) {
                                                      : SL_SUB_FRAME_BOTH,
                            .turn = index,
                            .share = index < PILOT ? smaller(f->samples, PILOT) : LATER_SHARE,
-                           .wanted = index < PILOT ? NULL : f->wanted};
+                           .wanted = index < PILOT ? NULL : f->wanted,
+                           .mips = f->mips};
     return true;
 }
 
@@ -298,12 +306,12 @@ enum { BYTES_OF_PLANES = 4 + 2 * sizeof(float), LAYERS_AT_MOST = 17 };
 size_t sl_film_bytes(const sl_film *f) {
     const size_t channels = f->sums ? (size_t)f->sums->channels : 0;
     return sizeof *f + pixels_of(f) * (BYTES_OF_PLANES + channels * sizeof(float)) +
-           (f->outlines ? sl_outlines_bytes(f->outlines) : 0);
+           (f->outlines ? sl_outlines_bytes(f->outlines) : 0) + (f->mips ? sl_mips_need(f->scene) : 0);
 }
 
 double sl_film_need(const sl_scene *scene, const sl_settings *settings) {
     const double pixels = (double)settings->width * (double)settings->height;
     const double pictures = 2.0 * LAYERS_AT_MOST * sizeof(float); /* the sums, and one that is developed */
     return pixels * (BYTES_OF_PLANES + pictures + sizeof(float)) +
-           sl_outlines_need((double)scene->triangle_count);
+           sl_outlines_need((double)scene->triangle_count) + (double)sl_mips_need(scene);
 }

@@ -191,6 +191,7 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
     if (!m) return sl_fail_memory(error, "a method");
     m->class = class;
     m->scene = scene;
+    m->seen = *scene;
     m->settings = chosen;
     snprintf(m->name, sizeof m->name, "%s", class->name);
     snprintf(m->transport_name, sizeof m->transport_name, "%s",

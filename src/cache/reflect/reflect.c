@@ -1,8 +1,11 @@
 #include "cache/reflect/reflect.h"
 
+#include "base/math.h"
 #include "base/batch.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "raster/textures/mip.h"
+#include "scene/bump.h"
 #include "base/parallel.h"
 #include "trace/bsdf.h"
 
@@ -69,6 +72,7 @@ typedef struct {
     const sl_viewer *viewer;
     sl_gbuffer *gbuffer;
     sl_reflections *reflections;
+    float half_pixel; /* at a distance of 1 */
 } reflecting;
 
 /* A ray that is on its way from a mirror. */
@@ -125,6 +129,16 @@ static void show_surface(const reflecting *c, const reflected *ray, uint32_t tri
     c->gbuffer->seen_from[i] = ray->origin;
 }
 
+/* Returns k_d of what a mirror shows, filtered over as much of it as half a pixel sees. */
+static sl_rgb diffuse_seen(const reflecting *c, const reflected *ray, uint32_t triangle, float w1, float w2,
+                           sl_rgb unfiltered) {
+    if (!c->scene->sub_frame.mips ||
+        sl_material_is_bumpy(&c->scene->materials[c->scene->material_index[triangle]]))
+        return unfiltered;
+    return sl_scene_diffuse_within(c->scene, c->scene->sub_frame.mips, triangle, w1, w2,
+                                   c->half_pixel * c->reflections->way[ray->slot]);
+}
+
 /* Where the ray ends; or, at a mirror, the ray that goes on from there. */
 static bool goes_on(const reflecting *c, reflected *ray, uint32_t triangle, float t, float w1, float w2) {
     sl_rgb *throughput = &c->reflections->throughput[ray->slot];
@@ -137,6 +151,7 @@ static bool goes_on(const reflecting *c, reflected *ray, uint32_t triangle, floa
     sl_surface s;
     sl_scene_surface(c->scene, triangle, w1, w2, sl_neg(ray->direction), &s);
     c->reflections->way[ray->slot] += t;
+    s.diffuse = diffuse_seen(c, ray, triangle, w1, w2, s.diffuse);
     if (!sl_material_is_mirror(s.material)) {
         show_surface(c, ray, triangle, &s);
         return false;
@@ -190,7 +205,8 @@ sl_status sl_reflect_seen(const sl_scene *scene, const sl_tracer *tracer, unsign
         return status;
     }
     size_t packets = ((*reflections)->count + SL_PACKET - 1) / SL_PACKET;
-    reflecting c = {scene, tracer, viewer, gbuffer, *reflections};
+    reflecting c = {scene, tracer, viewer, gbuffer, *reflections,
+                    (float)(sl_tan(0.5 * (double)scene->camera.vertical_fov) / (double)gbuffer->height)};
     sl_batch_run(&(sl_batch){.count = packets, .work = reflect_packet, .context = &c}, threads, counters);
     return SL_OK;
 }

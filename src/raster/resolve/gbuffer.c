@@ -169,6 +169,7 @@ static void fetch_albedo(const sl_scene *scene, const sl_resolve_block *pixels, 
         a->green[run] = material ? material->diffuse.g : 0.0f;
         a->blue[run] = material ? material->diffuse.b : 0.0f;
         a->texture[run] = textured ? &scene->textures[material->texture] : NULL;
+        a->mip[run] = textured && scene->sub_frame.mips ? &scene->sub_frame.mips[material->texture] : NULL;
         for (int k = 0; k < 3 && textured; k++) {
             a->u[k][run] = scene->texture_u[scene->vertex[k][triangle]];
             a->v[k][run] = scene->texture_v[scene->vertex[k][triangle]];

@@ -19,6 +19,7 @@
 
 #include "base/stream.h"
 #include "raster/pipeline.h"
+#include "raster/textures/mip.h"
 
 enum {
     SL_RESOLVE_PIXELS = 512,
@@ -74,6 +75,7 @@ typedef struct sl_surface_block {
 typedef struct sl_albedo_block {
     float red[SL_RESOLVE_RUNS], green[SL_RESOLVE_RUNS], blue[SL_RESOLVE_RUNS];
     const sl_texture *texture[SL_RESOLVE_RUNS];
+    const sl_mip *mip[SL_RESOLVE_RUNS]; /* NULL: the texture is looked up as it is */
     sl_run_corners u, v; /* where there is a texture */
 } sl_albedo_block;
 

@@ -1,5 +1,6 @@
 /* The film: a pixel is the mean over its square. */
 #include "rendering.h"
+#include "scene_files.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -139,6 +140,52 @@ static void a_hair_of_light_is_as_bright_as_it_is_thick(void **state) {
     if (fabs(sum / truth - 1.0) > 0.1) fail_msg("%g, expected %g", sum, truth);
 }
 
+/* ---- a checkerboard to the horizon ---- */
+
+/* Black and white squares of a fortieth of a unit under an even sky: beyond a few
+ * units each pixel is grey. */
+static sl_scene *checkerboard(void) {
+    enum { SIDE = 32 };
+    sl_image *image;
+    sl_scene *scene;
+    sl_error error;
+    assert_int_equal(sl_image_create(SIDE, SIDE, 1, NULL, &image, &error), SL_OK);
+    for (int i = 0; i < SIDE * SIDE; i++)
+        image->planes[i] = (i % SIDE < SIDE / 2) == (i / SIDE < SIDE / 2) ? 1.0f : 0.0f;
+    scene_file_text("squares.png", "");
+    assert_int_equal(sl_image_write(image, scene_file_path("squares.png"), &error), SL_OK);
+    sl_image_destroy(image);
+    scene_file_text("floor.mtl", "newmtl m\nKd 1 1 1\nmap_Kd squares.png\n");
+    scene_file_text("floor.obj",
+                    "mtllib floor.mtl\nv -999 0 999\nv 999 0 999\nv 999 0 -999\nv -999 0 -999\nvt 0 0\n"
+                    "vt 19980 0\nvt 19980 19980\nvt 0 19980\nusemtl m\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+    const char *path = scene_file_text(
+        "floor.json",
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"floor.obj\"}], \"environment\": {\"radiance\": [1, 1, "
+        "1]}, \"camera\": {\"eye\": [0.3, 1, 0.4], \"target\": [0.3, 0.6, -2], \"fov_deg\": 60}}");
+    if (sl_scene_load(path, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    return scene;
+}
+
+static void a_checkerboard_is_grey_towards_the_horizon(void **state) {
+    (void)state;
+    enum { SIDE = 64, FAR = 23, NEARER = 33 }; /* rows: the horizon lies in the 22nd */
+    sl_scene *scene = checkerboard();
+    const sl_settings settings = on_film("splatting", SIDE, 16);
+    sl_image *image = render(scene, &settings, NULL);
+    const float *red = sl_image_channel(image, "R");
+    double sum = 0.0, squares = 0.0;
+    for (int i = FAR * SIDE; i < NEARER * SIDE; i++) {
+        sum += (double)red[i];
+        squares += ((double)red[i] - 0.5) * ((double)red[i] - 0.5);
+    }
+    const double count = (NEARER - FAR) * SIDE, mean = sum / count, deviation = sqrt(squares / count);
+    print_message("mean %.4f, off by %.4f\n", mean, deviation);
+    assert_true(fabs(mean - 0.5) < 0.006 && deviation < 0.045);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 /* ---- pictures ---- */
 
 static double error_of(const sl_scene *scene, const sl_settings *settings, const sl_image *reference,
@@ -257,6 +304,7 @@ int main(void) {
         cmocka_unit_test(a_pixel_shows_as_much_of_a_lamp_as_covers_it),
         cmocka_unit_test(a_smooth_filter_weighs_what_lies_around_a_pixel),
         cmocka_unit_test(a_hair_of_light_is_as_bright_as_it_is_thick),
+        cmocka_unit_test(a_checkerboard_is_grey_towards_the_horizon),
         cmocka_unit_test(every_method_comes_near_to_the_mean_over_pixels),
         cmocka_unit_test(samples_lie_where_they_matter),
         cmocka_unit_test(the_bits_do_not_depend_on_threads),
@@ -264,5 +312,5 @@ int main(void) {
         cmocka_unit_test(a_picture_may_have_one_pixel),
         cmocka_unit_test(a_pixel_of_a_film_is_not_explained),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }
