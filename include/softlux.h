@@ -40,9 +40,10 @@
  *
  * Versions: a program that was linked with the library goes on with every later one of the same soname. No
  * struct that a caller makes room for changes its size: what is added is taken from `reserved`, which is 0
- * (begin what you fill with {0}). Those that the library alone makes, sl_image, sl_pass, sl_setting and
- * sl_explanation, and enumerations, grow at their end; sl_error, sl_tone, sl_observer and what stands in
- * arrays (sl_metadatum, sl_mark, sl_explanation_term) stay as they are. */
+ * (begin what you fill with {0}); but those that begin with their own size grow at their end. Those that the
+ * library alone makes, sl_image, sl_pass, sl_setting and sl_explanation, and enumerations, grow at their
+ * end; sl_error, sl_tone, sl_observer and what stands in arrays (sl_metadatum, sl_mark,
+ * sl_explanation_term) stay as they are. */
 #ifndef SOFTLUX_H
 #define SOFTLUX_H
 
@@ -361,6 +362,130 @@ SL_API sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigne
  * number not finite, or the field of view not between 0 and pi. */
 SL_API sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3],
                                      const float up[3], float vertical_fov_rad, sl_error *error);
+
+/* ---- scenes from arrays ---------------------------------------------------------------------- */
+
+/** A scene while a program makes it, by the rules for scene files (docs/scene-format.md), whose keys its
+ * messages name. What is added is told apart by numbers, which begin at 1: 0 is none. A function that fails
+ * has added nothing; INPUT: what is given breaks a rule. All that is given is copied, but for the arrays of a
+ * mesh that says otherwise. A struct that a caller fills begins with its own size, {.size = sizeof data}:
+ * fields that a later version appends are 0 then, and a field that is 0 is as if it were not given. */
+typedef struct sl_scene_builder sl_scene_builder;
+
+/** A picture's texels, row 0 at the top. */
+typedef struct sl_texture_data {
+    size_t size;         /**< of this struct, in bytes */
+    const char *name;    /**< for messages */
+    int width;           /**< 1 to 65536 */
+    int height;          /**< likewise */
+    int channels;        /**< 1: grey, 2: grey and alpha, 3: R, G, B, 4: R, G, B and alpha */
+    const uint8_t *srgb; /**< channels of them a texel, as 8-bit files have them; or NULL, and: */
+    /** the same from 0 to 1, colours in linear light; they are rounded to 8 bits, colours of the sRGB curve
+     */
+    const float *linear;
+} sl_texture_data;
+
+/** A surface. */
+typedef struct sl_material_data {
+    size_t size;       /**< of this struct, in bytes */
+    const char *name;  /**< NULL: "material N" */
+    float diffuse[3];  /**< kd, 0 to 1 */
+    float specular[3]; /**< ks, 0 to 1 */
+    float exponent;    /**< n, 0 to 1000000 */
+    float mirror[3];   /**< reflectance of a perfect mirror, 0 to 1; not beside kd or ks */
+    float emission[3]; /**< radiance that leaves the front */
+    bool two_sided;    /**< it leaves both sides */
+    uint32_t texture;  /**< that multiplies kd */
+    uint32_t alpha;    /**< a mask: alpha channel, or luminance where there is none */
+    uint32_t bump;     /**< a height map */
+    float bump_depth;  /**< in widths of the texture, to 1; 0: 0.04 */
+} sl_material_data;
+
+/** Triangles, counter-clockwise where they are seen from the front. */
+typedef struct sl_mesh_data {
+    size_t size;            /**< of this struct, in bytes */
+    const char *name;       /**< NULL: "mesh N" */
+    size_t vertex_count;    /**< vertices in the arrays below */
+    const float *positions; /**< x, y, z a vertex */
+    const float *normals;   /**< likewise, of any length; (0, 0, 0) or NULL: those of the triangles */
+    const float *texture_coordinates; /**< u, v a vertex, v = 0 at the bottom; or NULL */
+    size_t triangle_count;            /**< triangles in the arrays below */
+    const uint32_t *indices;   /**< three vertices a triangle, from 0 */
+    const uint32_t *materials; /**< one a triangle; NULL: `material` for all of them */
+    uint32_t material;         /**< 0, here as above: a diffuse grey of 0.5 */
+    /** the arrays are not copied: they must stay until the scene is built or the builder destroyed */
+    bool borrowed;
+} sl_mesh_data;
+
+/** A mesh at a place: an object of the scene. */
+typedef struct sl_instance_data {
+    size_t size;             /**< of this struct, in bytes */
+    uint32_t mesh;           /**< which one */
+    uint32_t material;       /**< for all of it; 0: the mesh's own */
+    const char *name;        /**< of the object; NULL: the mesh's */
+    const double *transform; /**< 16 numbers by columns; may mirror, may not flatten; NULL: as it is */
+} sl_instance_data;
+
+/** The kinds of lights beside surfaces that emit. */
+typedef enum sl_light_type {
+    SL_LIGHT_POINT,       /**< the same in all directions */
+    SL_LIGHT_SPOT,        /**< full in an inner cone, none outside of an outer one */
+    SL_LIGHT_DIRECTIONAL, /**< from infinitely far away */
+    SL_LIGHT_QUAD         /**< a parallelogram that shines towards edge1 x edge2: two triangles */
+} sl_light_type;
+
+/** A light. */
+typedef struct sl_light_data {
+    size_t size;         /**< of this struct, in bytes */
+    sl_light_type type;  /**< which of the fields below count */
+    const char *name;    /**< NULL: "light N" */
+    double position[3];  /**< point and spot; of a quad its corner */
+    double direction[3]; /**< spot and directional: the way light travels */
+    double edge1[3];     /**< of a quad */
+    double edge2[3];     /**< of a quad */
+    /** point, spot: intensity; directional: irradiance of a plane that faces it; quad: radiance */
+    float strength[3];
+    bool is_power;    /**< point, quad: strength is the power in W */
+    bool two_sided;   /**< a quad shines on both sides */
+    double inner_rad; /**< spot: of the cone with all of it, from its axis; at most outer_rad */
+    double outer_rad; /**< spot: of the cone beyond which there is none; 0.01 to 180 degrees */
+} sl_light_data;
+
+/** An empty one, which the caller destroys. */
+SL_API sl_status sl_scene_builder_create(sl_scene_builder **builder, sl_error *error);
+/** NULL is allowed. Scenes that it has built stay. */
+SL_API void sl_scene_builder_destroy(sl_scene_builder *builder);
+/** Adds a texture; its number in *texture. */
+SL_API sl_status sl_scene_builder_texture(sl_scene_builder *builder, const sl_texture_data *data,
+                                          uint32_t *texture, sl_error *error);
+/** Adds a material; its number in *material. */
+SL_API sl_status sl_scene_builder_material(sl_scene_builder *builder, const sl_material_data *data,
+                                           uint32_t *material, sl_error *error);
+/** Adds a mesh, which is not seen until it is placed; its number in *mesh. INPUT also: an index names no
+ * vertex, which the message tells by the mesh's name, the index and its triangle. */
+SL_API sl_status sl_scene_builder_mesh(sl_scene_builder *builder, const sl_mesh_data *data, uint32_t *mesh,
+                                       sl_error *error);
+/** Places a mesh, as often as one likes. Each instance is a copy of its own: 36 bytes a triangle and 32 a
+ * vertex in the scene, for a while three times as much again as it is built, and whatever a method holds of
+ * each triangle. */
+SL_API sl_status sl_scene_builder_instance(sl_scene_builder *builder, const sl_instance_data *data,
+                                           sl_error *error);
+/** Adds a light. */
+SL_API sl_status sl_scene_builder_light(sl_scene_builder *builder, const sl_light_data *data,
+                                        sl_error *error);
+/** Sets the sky, in place of the one before: R, G, B a texel of a latitude-longitude picture, row 0 at the
+ * top, its middle along -z; with width and height 0 one radiance, three numbers, all around. */
+SL_API sl_status sl_scene_builder_environment(sl_scene_builder *builder, int width, int height,
+                                              const float *radiance, sl_error *error);
+/** Sets the camera, as sl_scene_set_camera() does, from 0.01 to 179 degrees. Without one the scene is framed.
+ */
+SL_API sl_status sl_scene_builder_camera(sl_scene_builder *builder, const float eye[3], const float target[3],
+                                         const float up[3], float vertical_fov_rad, sl_error *error);
+/** Sets the picture's size in pixels, 1 to 65536; else it is 512 x 512. */
+SL_API sl_status sl_scene_builder_film(sl_scene_builder *builder, int width, int height, sl_error *error);
+/** Makes the scene, as loading makes it of a file that says the same, to the same bits. The caller destroys
+ * it. Whatever comes of it, the builder can only be destroyed then: all else is refused with USAGE. */
+SL_API sl_status sl_scene_builder_build(sl_scene_builder *builder, sl_scene **scene, sl_error *error);
 
 /* ---- observers: every pass announces itself -------------------------------------------------- */
 

@@ -13,6 +13,13 @@ static inline sl_affine sl_affine_identity(void) {
     return (sl_affine){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 }
 
+static inline bool sl_affine_is_identity(const sl_affine *a) {
+    const sl_affine same = sl_affine_identity();
+    bool is = true;
+    for (int i = 0; i < 12; i++) is &= a->m[i / 4][i % 4] == same.m[i / 4][i % 4];
+    return is;
+}
+
 /* World z up to world y up: (x, y, z) becomes (x, z, -y). */
 static inline sl_affine sl_affine_z_up(void) {
     return (sl_affine){{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
@@ -67,6 +74,13 @@ static inline sl_vec3 sl_affine_unit(const sl_affine *a, sl_vec3 v) {
     sl_vec3d d = sl_affine_vector(a, sl_to_double(v));
     double length = sl_lengthd(d);
     return length > 0.0 && isfinite(length) ? sl_to_float(sl_scaled(d, 1.0 / length)) : sl_v3(0, 0, 0);
+}
+
+/* The unit vector along one, or `fallback` where it has no direction; one that has unit length but for
+ * rounding stays as it is: normalising it again could change its last bits. */
+static inline sl_vec3 sl_unit_or(sl_vec3 a, sl_vec3 fallback) {
+    const sl_vec3d d = sl_to_double(a);
+    return fabs(sl_dotd(d, d) - 1.0) < 0x1p-22 ? a : sl_normalize_or(a, fallback);
 }
 
 #endif

@@ -66,7 +66,7 @@ static bool find_corner(corners *all, const corner *c, uint32_t *number) {
 /* A corner without a normal has its facet's, so that facets stay facets. */
 static corner corner_of(const sl_model *m, uint32_t vertex, uint32_t object, sl_vec3 facet) {
     const sl_vec3 p = vector_at(m->positions, vertex),
-                  n = sl_normalize_or(vector_at(m->normals, vertex), facet);
+                  n = sl_unit_or(vector_at(m->normals, vertex), facet);
     const float u = m->uvs[2 * (size_t)vertex], v = m->uvs[2 * (size_t)vertex + 1];
     return (corner){{p.x, p.y, p.z, n.x, n.y, n.z, isfinite(u) ? u : 0.0f, isfinite(v) ? v : 0.0f},
                     m->keeps_vertices ? vertex : object};

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "base/error.h"
+#include "scene/affine.h"
 #include "scene/derive.h"
 
 static bool channel_is_valid(float value) { return value >= 0.0f && isfinite(value); }
@@ -95,7 +96,7 @@ static sl_status check_light(sl_light *light, size_t index, sl_error *error) {
         return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected a finite position", index);
     }
     if (light->type == SL_LIGHT_POINT) return SL_OK;
-    light->direction = sl_normalize_or(light->direction, sl_v3(0, 0, 0));
+    light->direction = sl_unit_or(light->direction, sl_v3(0, 0, 0));
     if (!(sl_dot(light->direction, light->direction) > 0.5f)) {
         return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected a direction that is finite and not zero",
                        index);

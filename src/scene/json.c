@@ -12,6 +12,7 @@
 #include "base/values.h"
 #include "image/formats.h"
 #include "scene/file.h"
+#include "scene/parts.h"
 
 /* ---- lines: the text and the parsed tree are walked side by side ----------------------------- */
 
@@ -219,16 +220,12 @@ static bool is_number(const cJSON *item) {
 }
 
 bool sl_json_number(sl_json *json, const cJSON *item, double low, double high, double *value) {
-    char text[32];
+    char text[SL_RULE_TEXT];
     if (json->status != SL_OK || !item) return false;
-    if (!is_number(item)) {
-        sl_json_fail(json, item, "expected '%s' to be a number", name_of(item));
-    } else if (!(item->valuedouble >= low && item->valuedouble <= high)) {
-        sl_json_fail(json, item, "expected '%s' from %g to %g, got %s", name_of(item), low, high,
-                     sl_outside_text(item->valuedouble, low, high, text));
-    } else {
-        *value = item->valuedouble;
-    }
+    if (!is_number(item)) sl_json_fail(json, item, "expected '%s' to be a number", name_of(item));
+    else if (!sl_is_within(name_of(item), item->valuedouble, low, high, text))
+        sl_json_fail(json, item, "%s", text);
+    else *value = item->valuedouble;
     return json->status == SL_OK;
 }
 

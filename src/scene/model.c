@@ -62,15 +62,27 @@ static sl_vec3d vector_at(const float *xyz, size_t i) {
 
 static void place_vertices(sl_model *m, const sl_mesh *mesh, const sl_affine *placement, size_t first) {
     const sl_affine normal_map = sl_affine_normal_map(placement);
+    const bool stays = sl_affine_is_identity(placement);
     for (size_t v = 0; v < mesh->vertex_count; v++) {
         const sl_vec3 p = sl_to_float(sl_affine_point(placement, vector_at(mesh->positions, v)));
         memcpy(m->positions + 3 * (first + v), (float[3]){p.x, p.y, p.z}, 3 * sizeof(float));
         if (!mesh->normals) continue;
-        const sl_vec3 n = sl_affine_unit(&normal_map, sl_to_float(vector_at(mesh->normals, v)));
+        const sl_vec3 given = sl_to_float(vector_at(mesh->normals, v)),
+                      n = stays ? sl_unit_or(given, sl_v3(0, 0, 0)) : sl_affine_unit(&normal_map, given);
         memcpy(m->normals + 3 * (first + v), (float[3]){n.x, n.y, n.z}, 3 * sizeof(float));
     }
     if (mesh->uvs && mesh->vertex_count)
         memcpy(m->uvs + 2 * first, mesh->uvs, 2 * mesh->vertex_count * sizeof(float));
+}
+
+sl_status sl_mesh_check(const char *path, const sl_mesh *mesh, sl_error *error) {
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        if (mesh->corners[i] < mesh->vertex_count) continue;
+        return sl_fail(error, SL_ERROR_INPUT,
+                       "%s%smesh '%s': index %zu of triangle %zu is %u, the mesh has %zu vertices", path,
+                       *path ? ": " : "", mesh->name, i, i / 3, mesh->corners[i], mesh->vertex_count);
+    }
+    return SL_OK;
 }
 
 /* A placement that mirrors would turn fronts into backs: two corners change places. */
@@ -78,18 +90,14 @@ sl_status sl_model_add_mesh(sl_model *m, const char *path, const sl_mesh *mesh, 
                             sl_error *error) {
     const bool mirrored = sl_affine_determinant(placement) < 0.0;
     size_t first_vertex, first;
-    sl_status status = sl_model_add_vertices(m, mesh->vertex_count, &first_vertex, error);
+    sl_status status = sl_mesh_check(path, mesh, error);
+    if (status == SL_OK) status = sl_model_add_vertices(m, mesh->vertex_count, &first_vertex, error);
     if (status == SL_OK) status = sl_model_add_triangles(m, mesh->triangle_count, &first, error);
     if (status != SL_OK) return status;
     place_vertices(m, mesh, placement, first_vertex);
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         for (size_t c = 0; c < 3; c++) {
             const uint32_t corner = mesh->corners[3 * t + (mirrored && c > 0 ? 3 - c : c)];
-            if (corner >= mesh->vertex_count) {
-                return sl_fail(error, SL_ERROR_INPUT,
-                               "%s: expected vertex numbers below %zu: a face of mesh '%s' names %u", path,
-                               mesh->vertex_count, mesh->name, corner);
-            }
             m->indices[3 * (first + t) + c] = (uint32_t)first_vertex + corner;
         }
         m->material_index[first + t] = mesh->material;
@@ -182,6 +190,14 @@ static bool find_texture(const sl_scene *s, const char *name, uint32_t *index) {
     return false;
 }
 
+/* An alpha channel that is opaque everywhere says nothing: then a mask is read from the luminance. */
+static bool alpha_says_something(const sl_texture *t) {
+    for (size_t i = 0; i < (size_t)t->width * (size_t)t->height; i++) {
+        if (t->texels[4 * i + 3] != 255) return true;
+    }
+    return false;
+}
+
 sl_status sl_model_add_texture(sl_model *m, const char *name, const sl_texture *texture, uint32_t *index,
                                sl_error *error) {
     sl_scene *s = &m->scene;
@@ -195,6 +211,7 @@ sl_status sl_model_add_texture(sl_model *m, const char *name, const sl_texture *
     *index = (uint32_t)s->texture_count++;
     s->textures[*index] = *texture;
     s->textures[*index].file = copy;
+    s->textures[*index].has_alpha = texture->has_alpha && alpha_says_something(texture);
     return SL_OK;
 }
 
@@ -228,14 +245,6 @@ sl_status sl_model_note_file(sl_model *m, const char *path, sl_error *error) {
     return sl_fail_memory(error, "a file name");
 }
 
-/* An alpha channel that is opaque everywhere says nothing: then a mask is read from the luminance. */
-static bool alpha_says_something(const sl_texture *t) {
-    for (size_t i = 0; i < (size_t)t->width * (size_t)t->height; i++) {
-        if (t->texels[4 * i + 3] != 255) return true;
-    }
-    return false;
-}
-
 sl_status sl_model_texture(sl_model *m, const char *path, const void *memory, size_t bytes, uint32_t *index,
                            sl_error *error) {
     if (find_texture(&m->scene, path, index)) return SL_OK;
@@ -252,7 +261,6 @@ sl_status sl_model_texture(sl_model *m, const char *path, const void *memory, si
         sl_scene_warn(&m->scene, "texture left out: %s", problem.message);
         return SL_OK;
     }
-    texture.has_alpha = texture.has_alpha && alpha_says_something(&texture);
     return sl_model_add_texture(m, path, &texture, index, error);
 }
 

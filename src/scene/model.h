@@ -43,8 +43,10 @@ typedef struct sl_mesh {
     uint32_t material, object;
 } sl_mesh;
 
-/* Adds a mesh where the placement puts it. A corner that names no vertex is an error that names the mesh.
- * `path`: where it comes from. */
+/* Fails where a corner names no vertex, with a message that names the mesh and the corner. `path`: where it
+ * comes from; "": from no file. */
+sl_status sl_mesh_check(const char *path, const sl_mesh *mesh, sl_error *error);
+/* Adds a mesh that passes this check where the placement puts it. */
 sl_status sl_model_add_mesh(sl_model *model, const char *path, const sl_mesh *mesh,
                             const sl_affine *placement, sl_error *error);
 /* Room for `count` more; they are zero, and the counts are raised. The first new index in *first. */

@@ -44,12 +44,9 @@ typedef struct sl_texture {
     uint8_t *texels; /* 4 bytes a texel */
 } sl_texture;
 
-/* Lights without extent. Emissive triangles (sl_emitter) are the area lights; "quad" lights of a scene file
- * become two. */
-typedef enum sl_light_type { SL_LIGHT_POINT, SL_LIGHT_SPOT, SL_LIGHT_DIRECTIONAL } sl_light_type;
-
+/* Lights without extent. Emissive triangles (sl_emitter) are the area lights; a quad becomes two. */
 typedef struct sl_light {
-    sl_light_type type;
+    sl_light_type type;  /* never SL_LIGHT_QUAD */
     sl_vec3 position;    /* point, spot */
     sl_vec3 direction;   /* unit, the way the light travels: spot axis, directional */
     /* point, spot: radiant intensity I in W/sr; directional: irradiance E in W/m^2 on a plane facing it */

@@ -10,7 +10,7 @@
 #include "scene/file.h"
 #include "scene/mesh_file.h"
 
-enum { VERSION = 1, LARGEST_FILM = 65536 };
+enum { VERSION = 1 };
 
 static void read_up(sl_scene_file *file, const cJSON *item) {
     file->turn = sl_affine_identity();
@@ -112,8 +112,8 @@ static void read_film(sl_scene_file *file, const cJSON *item) {
     sl_json *json = &file->json;
     if (!item || !SL_JSON_KEYS(json, item, "the film", "width", "height")) return;
     double size[2] = {0, 0};
-    sl_json_number(json, sl_json_need(json, item, "width"), 1.0, LARGEST_FILM, &size[0]);
-    sl_json_number(json, sl_json_need(json, item, "height"), 1.0, LARGEST_FILM, &size[1]);
+    sl_json_number(json, sl_json_need(json, item, "width"), 1.0, SL_LARGEST_FILM, &size[0]);
+    sl_json_number(json, sl_json_need(json, item, "height"), 1.0, SL_LARGEST_FILM, &size[1]);
     if (json->status != SL_OK) return;
     file->model.scene.film_width = (int)size[0];
     file->model.scene.film_height = (int)size[1];

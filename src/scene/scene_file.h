@@ -4,7 +4,7 @@
 
 #include "scene/animation.h"
 #include "scene/json.h"
-#include "scene/model.h"
+#include "scene/parts.h"
 
 sl_status sl_scene_file_load(const char *path, const sl_load_options *options, sl_scene **scene,
                              sl_error *error);
@@ -21,7 +21,6 @@ typedef struct sl_scene_file {
 
 /* sl_json_vec3(), turned to y up. */
 bool sl_scene_file_vector(sl_scene_file *file, const cJSON *item, sl_vec3d *vector);
-double sl_scene_file_radians(double degrees);
 
 /* "transform" of a mesh: 16 numbers by columns, or {translate, rotate_deg, scale}. */
 sl_affine sl_scene_file_transform(sl_scene_file *file, const cJSON *item);

@@ -1,11 +1,9 @@
 /* Scene files: lights and sky. */
 #include <float.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "image/formats.h"
 #include "scene/file.h"
@@ -19,164 +17,114 @@ static const cJSON *one_of(sl_json *json, const cJSON *object, const char *a, co
     return first ? first : second;
 }
 
-static void read_direction(sl_scene_file *file, const cJSON *object, sl_vec3 *direction) {
-    const cJSON *item = sl_json_need(&file->json, object, "direction");
-    sl_vec3d v;
-    if (!sl_scene_file_vector(file, item, &v)) return;
-    *direction = sl_normalize_or(sl_to_float(v), sl_v3(0, 0, 0));
-    if (!(sl_dot(*direction, *direction) > 0.5f))
-        sl_json_fail(&file->json, item, "expected 'direction' to be other than 0");
+static void read_vector(sl_json *json, const cJSON *object, const char *key, double v[3]) {
+    sl_json_numbers(json, sl_json_need(json, object, key), 3, v);
 }
 
-static void read_position(sl_scene_file *file, const cJSON *object, sl_vec3 *position) {
-    sl_vec3d v;
-    if (sl_scene_file_vector(file, sl_json_need(&file->json, object, "position"), &v))
-        *position = sl_to_float(v);
+static void read_strength(sl_json *json, const cJSON *item, sl_light_data *light) {
+    sl_rgb c;
+    if (sl_json_rgb(json, item, &c))
+        memcpy(light->strength, (float[3]){c.r, c.g, c.b}, sizeof light->strength);
 }
 
-/* ---- lights without extent ------------------------------------------------------------------- */
+/* ---- lights ---------------------------------------------------------------------------------- */
 
-/* A point light of power P has the intensity P / (4 pi) in every direction. */
-static void read_point(sl_scene_file *file, const cJSON *item, sl_light *light) {
-    sl_json *json = &file->json;
+static void read_point(sl_json *json, const cJSON *item, sl_light_data *light) {
+    bool intensity;
     if (!SL_JSON_KEYS(json, item, "a point light", "type", "name", "position", "intensity", "power",
                       "keyframes"))
         return;
-    light->type = SL_LIGHT_POINT;
-    read_position(file, item, &light->position);
-    bool intensity;
-    const cJSON *strength = one_of(json, item, "intensity", "power", &intensity);
-    if (sl_json_rgb(json, strength, &light->intensity) && !intensity) {
-        light->intensity = sl_rgb_scale(light->intensity, (float)(0.25 / SL_PI));
-    }
+    read_vector(json, item, "position", light->position);
+    read_strength(json, one_of(json, item, "intensity", "power", &intensity), light);
+    light->is_power = !intensity;
 }
 
-static void read_spot(sl_scene_file *file, const cJSON *item, sl_light *light) {
-    sl_json *json = &file->json;
+static void read_spot(sl_json *json, const cJSON *item, sl_light_data *light) {
+    const double most = (double)FLT_MAX;
     if (!SL_JSON_KEYS(json, item, "a spot light", "type", "name", "position", "direction", "intensity",
                       "inner_deg", "outer_deg", "keyframes"))
         return;
-    light->type = SL_LIGHT_SPOT;
-    read_position(file, item, &light->position);
-    read_direction(file, item, &light->direction);
-    sl_json_rgb(json, sl_json_need(json, item, "intensity"), &light->intensity);
+    read_vector(json, item, "position", light->position);
+    read_vector(json, item, "direction", light->direction);
+    read_strength(json, sl_json_need(json, item, "intensity"), light);
     double outer = 0.0;
-    sl_json_number(json, sl_json_need(json, item, "outer_deg"), 0.01, 180.0, &outer);
+    sl_json_number(json, sl_json_need(json, item, "outer_deg"), -most, most, &outer);
     double inner = outer;
-    sl_json_number(json, sl_json_get(item, "inner_deg"), 0.0, 180.0, &inner);
-    if (inner > outer)
-        sl_json_fail(json, sl_json_get(item, "inner_deg"), "expected 'inner_deg' of at most 'outer_deg', %g",
-                     outer);
-    light->cos_inner = (float)sl_cos(sl_scene_file_radians(inner));
-    light->cos_outer = (float)sl_cos(sl_scene_file_radians(outer));
+    sl_json_number(json, sl_json_get(item, "inner_deg"), -most, most, &inner);
+    light->inner_rad = sl_radians(inner);
+    light->outer_rad = sl_radians(outer);
 }
 
-static void read_directional(sl_scene_file *file, const cJSON *item, sl_light *light) {
-    sl_json *json = &file->json;
+static void read_directional(sl_json *json, const cJSON *item, sl_light_data *light) {
     if (!SL_JSON_KEYS(json, item, "a directional light", "type", "name", "direction", "irradiance",
                       "keyframes"))
         return;
-    light->type = SL_LIGHT_DIRECTIONAL;
-    read_direction(file, item, &light->direction);
-    sl_json_rgb(json, sl_json_need(json, item, "irradiance"), &light->intensity);
+    read_vector(json, item, "direction", light->direction);
+    read_strength(json, sl_json_need(json, item, "irradiance"), light);
 }
 
-static void add_light(sl_scene_file *file, const cJSON *item, const sl_light *light) {
-    uint32_t index;
-    if (file->json.status != SL_OK) return;
-    file->json.status = sl_model_add_light(&file->model, light, &index, file->json.error);
-    if (file->json.status == SL_OK && index != SL_NO_INDEX)
-        sl_scene_file_light_keys(file, sl_json_get(item, "keyframes"), index);
-}
-
-/* ---- quads: two emissive triangles ----------------------------------------------------------- */
-
-typedef struct quad {
-    sl_vec3d corner, edge1, edge2;
-    sl_rgb radiance;
-    bool two_sided;
-} quad;
-
-/* A diffuse emitter of power P and area A leaves the radiance P / (pi A) on each side that shines. */
-static void read_quad(sl_scene_file *file, const cJSON *item, quad *q) {
-    sl_json *json = &file->json;
+static void read_quad(sl_json *json, const cJSON *item, sl_light_data *light) {
+    bool radiance;
     if (!SL_JSON_KEYS(json, item, "a quad light", "type", "name", "corner", "edge1", "edge2", "radiance",
                       "power", "two_sided", "keyframes"))
         return;
-    sl_json_vec3(json, sl_json_need(json, item, "corner"), &q->corner);
-    sl_json_vec3(json, sl_json_need(json, item, "edge1"), &q->edge1);
-    sl_json_vec3(json, sl_json_need(json, item, "edge2"), &q->edge2);
-    sl_json_bool(json, sl_json_get(item, "two_sided"), &q->two_sided);
-    double area = sl_lengthd(sl_crossd(q->edge1, q->edge2));
-    if (!(area > 0.0) || !isfinite(area))
-        sl_json_fail(json, item, "expected a quad light with an area: 'edge1' and 'edge2' must span one");
-    bool radiance;
-    const cJSON *strength = one_of(json, item, "radiance", "power", &radiance);
-    if (sl_json_rgb(json, strength, &q->radiance) && !radiance) {
-        q->radiance = sl_rgb_scale(q->radiance, (float)(1.0 / (SL_PI * area * (q->two_sided ? 2.0 : 1.0))));
-        if (!sl_rgb_is_finite(q->radiance))
-            sl_json_fail(json, item, "expected a quad light whose area gives a finite radiance");
-    }
+    read_vector(json, item, "corner", light->position);
+    read_vector(json, item, "edge1", light->edge1);
+    read_vector(json, item, "edge2", light->edge2);
+    sl_json_bool(json, sl_json_get(item, "two_sided"), &light->two_sided);
+    read_strength(json, one_of(json, item, "radiance", "power", &radiance), light);
+    light->is_power = !radiance;
 }
 
-static sl_status add_quad_geometry(sl_scene_file *file, const quad *q, const char *name, uint32_t *object) {
-    static const unsigned along1[4] = {0, 1, 1, 0}, along2[4] = {0, 0, 1, 1};
-    static const uint32_t corners[6] = {0, 1, 2, 0, 2, 3};
-    sl_model *m = &file->model;
-    sl_error *error = file->json.error;
-    sl_material material = sl_grey_material(name, 0.0f);
-    float positions[12];
-    sl_mesh mesh = {
-        .name = name, .vertex_count = 4, .triangle_count = 2, .positions = positions, .corners = corners};
-    material.emission = q->radiance;
-    material.emission_two_sided = q->two_sided;
-    for (int i = 0; i < 4; i++) {
-        const sl_vec3 p = sl_to_float(
-            sl_addd(q->corner, sl_addd(sl_scaled(q->edge1, along1[i]), sl_scaled(q->edge2, along2[i]))));
-        memcpy(positions + 3 * i, (float[3]){p.x, p.y, p.z}, 3 * sizeof(float));
-    }
-    sl_status status = sl_model_add_material(m, &material, &mesh.material, error);
-    if (status == SL_OK) status = sl_model_add_object(m, name, object, error);
-    mesh.object = *object;
-    return status == SL_OK ? sl_model_add_mesh(m, file->json.path, &mesh, &file->turn, error) : status;
-}
-
-static void add_quad(sl_scene_file *file, const cJSON *item, size_t number) {
-    quad q = {0};
-    read_quad(file, item, &q);
-    const char *given = sl_json_string(&file->json, sl_json_get(item, "name"));
-    char name[32];
+static void add_light(sl_scene_file *file, const cJSON *item, const sl_light_data *data, size_t number) {
+    sl_json *json = &file->json;
+    const cJSON *keys = sl_json_get(item, "keyframes");
+    char text[SL_RULE_TEXT], name[32];
     snprintf(name, sizeof name, "quad light %zu", number);
-    if (file->json.status != SL_OK) return;
-    uint32_t object = 0;
-    file->json.status = add_quad_geometry(file, &q, given ? given : name, &object);
-    if (file->json.status == SL_OK)
-        sl_scene_file_object_keys(file, sl_json_get(item, "keyframes"), object, 1);
+    const char *given = sl_json_string(json, sl_json_get(item, "name"));
+    const char *fault = json->status == SL_OK ? sl_light_fault(data, text) : NULL;
+    const cJSON *at = fault ? sl_json_get(item, fault) : NULL;
+    if (fault) sl_json_fail(json, at ? at : item, "%s", text);
+    if (json->status != SL_OK) return;
+    uint32_t index;
+    if (data->type == SL_LIGHT_QUAD) {
+        json->status = sl_model_add_quad(&file->model, json->path, given ? given : name, data, &file->turn,
+                                         &index, json->error);
+        if (json->status == SL_OK) sl_scene_file_object_keys(file, keys, index, 1);
+        return;
+    }
+    const sl_light light = sl_light_from(data, &file->turn);
+    json->status = sl_model_add_light(&file->model, &light, &index, json->error);
+    if (json->status == SL_OK && index != SL_NO_INDEX) sl_scene_file_light_keys(file, keys, index);
 }
 
-/* ---- all of them ----------------------------------------------------------------------------- */
+static void read_light(sl_scene_file *file, const cJSON *item, size_t number) {
+    static const struct {
+        const char *name;
+        void (*read)(sl_json *, const cJSON *, sl_light_data *);
+    } types[] = {{"point", read_point}, {"spot", read_spot}, {"directional", read_directional},
+                 {"quad", read_quad}}; /* as sl_light_type */
+    sl_json *json = &file->json;
+    const char *type = sl_json_string(json, sl_json_need(json, item, "type"));
+    sl_json_string(json, sl_json_get(item, "name"));
+    if (!type || json->status != SL_OK) return;
+    for (int i = 0; i < 4; i++) {
+        sl_light_data light = {.type = (sl_light_type)i};
+        if (strcmp(type, types[i].name) != 0) continue;
+        types[i].read(json, item, &light);
+        add_light(file, item, &light, number);
+        return;
+    }
+    sl_json_fail(json, sl_json_get(item, "type"),
+                 "unknown light type '%s'; expected 'point', 'spot', 'directional' or 'quad'", type);
+}
 
 void sl_scene_file_lights(sl_scene_file *file, const cJSON *list) {
     sl_json *json = &file->json;
     size_t count = sl_json_array(json, list), number = 0;
-    for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK;
-         item = item->next, number++) {
-        if (!cJSON_IsObject(item)) {
-            sl_json_fail(json, item, "expected a light to be an object { ... }");
-            return;
-        }
-        const char *type = sl_json_string(json, sl_json_need(json, item, "type"));
-        sl_json_string(json, sl_json_get(item, "name"));
-        if (!type || json->status != SL_OK) return;
-        sl_light light = {0};
-        if (strcmp(type, "point") == 0) read_point(file, item, &light);
-        else if (strcmp(type, "spot") == 0) read_spot(file, item, &light);
-        else if (strcmp(type, "directional") == 0) read_directional(file, item, &light);
-        else if (strcmp(type, "quad") == 0) add_quad(file, item, number);
-        else
-            sl_json_fail(json, sl_json_get(item, "type"),
-                         "unknown light type '%s'; expected 'point', 'spot', 'directional' or 'quad'", type);
-        if (strcmp(type, "quad") != 0) add_light(file, item, &light);
+    for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK; item = item->next) {
+        if (cJSON_IsObject(item)) read_light(file, item, number++);
+        else sl_json_fail(json, item, "expected a light to be an object { ... }");
     }
 }
 

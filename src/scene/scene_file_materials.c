@@ -31,36 +31,36 @@ static void read_texture(sl_scene_file *file, const cJSON *item, uint32_t *textu
 }
 
 static void read_heights(sl_scene_file *file, const cJSON *item, sl_material *m) {
-    const cJSON *bump = sl_json_get(item, "bump"), *depth = sl_json_get(item, "bump_depth");
+    const cJSON *bump = sl_json_get(item, "bump");
     uint32_t texture = m->height_map > 0 ? m->height_map - 1 : SL_NO_INDEX;
     read_texture(file, bump, &texture);
     m->height_map = texture == SL_NO_INDEX ? 0 : texture + 1;
-    if (bump && !(m->bump_depth > 0.0f)) m->bump_depth = SL_BUMP_DEPTH;
-    double value;
-    if (sl_json_number(&file->json, depth, 0.0, 1.0, &value)) m->bump_depth = (float)value;
+    if (bump && !sl_json_get(item, "bump_depth") && !(m->bump_depth > 0.0f)) m->bump_depth = SL_BUMP_DEPTH;
 }
 
-static void check_range(sl_json *json, const cJSON *item, sl_rgb value) {
-    if (item && sl_rgb_max(value) > 1.0f)
-        sl_json_fail(json, item, "expected reflectance '%s' from 0 to 1", item->string);
+static void read_number(sl_json *json, const cJSON *item, const sl_material_number *n, sl_material *m) {
+    const double most = (double)FLT_MAX;
+    double number = 0.0;
+    sl_rgb c = {0};
+    char text[SL_RULE_TEXT];
+    const bool there = n->floats == 3 ? sl_json_rgb(json, item, &c)
+                                      : sl_json_number(json, item, -most, most, &number);
+    if (!there) return;
+    if (n->floats == 1) c.r = (float)number;
+    memcpy((char *)m + n->field, (float[3]){c.r, c.g, c.b}, (size_t)n->floats * sizeof(float));
+    if (!sl_material_number_fits(n, m, text)) sl_json_fail(json, item, "%s", text);
 }
 
 static void override(sl_scene_file *file, const cJSON *item, sl_material *m) {
     sl_json *json = &file->json;
-    const cJSON *diffuse = sl_json_get(item, "diffuse"), *specular = sl_json_get(item, "specular"),
-                *mirror = sl_json_get(item, "mirror");
+    const cJSON *mirror = sl_json_get(item, "mirror");
+    const bool other = sl_json_get(item, "diffuse") || sl_json_get(item, "specular");
     /* A mirror has no other lobe: naming one kind of reflection takes the other away. */
     if (mirror) m->diffuse = m->specular = sl_grey(0.0f);
-    else if (diffuse || specular) m->mirror = sl_grey(0.0f);
-    if (mirror && (diffuse || specular))
-        sl_json_fail(json, mirror, "expected either 'mirror', or 'diffuse' and 'specular'");
-    if (sl_json_rgb(json, diffuse, &m->diffuse)) check_range(json, diffuse, m->diffuse);
-    if (sl_json_rgb(json, specular, &m->specular)) check_range(json, specular, m->specular);
-    if (sl_json_rgb(json, mirror, &m->mirror)) check_range(json, mirror, m->mirror);
-    double exponent;
-    if (sl_json_number(json, sl_json_get(item, "exponent"), 0.0, SL_LARGEST_EXPONENT, &exponent))
-        m->exponent = (float)exponent;
-    sl_json_rgb(json, sl_json_get(item, "emission"), &m->emission);
+    else if (other) m->mirror = sl_grey(0.0f);
+    if (mirror && other) sl_json_fail(json, mirror, SL_EXPECTED_ONE_REFLECTION);
+    for (int i = 0; i < SL_MATERIAL_NUMBERS; i++)
+        read_number(json, sl_json_get(item, sl_material_numbers[i].key), &sl_material_numbers[i], m);
     sl_json_bool(json, sl_json_get(item, "two_sided"), &m->emission_two_sided);
     read_texture(file, sl_json_get(item, "texture"), &m->texture);
     read_texture(file, sl_json_get(item, "alpha"), &m->alpha_texture);

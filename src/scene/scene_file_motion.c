@@ -4,11 +4,8 @@
 
 #include "base/error.h"
 #include "base/grow.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "scene/scene_file.h"
-
-double sl_scene_file_radians(double degrees) { return degrees * (SL_PI / 180.0); }
 
 bool sl_scene_file_vector(sl_scene_file *file, const cJSON *item, sl_vec3d *vector) {
     if (!sl_json_vec3(&file->json, item, vector)) return false;
@@ -44,23 +41,15 @@ static void read_placement(sl_json *json, const cJSON *object, bool positive, sl
         sl_json_fail(json, sl_json_get(object, "rotate_deg"), "expected 'rotate_deg' from -100000 to 100000");
     }
     read_scale(json, sl_json_get(object, "scale"), positive, &key->scale);
-    key->rotate = sl_quaternion_from_euler(sl_scene_file_radians(degrees.x), sl_scene_file_radians(degrees.y),
-                                           sl_scene_file_radians(degrees.z));
+    key->rotate = sl_quaternion_from_euler(sl_radians(degrees.x), sl_radians(degrees.y),
+                                           sl_radians(degrees.z));
 }
 
 static sl_affine matrix_transform(sl_json *json, const cJSON *item) {
     double m[16];
     sl_affine a = sl_affine_identity();
-    if (!sl_json_numbers(json, item, 16, m)) return a;
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 4; j++) a.m[i][j] = m[4 * j + i];
-    }
-    if (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0) {
-        sl_json_fail(json, item,
-                     "expected 'transform' by columns, its bottom row (every fourth number) 0 0 0 1");
-    } else if (!(fabs(sl_affine_determinant(&a)) > 0.0)) {
-        sl_json_fail(json, item, "expected 'transform' to be a matrix that can be inverted");
-    }
+    const char *expected = sl_json_numbers(json, item, 16, m) ? sl_matrix_fault(m, &a) : NULL;
+    if (expected) sl_json_fail(json, item, "%s", expected);
     return a;
 }
 
@@ -147,13 +136,13 @@ static void read_camera(sl_scene_file *file, const cJSON *item, sl_key *key) {
     sl_scene_file_vector(file, sl_json_get(item, "eye"), &key->position);
     sl_scene_file_vector(file, sl_json_get(item, "target"), &key->target);
     sl_scene_file_vector(file, sl_json_get(item, "up"), &key->up);
-    if (sl_json_number(json, sl_json_get(item, "fov_deg"), 0.01, 179.0, &degrees))
-        key->vertical_fov = sl_scene_file_radians(degrees);
+    if (sl_json_number(json, sl_json_get(item, "fov_deg"), SL_LEAST_FOV_DEG, SL_MOST_FOV_DEG,
+                       &degrees))
+        key->vertical_fov = sl_radians(degrees);
     sl_camera check;
     if (!sl_camera_look_at(&check, sl_to_float(key->position), sl_to_float(key->target), sl_to_float(key->up),
                            (float)key->vertical_fov)) {
-        sl_json_fail(json, item,
-                     "expected the camera's 'eye' apart from its 'target', and 'up' not along the view");
+        sl_json_fail(json, item, SL_EXPECTED_VIEW);
     }
 }
 
@@ -163,7 +152,7 @@ void sl_scene_file_camera(sl_scene_file *file, const cJSON *item) {
     sl_json *json = &file->json;
     if (!item || !SL_JSON_KEYS(json, item, "the camera", "eye", "target", "up", "fov_deg", "keyframes"))
         return;
-    sl_key state = {.up = {0, 1, 0}, .vertical_fov = sl_scene_file_radians(45.0)};
+    sl_key state = {.up = {0, 1, 0}, .vertical_fov = sl_radians(45.0)};
     sl_json_need(json, item, "eye");
     sl_json_need(json, item, "target");
     read_camera(file, item, &state);

@@ -81,6 +81,43 @@ static void load_scene(const fault_case *c, fault_outcome *o) {
     sl_scene_destroy(scene);
 }
 
+/* Two copies of one mesh with what a scene from arrays can have. */
+static sl_status add_parts(sl_scene_builder *b, sl_error *error) {
+    static const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, sky[] = {1, 2, 3, 4, 5, 6};
+    static const uint32_t indices[] = {0, 1, 2};
+    const sl_light_data quad = {.size = sizeof quad, .type = SL_LIGHT_QUAD, .edge1 = {1, 0, 0},
+                                .edge2 = {0, 0, 1}, .strength = {1, 1, 1}},
+                        point = {.size = sizeof point, .position = {1, 1, 1}, .strength = {1, 1, 1}};
+    const sl_texture_data grey = {.size = sizeof grey, .width = 1, .height = 1, .channels = 3,
+                                  .linear = corners};
+    sl_material_data paint = {.size = sizeof paint, .diffuse = {0.5f, 0.5f, 0.5f}};
+    sl_mesh_data mesh = {.size = sizeof mesh, .vertex_count = 3, .positions = corners, .normals = corners,
+                         .texture_coordinates = corners, .triangle_count = 1, .indices = indices};
+    sl_instance_data placed = {.size = sizeof placed};
+    sl_status status = sl_scene_builder_texture(b, &grey, &paint.texture, error);
+    if (status == SL_OK) status = sl_scene_builder_material(b, &paint, &mesh.material, error);
+    if (status == SL_OK) status = sl_scene_builder_mesh(b, &mesh, &placed.mesh, error);
+    for (int i = 0; i < 2 && status == SL_OK; i++) status = sl_scene_builder_instance(b, &placed, error);
+    if (status == SL_OK) status = sl_scene_builder_light(b, &quad, error);
+    if (status == SL_OK) status = sl_scene_builder_light(b, &point, error);
+    return status == SL_OK ? sl_scene_builder_environment(b, 2, 1, sky, error) : status;
+}
+
+static void build_scene(const fault_case *c, fault_outcome *o) {
+    sl_scene_builder *builder;
+    sl_scene *scene = NULL;
+    (void)c;
+    o->status = sl_scene_builder_create(&builder, &o->error);
+    if (o->status == SL_OK) o->status = add_parts(builder, &o->error);
+    if (o->status == SL_OK) o->status = sl_scene_builder_build(builder, &scene, &o->error);
+    if (scene) {
+        uint64_t hash = sl_scene_hash(scene);
+        o->hash = hash_bytes(0, &hash, sizeof hash);
+    }
+    sl_scene_destroy(scene);
+    sl_scene_builder_destroy(builder);
+}
+
 static void scenes_where_memory_ends_are_not_half_read(void **state) {
     (void)state;
     static const char *const names[] = {"all.json", "tile.obj", "tile.gltf", "tile.ply"};
@@ -95,6 +132,7 @@ static void scenes_where_memory_ends_are_not_half_read(void **state) {
                                       .work = load_scene,
                                       .what = "scenes/moving-ball.json"},
                         most);
+    faults += try_named(&(fault_case){.name = "building a scene", .work = build_scene}, most);
     assert_int_equal(faults, 0);
 }
 
