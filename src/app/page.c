@@ -44,7 +44,7 @@ char *sl_picture_text(const sl_image *image, bool tone) {
     sl_output_open_memory(&png);
     char *text = NULL;
     if (rgb && sl_image_srgb(image, &curve, rgb, NULL) == SL_OK &&
-        sl_png_write(image->width, image->height, rgb, NULL, 0, &png, NULL) == SL_OK)
+        sl_png_write(image->width, image->height, 3, rgb, NULL, 0, &png, NULL) == SL_OK)
         text = sl_base_64(png.memory, png.size);
     sl_output_discard(&png);
     free(rgb);

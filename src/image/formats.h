@@ -45,9 +45,9 @@ bool sl_png_text(const sl_bytes *bytes, const char *key, char *value, size_t siz
 typedef struct sl_png_entry {
     const char *key, *value;
 } sl_png_entry;
-/* rgb: width * height * 3 bytes, row 0 at the top; texts: `count` tEXt entries. */
-sl_status sl_png_write(int width, int height, const uint8_t *rgb, const sl_png_entry *texts, size_t count,
-                       sl_output_file *file, sl_error *error);
+/* texels: width * height of 3 or 4 channels, row 0 at the top; texts: `count` tEXt entries. */
+sl_status sl_png_write(int width, int height, int channels, const uint8_t *texels, const sl_png_entry *texts,
+                       size_t count, sl_output_file *file, sl_error *error);
 
 /* JPEG, BMP and TGA through stb_image; TGA has no mark of its own, so it is what is left. */
 bool sl_jpeg_recognise(const sl_bytes *bytes);

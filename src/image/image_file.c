@@ -191,7 +191,7 @@ static sl_status write_codes(const sl_image *image, const uint8_t *rgb, const sl
     sl_output_file file;
     sl_status status = sl_output_open(&file, path, error);
     if (status != SL_OK) return status;
-    status = sl_png_write(image->width, image->height, rgb, texts, count, &file, error);
+    status = sl_png_write(image->width, image->height, 3, rgb, texts, count, &file, error);
     if (status == SL_OK) return sl_output_commit(&file, error);
     sl_output_discard(&file);
     return status;

@@ -24,7 +24,8 @@ typedef struct png_work {
     uint8_t *rgba;
     png_bytep *rows;
     /* writing */
-    const uint8_t *rgb;
+    const uint8_t *texels;
+    int channels;
     const sl_png_entry *texts;
     size_t text_count;
     sl_output_file *file;
@@ -184,7 +185,8 @@ static bool encode_rows(png_work *work) {
     png_structp png = work->png;
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_write_fn(png, work, write_bytes, flush_nothing);
-    png_set_IHDR(png, work->info, work->width, work->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+    png_set_IHDR(png, work->info, work->width, work->height, 8,
+                 work->channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, work->info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_set_compression_level(png, 6); /* said, so that the bytes do not change with the library's defaults */
@@ -192,15 +194,16 @@ static bool encode_rows(png_work *work) {
     add_texts(work);
     png_write_info(png, work->info);
     for (png_uint_32 y = 0; y < work->height; y++)
-        png_write_row(png, work->rgb + 3 * (size_t)work->width * y);
+        png_write_row(png, work->texels + (size_t)work->channels * work->width * y);
     png_write_end(png, work->info);
     return true;
 }
 
-sl_status sl_png_write(int width, int height, const uint8_t *rgb, const sl_png_entry *texts, size_t count,
-                       sl_output_file *file, sl_error *error) {
+sl_status sl_png_write(int width, int height, int channels, const uint8_t *texels, const sl_png_entry *texts,
+                       size_t count, sl_output_file *file, sl_error *error) {
     png_work work = {
-        .rgb = rgb, .texts = texts, .text_count = count, .file = file, .status = SL_OK, .error = error};
+        .texels = texels, .texts = texts, .text_count = count, .file = file, .status = SL_OK, .error = error};
+    work.channels = channels;
     work.width = (png_uint_32)width;
     work.height = (png_uint_32)height;
     work.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &work, on_error, on_warning, &work, allocate,

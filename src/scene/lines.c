@@ -1,12 +1,14 @@
 #include "scene/lines.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/print.h"
 #include "image/formats.h"
 #include "scene/file.h"
 
@@ -177,4 +179,34 @@ char *sl_read_number(char *at, float *value) {
     if (*at == 'e' || *at == 'E') at = read_exponent(at + 1, value);
     if (negative) *value = -*value;
     return at && ends_number(at) ? skip_blanks(at) : NULL;
+}
+
+__attribute__((format(printf, 3, 4))) static bool reads_back(float value, char text[SL_NUMBER_ROOM],
+                                                             const char *format, ...) {
+    float read = 0.0f;
+    va_list arguments;
+    va_start(arguments, format);
+    sl_print_list(text, SL_NUMBER_ROOM, format, arguments);
+    va_end(arguments);
+    return sl_read_number(text, &read) && memcmp(&read, &value, sizeof value) == 0;
+}
+
+/* As few digits as will do; then all of them; then, what fractions cannot hold, a number of some size times a
+ * power of ten as reading rounds it. */
+const char *sl_write_number(float value, char text[SL_NUMBER_ROOM]) {
+    const double exact = (double)value;
+    for (int digits = 6; digits <= 9; digits++) {
+        if (reads_back(value, text, "%.*g", digits, exact)) return text;
+    }
+    if (reads_back(value, text, "%.0f", exact) || reads_back(value, text, "%.15f", exact)) return text;
+    for (int k = 1; k <= 52; k++) {
+        const float power = (float)power_of_ten(-k);
+        float whole = power > 0.0f ? (float)(exact / (double)power) : 0.0f;
+        if (!(fabsf(whole) >= 1.0f && fabsf(whole) < 1e7f)) continue;
+        whole = nextafterf(nextafterf(whole, -INFINITY), -INFINITY);
+        for (int i = 0; i < 5; i++, whole = nextafterf(whole, INFINITY)) {
+            if (reads_back(value, text, "%.9fe-%d", (double)whole, k)) return text;
+        }
+    }
+    return text;
 }

@@ -39,5 +39,8 @@ bool sl_is_line_end(const char *at);
  * where there is none. Whole part and fraction are rounded to float one by one, as importers of mesh files
  * do. */
 char *sl_read_number(char *at, float *value);
+/* Writes a finite number so that it is read back to the same bits; returns text. */
+enum { SL_NUMBER_ROOM = 64 };
+const char *sl_write_number(float value, char text[SL_NUMBER_ROOM]);
 
 #endif

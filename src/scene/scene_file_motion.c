@@ -146,12 +146,49 @@ static void read_camera(sl_scene_file *file, const cJSON *item, sl_key *key) {
     }
 }
 
+static bool is_frame(const sl_camera *c) {
+    const double least = 1.0 - 1e-5, most = 1e-5;
+    const sl_vec3d x = sl_to_double(c->right), y = sl_to_double(c->up), z = sl_to_double(c->back);
+    return fabs(sl_dotd(x, y)) < most && fabs(sl_dotd(y, z)) < most && fabs(sl_dotd(z, x)) < most &&
+           sl_lengthd(x) > least && sl_lengthd(y) > least && sl_lengthd(z) > least &&
+           fabs(sl_dotd(sl_crossd(x, y), z) - 1.0) < most;
+}
+
+/* The camera's axes as they stand, in place of what they would be computed from. */
+static void read_frame(sl_scene_file *file, const cJSON *item, const cJSON *frame) {
+    sl_json *json = &file->json;
+    sl_camera *c = &file->model.camera;
+    sl_vec3 *const axes[] = {&c->right, &c->up, &c->back};
+    sl_vec3d eye = {0, 0, 0};
+    double m[9] = {0}, degrees = 45.0;
+    if (sl_json_get(item, "target") || sl_json_get(item, "up") || sl_json_get(item, "keyframes"))
+        sl_json_fail(json, frame, "expected no 'target', 'up' or 'keyframes' beside 'frame'");
+    sl_scene_file_vector(file, sl_json_need(json, item, "eye"), &eye);
+    sl_json_numbers(json, frame, 9, m);
+    sl_json_number(json, sl_json_get(item, "fov_deg"), 0.0, 180.0, &degrees);
+    c->eye = sl_to_float(eye);
+    c->vertical_fov = (float)sl_radians(degrees);
+    for (int i = 0; i < 3; i++)
+        *axes[i] =
+            sl_to_float(sl_affine_vector(&file->turn, sl_v3d(m[3 * i], m[3 * i + 1], m[3 * i + 2])));
+    if (!is_frame(c))
+        sl_json_fail(json, frame,
+                     "expected 'frame' to be three unit vectors at right angles: right, up and back");
+    file->model.has_camera = json->status == SL_OK;
+}
+
 /* A view of the caller's stands still, but the keys are checked. */
 void sl_scene_file_camera(sl_scene_file *file, const cJSON *item) {
     static const char *const names[] = {"time", "eye", "target", "up", "fov_deg"};
     sl_json *json = &file->json;
-    if (!item || !SL_JSON_KEYS(json, item, "the camera", "eye", "target", "up", "fov_deg", "keyframes"))
+    if (!item ||
+        !SL_JSON_KEYS(json, item, "the camera", "eye", "target", "up", "fov_deg", "keyframes", "frame"))
         return;
+    const cJSON *frame = sl_json_get(item, "frame");
+    if (frame) {
+        read_frame(file, item, frame);
+        return;
+    }
     sl_key state = {.up = {0, 1, 0}, .vertical_fov = sl_radians(45.0)};
     sl_json_need(json, item, "eye");
     sl_json_need(json, item, "target");

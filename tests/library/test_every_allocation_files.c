@@ -118,6 +118,29 @@ static void build_scene(const fault_case *c, fault_outcome *o) {
     sl_scene_builder_destroy(builder);
 }
 
+static sl_scene *written; /* of a child */
+
+static void load_to_write(const fault_case *c) {
+    if (sl_scene_load(c->what, &written, NULL) != SL_OK) _exit(1);
+}
+
+/* What is written is read where memory does not end. */
+static void write_scene(const fault_case *c, fault_outcome *o) {
+    const char *path = scene_file_path("written.json");
+    sl_scene *again = NULL;
+    (void)c;
+    remove(path);
+    o->status = sl_scene_write(written, path, &o->error);
+    atomic_store(&window_open, false);
+    const bool there = access(path, F_OK) == 0;
+    if (there != (o->status == SL_OK)) o->status = SL_OK, o->hash = 1;
+    else if (there && sl_scene_load(path, &again, NULL) == SL_OK) {
+        uint64_t hash = sl_scene_hash(again);
+        o->hash = hash_bytes(0, &hash, sizeof hash);
+    }
+    sl_scene_destroy(again);
+}
+
 static void scenes_where_memory_ends_are_not_half_read(void **state) {
     (void)state;
     static const char *const names[] = {"all.json", "tile.obj", "tile.gltf", "tile.ply"};
@@ -133,6 +156,11 @@ static void scenes_where_memory_ends_are_not_half_read(void **state) {
                                       .what = "scenes/moving-ball.json"},
                         most);
     faults += try_named(&(fault_case){.name = "building a scene", .work = build_scene}, most);
+    faults += try_named(&(fault_case){.name = "writing all.json",
+                                      .prepare = load_to_write,
+                                      .work = write_scene,
+                                      .what = scene_file_path("all.json")},
+                        most);
     assert_int_equal(faults, 0);
 }
 

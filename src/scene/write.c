@@ -1,0 +1,476 @@
+/* A scene as files: JSON, OBJ and MTL, control points of surfaces, PNG and EXR, that give it again bit for
+ * bit.
+ */
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/grow.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "base/print.h"
+#include "base/values.h"
+#include "image/formats.h"
+#include "scene/derive.h"
+#include "scene/file.h"
+#include "scene/lines.h"
+#include "scene/parts.h"
+
+/* Text that grows; once there is no memory for more, it stays as it is. */
+typedef struct text {
+    char *bytes;
+    size_t count, room;
+    bool failed;
+} text;
+
+typedef struct writer {
+    const sl_scene *scene;
+    char *base;              /* the path without ".json" */
+    char **materials, **objects; /* names that files can have, each of another */
+    text json;
+    size_t meshes;           /* mesh files so far */
+    sl_error *error;
+} writer;
+
+static void put_bytes(text *t, const char *bytes, size_t count) {
+    if (t->count + count > t->room) {
+        const size_t room = 2 * (t->count + count) + 4096;
+        t->failed = t->failed || !sl_regrow(&t->bytes, t->count, room, 1);
+        if (t->failed) return;
+        t->room = room;
+    }
+    memcpy(t->bytes + t->count, bytes, count);
+    t->count += count;
+}
+
+__attribute__((format(printf, 2, 3))) static void put(text *t, const char *format, ...) {
+    char line[512];
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = sl_print_list(line, sizeof line, format, arguments);
+    va_end(arguments);
+    put_bytes(t, line, (size_t)length < sizeof line ? (size_t)length : sizeof line - 1);
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+
+/* base + suffix, to be freed; NULL without memory. */
+static char *path_of(const writer *w, const char *suffix) {
+    char *path = sl_allocate(strlen(w->base) + strlen(suffix) + 1, 1);
+    if (path) strcat(strcpy(path, w->base), suffix);
+    else sl_fail_memory(w->error, "a file name");
+    return path;
+}
+
+static sl_status write_bytes(const char *path, const void *bytes, size_t count, sl_error *error) {
+    sl_output_file file;
+    sl_status status = sl_output_open(&file, path, error);
+    if (status != SL_OK) return status;
+    status = sl_output_write(&file, bytes, count, error);
+    if (status == SL_OK) return sl_output_commit(&file, error);
+    sl_output_discard(&file);
+    return status;
+}
+
+/* Writes the text to a file of its own and frees it. */
+static sl_status write_text(const writer *w, text *t, const char *suffix) {
+    char *path = path_of(w, suffix);
+    sl_status status = !path       ? SL_ERROR_RESOURCES
+                       : t->failed ? sl_fail_memory(w->error, path)
+                                   : write_bytes(path, t->bytes, t->count, w->error);
+    sl_free(path);
+    sl_free(t->bytes);
+    *t = (text){0};
+    return status;
+}
+
+/* ---- names ----------------------------------------------------------------------------------- */
+
+/* What ends, continues or quotes a line or a string becomes "_", and so does a blank at an end. */
+static char *plain_name(const char *given) {
+    char name[201];
+    snprintf(name, sizeof name, "%s", given);
+    const size_t length = strlen(name);
+    for (size_t i = 0; i < length; i++) {
+        const bool at_end = i == 0 || i + 1 == length;
+        if ((unsigned char)name[i] < ' ' || strchr("\\\"#\x7f", name[i]) || (at_end && name[i] == ' '))
+            name[i] = '_';
+    }
+    return sl_string_copy(name);
+}
+
+/* A name that is in the list already, or none, becomes one by number. */
+static char *add_name(sl_names *names, const char *given, const char *kind, size_t number) {
+    char numbered[64];
+    char *name = plain_name(given);
+    for (;; number++) {
+        const size_t before = names->count;
+        uint32_t place = 0;
+        if (!name || (*name && !sl_names_find(names, name, &place))) break;
+        if (*name && place == before) return name;
+        sl_free(name);
+        snprintf(numbered, sizeof numbered, "%s-%zu", kind, number);
+        name = sl_string_copy(numbered);
+    }
+    sl_free(name);
+    return NULL;
+}
+
+static sl_status make_names(writer *w) {
+    const sl_scene *s = w->scene;
+    sl_names materials = {0}, objects = {0};
+    bool made = (w->materials = sl_allocate(s->material_count, sizeof *w->materials)) &&
+                (w->objects = sl_allocate(s->object_count, sizeof *w->objects));
+    for (size_t i = 0; i < s->material_count && made; i++)
+        made = (w->materials[i] = add_name(&materials, s->materials[i].name, "material", i));
+    for (size_t i = 0; i < s->object_count && made; i++)
+        made = (w->objects[i] = add_name(&objects, s->object_names[i], "object", i));
+    sl_names_release(&materials);
+    sl_names_release(&objects);
+    return made ? SL_OK : sl_fail_memory(w->error, "the names of materials and objects");
+}
+
+/* A string of JSON. */
+static void put_string(text *t, const char *string) {
+    put(t, "\"");
+    for (const char *c = string; *c; c++) {
+        if (*c == '"' || *c == '\\') put(t, "\\");
+        if ((unsigned char)*c < ' ') put(t, "\\u%04x", (unsigned)*c);
+        else put_bytes(t, c, 1);
+    }
+    put(t, "\"");
+}
+
+/* The name of a file beside the JSON file. */
+static void put_file(writer *w, const char *suffix) {
+    char *path = path_of(w, suffix);
+    if (path) put_string(&w->json, sl_file_name(path));
+    w->json.failed = w->json.failed || !path;
+    sl_free(path);
+}
+
+static void put_vector(text *t, const char *key, float x, float y, float z) {
+    put(t, "\"%s\": [%.9g, %.9g, %.9g]", key, (double)x, (double)y, (double)z);
+}
+static void put_rgb(text *t, const char *key, sl_rgb c) { put_vector(t, key, c.r, c.g, c.b); }
+static void put_vec3(text *t, const char *key, sl_vec3 v) { put_vector(t, key, v.x, v.y, v.z); }
+
+/* ---- triangles ------------------------------------------------------------------------------- */
+
+static void put_values(text *t, const char *word, const float *values, int count) {
+    char number[SL_NUMBER_ROOM];
+    put(t, "%s", word);
+    for (int i = 0; i < count; i++) put(t, " %s", sl_write_number(values[i], number));
+    put(t, "\n");
+}
+
+/* Vertices that triangles from `first` to `end` name: they are together. */
+static void range_of(const sl_scene *s, size_t first, size_t end, uint32_t *low, uint32_t *high) {
+    *low = UINT32_MAX, *high = 0;
+    for (size_t t = first; t < end; t++) {
+        for (int c = 0; c < 3; c++) {
+            const uint32_t v = s->vertex[c][t];
+            *low = v < *low ? v : *low;
+            *high = v > *high ? v : *high;
+        }
+    }
+}
+
+static void put_vertices(text *out, const sl_scene *s, uint32_t low, uint32_t high) {
+    for (uint32_t v = low; v <= high; v++) {
+        put_values(out, "v", (float[3]){s->position_x[v], s->position_y[v], s->position_z[v]}, 3);
+        put_values(out, "vn", (float[3]){s->normal_x[v], s->normal_y[v], s->normal_z[v]}, 3);
+        put_values(out, "vt", (float[2]){s->texture_u[v], s->texture_v[v]}, 2);
+    }
+}
+
+static void put_library(writer *w, text *out) {
+    char *path = path_of(w, ".mtl");
+    put(out, "mtllib ");
+    if (path) put_bytes(out, sl_file_name(path), strlen(sl_file_name(path)));
+    put(out, "\n");
+    out->failed = out->failed || !path;
+    sl_free(path);
+}
+
+/* With a library triangles name their materials; without, the scene file does. */
+static sl_status write_triangles(writer *w, size_t first, size_t end, bool library, const char *suffix) {
+    const sl_scene *s = w->scene;
+    text out = {0};
+    uint32_t low, high;
+    if (library) put_library(w, &out);
+    range_of(s, first, end, &low, &high);
+    put_vertices(&out, s, low, high);
+    for (size_t t = first; t < end; t++) {
+        const uint32_t object = s->object_index[t], material = s->material_index[t];
+        if (t == first || object != s->object_index[t - 1]) put(&out, "o %s\n", w->objects[object]);
+        if (library && (t == first || material != s->material_index[t - 1]))
+            put(&out, "usemtl %s\n", w->materials[material]);
+        put(&out, "f");
+        for (int c = 0; c < 3; c++) {
+            const uint32_t v = s->vertex[c][t] - low + 1;
+            put(&out, " %u/%u/%u", v, v, v);
+        }
+        put(&out, "\n");
+    }
+    return write_text(w, &out, suffix);
+}
+
+/* Triangles that go to one file. */
+typedef struct run {
+    size_t first, end;
+    const sl_bicubic *surface; /* the first of those whose triangles they are */
+    size_t surfaces;
+    bool library;              /* it has all materials */
+} run;
+
+static sl_status write_surfaces(writer *w, const run *r, const char *suffix) {
+    text out = {0};
+    put(&out, "%zu\n", r->surfaces);
+    for (size_t k = 0; k < 16 * r->surfaces; k++) {
+        const sl_vec3 p = r->surface[k / 16].point[k % 16 / 4][k % 4];
+        put(&out, "%s%.9g %.9g %.9g\n", k % 16 ? "" : "3 3\n", (double)p.x, (double)p.y, (double)p.z);
+    }
+    return write_text(w, &out, suffix);
+}
+
+static bool are_of_one(const sl_scene *s, size_t t, size_t u) {
+    return s->object_index[t] == s->object_index[u] && s->material_index[t] == s->material_index[u];
+}
+
+/* Surfaces of one object and material from `first` on. */
+static run surfaces_from(const sl_scene *s, size_t first, const sl_bicubic *next) {
+    run r = {first, first, next, 0, false};
+    for (; next < s->bicubics + s->bicubic_count && next->first_triangle == r.end; next++, r.surfaces++) {
+        if (!are_of_one(s, first, r.end)) break;
+        r.end += next->triangle_count;
+    }
+    return r;
+}
+
+/* The triangles from `first` on that go to one file: of surfaces; or up to the next one, of one material
+ * once there is a library: a second one would have materials of its own. */
+static run run_from(const sl_scene *s, size_t first, size_t surfaces, bool has_library) {
+    const sl_bicubic *next = surfaces < s->bicubic_count ? &s->bicubics[surfaces] : NULL;
+    run r = {first, next ? next->first_triangle : s->triangle_count, NULL, 0, !has_library};
+    if (next && first == r.end) return surfaces_from(s, first, next);
+    for (size_t t = first; t < r.end && has_library; t++) {
+        if (s->material_index[t] != s->material_index[first]) r.end = t;
+    }
+    return r;
+}
+
+static void put_run(writer *w, const run *r, const char *suffix) {
+    const sl_scene *s = w->scene;
+    put(&w->json, "%s\n    {\"file\": ", w->meshes ? "," : "");
+    put_file(w, suffix);
+    if (r->surfaces) {
+        put(&w->json, ", \"name\": ");
+        put_string(&w->json, w->objects[s->object_index[r->first]]);
+    }
+    if (!r->library) {
+        put(&w->json, ", \"material\": ");
+        put_string(&w->json, w->materials[s->material_index[r->first]]);
+    }
+    put(&w->json, "}");
+}
+
+static sl_status write_meshes(writer *w, bool *has_library) {
+    const sl_scene *s = w->scene;
+    sl_status status = SL_OK;
+    put(&w->json, "  \"meshes\": [");
+    for (size_t t = 0, surfaces = 0; t < s->triangle_count && status == SL_OK; w->meshes++) {
+        const run r = run_from(s, t, surfaces, *has_library);
+        char suffix[48];
+        snprintf(suffix, sizeof suffix, "-%zu%s", w->meshes, r.surfaces ? ".bpt" : ".obj");
+        status = r.surfaces ? write_surfaces(w, &r, suffix)
+                            : write_triangles(w, r.first, r.end, r.library, suffix);
+        put_run(w, &r, suffix);
+        *has_library = *has_library || r.library;
+        surfaces += r.surfaces;
+        t = r.end;
+    }
+    put(&w->json, "],\n");
+    return status;
+}
+
+/* ---- materials ------------------------------------------------------------------------------- */
+
+/* Materials' values are in the JSON file, which has all of them to the bit. */
+static sl_status write_library(writer *w) {
+    text out = {0};
+    for (size_t i = 0; i < w->scene->material_count; i++) put(&out, "newmtl %s\n", w->materials[i]);
+    return write_text(w, &out, ".mtl");
+}
+
+static void texture_suffix(uint32_t texture, char suffix[48]) {
+    snprintf(suffix, 48, "-texture-%u.png", texture + 1);
+}
+
+static void put_texture(writer *w, const char *key, uint32_t texture) {
+    char suffix[48];
+    put(&w->json, ", \"%s\": ", key);
+    texture_suffix(texture, suffix);
+    if (texture == SL_NO_INDEX) put(&w->json, "null");
+    else put_file(w, suffix);
+}
+
+static void put_material(writer *w, const sl_material *m) {
+    text *t = &w->json;
+    put(t, ": {");
+    if (sl_material_is_mirror(m)) {
+        put_rgb(t, "mirror", m->mirror);
+    } else {
+        put_rgb(t, "diffuse", m->diffuse);
+        put(t, ", ");
+        put_rgb(t, "specular", m->specular);
+    }
+    put(t, ", \"exponent\": %.9g, ", (double)m->exponent);
+    put_rgb(t, "emission", m->emission);
+    put(t, ", \"two_sided\": %s", m->emission_two_sided ? "true" : "false");
+    put_texture(w, "texture", m->texture);
+    put_texture(w, "alpha", m->alpha_texture);
+    put_texture(w, "bump", m->height_map ? m->height_map - 1 : SL_NO_INDEX);
+    put(t, ", \"bump_depth\": %.9g}", (double)m->bump_depth);
+}
+
+static bool is_used(const sl_scene *s, size_t material) {
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        if (s->material_index[t] == material) return true;
+    }
+    return false;
+}
+
+/* Without a library only those may be named that a mesh asks for. */
+static void put_materials(writer *w, bool has_library) {
+    const char *between = "\n";
+    put(&w->json, "  \"materials\": {");
+    for (size_t i = 0; i < w->scene->material_count; i++) {
+        if (!has_library && !is_used(w->scene, i)) continue;
+        put(&w->json, "%s    ", between);
+        put_string(&w->json, w->materials[i]);
+        put_material(w, &w->scene->materials[i]);
+        between = ",\n";
+    }
+    put(&w->json, "},\n");
+}
+
+static sl_status write_texture(const writer *w, uint32_t number) {
+    const sl_texture *t = &w->scene->textures[number];
+    const size_t texels = (size_t)t->width * (size_t)t->height, channels = t->has_alpha ? 4 : 3;
+    sl_output_file file;
+    char suffix[48];
+    texture_suffix(number, suffix);
+    char *path = path_of(w, suffix);
+    uint8_t *bytes = path ? sl_allocate_unset(texels, channels) : NULL;
+    sl_status status = !path    ? SL_ERROR_RESOURCES
+                       : !bytes ? sl_fail_memory(w->error, path)
+                                : sl_output_open(&file, path, w->error);
+    if (status == SL_OK) {
+        for (size_t i = 0; i < texels; i++) memcpy(bytes + channels * i, t->texels + 4 * i, channels);
+        status = sl_png_write(t->width, t->height, (int)channels, bytes, NULL, 0, &file, w->error);
+        if (status == SL_OK) status = sl_output_commit(&file, w->error);
+        else sl_output_discard(&file);
+    }
+    sl_free(bytes);
+    sl_free(path);
+    return status;
+}
+
+/* ---- light ----------------------------------------------------------------------------------- */
+
+static double degrees_of(float cosine) { return sl_acos((double)cosine) / sl_radians(1.0); }
+
+static void put_light(text *t, const sl_light *l) {
+    static const char *const types[] = {"point", "spot", "directional"};
+    const bool sun = l->type == SL_LIGHT_DIRECTIONAL;
+    put(t, "{\"type\": \"%s\", ", types[l->type]);
+    put_rgb(t, sun ? "irradiance" : "intensity", l->intensity);
+    if (!sun) put(t, ", "), put_vec3(t, "position", l->position);
+    if (l->type != SL_LIGHT_POINT) put(t, ", "), put_vec3(t, "direction", l->direction);
+    if (l->type == SL_LIGHT_SPOT)
+        put(t, ", \"inner_deg\": %.17g, \"outer_deg\": %.17g", degrees_of(l->cos_inner),
+            degrees_of(l->cos_outer));
+    put(t, "}");
+}
+
+static void put_lights(writer *w) {
+    put(&w->json, "  \"lights\": [");
+    for (size_t i = 0; i < w->scene->light_count; i++) {
+        put(&w->json, "%s\n    ", i ? "," : "");
+        put_light(&w->json, &w->scene->lights[i]);
+    }
+    put(&w->json, "],\n");
+}
+
+static sl_status write_sky(writer *w) {
+    static const char suffix[] = "-sky.exr";
+    const sl_environment *e = &w->scene->environment;
+    sl_image *image = NULL;
+    if (!e->present) return SL_OK;
+    put(&w->json, "  \"environment\": {");
+    if (e->width == 0) {
+        put_rgb(&w->json, "radiance", e->constant);
+        put(&w->json, "},\n");
+        return SL_OK;
+    }
+    put(&w->json, "\"file\": ");
+    put_file(w, suffix);
+    put(&w->json, "},\n");
+    char *path = path_of(w, suffix);
+    sl_status status =
+        path ? sl_image_create(e->width, e->height, 3, NULL, &image, w->error) : SL_ERROR_RESOURCES;
+    const size_t texels = (size_t)e->width * (size_t)e->height;
+    for (size_t i = 0; image && i < 3 * texels; i++) image->planes[i % 3 * texels + i / 3] = e->texels[i];
+    if (status == SL_OK) status = sl_image_write(image, path, w->error);
+    sl_image_destroy(image);
+    sl_free(path);
+    return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+static void put_view(writer *w) {
+    const sl_camera *c = &w->scene->camera;
+    text *t = &w->json;
+    put(t, "  \"camera\": {");
+    put_vec3(t, "eye", c->eye);
+    put(t, ", \"frame\": [");
+    const sl_vec3 axes[] = {c->right, c->up, c->back};
+    for (int i = 0; i < 3; i++)
+        put(t, "%s%.9g, %.9g, %.9g", i ? ", " : "", (double)axes[i].x, (double)axes[i].y, (double)axes[i].z);
+    put(t, "], \"fov_deg\": %.17g},\n", (double)c->vertical_fov / sl_radians(1.0));
+    put(t, "  \"film\": {\"width\": %d, \"height\": %d}\n}\n", w->scene->film_width, w->scene->film_height);
+}
+
+static sl_status write_all(writer *w) {
+    bool has_library = false;
+    sl_status status = make_names(w);
+    put(&w->json, "{\n  \"softlux\": 1,\n");
+    for (uint32_t i = 0; i < w->scene->texture_count && status == SL_OK; i++) status = write_texture(w, i);
+    if (status == SL_OK) status = write_meshes(w, &has_library);
+    if (status == SL_OK && has_library) status = write_library(w);
+    if (status != SL_OK) return status;
+    put_materials(w, has_library);
+    put_lights(w);
+    status = write_sky(w);
+    put_view(w);
+    return status == SL_OK ? write_text(w, &w->json, ".json") : status;
+}
+
+sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_error *error) {
+    if (!scene || !path) return sl_fail_null(error, "a scene and the name of a file");
+    const size_t length = strlen(path);
+    if (!sl_ends_with(path, ".json"))
+        return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: the name must end in .json", path);
+    writer w = {.scene = scene, .base = sl_string_copy(path), .error = error};
+    if (!w.base) return sl_fail_memory(error, path);
+    w.base[length - 5] = 0;
+    sl_status status = write_all(&w);
+    sl_strings_free(w.materials, scene->material_count);
+    sl_strings_free(w.objects, scene->object_count);
+    sl_free(w.json.bytes);
+    sl_free(w.base);
+    return status;
+}
