@@ -142,11 +142,10 @@ static void time_once(const bench *b, bench_case *c, int repetition) {
 static const int sizes[] = {8, 16, 32, 64, 128, 256}, rays[] = {4, 8, 16, 32, 64, 128};
 enum { SIZES = 6 };
 
-/* The four estimators, SIZES cases each, from b->cases[first] on. */
+/* The three estimators, SIZES cases each, from b->cases[first] on. */
 static size_t add_cases(bench *b) {
     size_t first = b->case_count;
-    for (size_t k = 0; k < SIZES; k++) add_case(b, "window, ratio", SL_LIGHT_RATIO, sizes[k]);
-    for (size_t k = 0; k < SIZES; k++) add_case(b, "window, raw", SL_LIGHT_WINDOW, sizes[k]);
+    for (size_t k = 0; k < SIZES; k++) add_case(b, "frustum, ratio", SL_LIGHT_RATIO, sizes[k]);
     for (size_t k = 0; k < SIZES; k++) add_case(b, "frustum (the paper's)", SL_LIGHT_LOOK_AT, sizes[k]);
     for (size_t k = 0; k < SIZES; k++) add_case(b, "rays, ratio", SL_LIGHT_RAYS, rays[k]);
     return first;
@@ -167,15 +166,15 @@ static void table_of_samples(bench *b, size_t first) {
                   c->partial_us, c->us, c->rms, c->largest);
     }
     /* 64 x 64 both */
-    const bench_case *window = &b->cases[first + 3], *ray = &b->cases[first + 3 * SIZES + 4];
+    const bench_case *picture = &b->cases[first + 3], *ray = &b->cases[first + 2 * SIZES + 4];
     printf(
         "\nEqual density, 64 x 64: rays take %.1f times as long as pixels, at %.2f times their error. "
               "The paper: 35.6 times.\n",
-              ray->partial_us / window->partial_us, ray->rms / window->rms);
+              ray->partial_us / picture->partial_us, ray->rms / picture->rms);
     printf(
         "128 x 128 pixels take %.2f times as long as 16 x 16 rays, at 1/%.1f of their error. The "
               "paper: 1.0.\n",
-              window[1].partial_us / ray[-2].partial_us, ray[-2].rms / window[1].rms);
+              picture[1].partial_us / ray[-2].partial_us, ray[-2].rms / picture[1].rms);
 }
 
 /* Along the straight line through neighbouring cases, both axes logarithmic; no smaller than the smallest. */
@@ -189,14 +188,14 @@ static double size_of(const bench_case *c) { return (double)c->size; }
 static double time_of(const bench_case *c) { return c->partial_us; }
 
 static void table_of_equal_error(bench *b, size_t first) {
-    const bench_case *ray = &b->cases[first + 3 * SIZES];
+    const bench_case *ray = &b->cases[first + 2 * SIZES];
     bench_table(
-        "Rays|>us|>rms error|>Window, ratio: N of the same error (8 or more)|>us|>rays take|>Frustum: "
+        "Rays|>us|>rms error|>Frustum, ratio: N of the same error (8 or more)|>us|>rays take|>the paper's: "
                 "N|>us|>rays take");
     for (size_t k = 0; k < SIZES; k++) {
         double at[2][2];
         for (size_t e = 0; e < 2; e++) {
-            const bench_case *c = &b->cases[first + 2 * e * SIZES];
+            const bench_case *c = &b->cases[first + e * SIZES];
             at[e][0] = between(c, ray[k].rms, size_of);
             at[e][1] = between(c, ray[k].rms, time_of);
         }

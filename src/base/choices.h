@@ -91,9 +91,8 @@ typedef enum sl_voxel_filter { SL_VOXEL_TRILINEAR, SL_VOXEL_NEAREST } sl_voxel_f
 
 /* How light arriving from an area light is sampled at a vertex. */
 typedef enum sl_light_estimator {
-    SL_LIGHT_RATIO,   /* in closed form, times the visible share by the light's own plane as a window */
-    SL_LIGHT_WINDOW,  /* the same window's weights alone */
-    SL_LIGHT_LOOK_AT, /* the paper's frustum around the light, with the pixels' solid angles */
+    SL_LIGHT_RATIO,   /* in closed form, times the visible share by the frustum */
+    SL_LIGHT_LOOK_AT, /* the paper's frustum around the light alone, with the pixels' solid angles */
     SL_LIGHT_RAYS     /* as SL_LIGHT_RATIO, the visible share by jittered shadow rays */
 } sl_light_estimator;
 /* Which mesh triangle is refined next. */

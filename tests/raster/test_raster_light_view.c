@@ -149,38 +149,11 @@ static void what_cannot_shine_on_the_point_is_hidden(void **state) {
     assert_int_equal(sl_view_light(zero, up, &l.shape, 8, 8, 1e-3f, &view), SL_LIGHT_IN_VIEW);
 }
 
-/* Square to the light, its pixels are equal pieces of it: the same for two points at any two places. */
-static void a_window_cuts_the_light_into_the_same_pieces_from_everywhere(void **state) {
-    (void)state;
-    lamp l;
-    uint64_t key = sl_random_key(41, 4);
-    set_quad(&l, sl_v3(0, 0, 2), sl_v3(0.5f, 0, 0), sl_v3(0, -0.25f, 0));
-    sl_frame window = {sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1)};
-    for (uint64_t n = 0; n < 300; n++) {
-        sl_vec3 eye = sl_v3(random_between(key, 3 * n, -4, 4), random_between(key, 3 * n + 1, -4, 4),
-                            random_between(key, 3 * n + 2, 0, 1.8f));
-        sl_light_view view;
-        assert_int_equal(sl_view_light_window(eye, sl_v3(0, 0, 1), &l.shape, &window, 64, 64, 1e-3f, &view),
-                         SL_LIGHT_IN_VIEW);
-        check_all_seen(&view, eye, sl_v3(0, 0, 1), &l.shape, key + n);
-        float h = 2.0f - eye.z;
-        assert_true(fabsf(view.left * h + eye.x + 0.5f) < 2e-4f &&
-                    fabsf(view.right * h + eye.x - 0.5f) < 2e-4f);
-        assert_true(fabsf(view.bottom * h + eye.y + 0.25f) < 2e-4f &&
-                    fabsf(view.top * h + eye.y - 0.25f) < 2e-4f);
-    }
-    sl_light_view view; /* nearly in its plane and beside it */
-    assert_int_equal(
-        sl_view_light_window(sl_v3(4, 0, 1.99f), sl_v3(0, 0, 1), &l.shape, &window, 64, 64, 1e-3f, &view),
-        SL_LIGHT_TOO_WIDE);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_visible_point_of_a_random_light_projects_inside),
         cmocka_unit_test(lights_at_the_horizon_or_nearly_touched_stay_inside),
         cmocka_unit_test(what_cannot_shine_on_the_point_is_hidden),
-        cmocka_unit_test(a_window_cuts_the_light_into_the_same_pieces_from_everywhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -132,7 +132,7 @@
 
 /* Multi-mesh caching with hardware sampling */
 #define SL_OPTIONS_OF_MULTI_MESH(O) \
-    O(sl_light_estimator, estimator, "light-estimator", "ratio|window|look-at|rays", 0, 0, NOTHING, "", \
+    O(sl_light_estimator, estimator, "light-estimator", "ratio|look-at|rays", 0, 0, NOTHING, "", \
       RESEARCH, "of light from area lights; the paper's is look-at") \
     O(int, light_size, "light-size", "N", 16, 256, IS(64), "N", RESEARCH, \
       "N x N pixels around a light, N up to a power of two") \

@@ -4,10 +4,8 @@
  *     turned away, below the horizon --- 0
  *     tiny ----------------------------- closed form x one shadow ray
  *     nothing in the frustum ----------- closed form
- *     planar --------------------------- N x N pixels of its own plane, N doubled where it is so near that
- *                                        weights differ much from pixel to pixel
- *     solid ---------------------------- N x N pixels of the frustum that looks at it
- *     too near for either -------------- closed form x share of rays
+ *     else ----------------------------- N x N pixels of the frustum that looks at it
+ *     too near for that ---------------- closed form x share of rays
  */
 #include "cache/light/light_sample.h"
 
@@ -92,9 +90,6 @@ static sl_status make_shape(sl_light_sampling *s, size_t index, sl_error *error)
     if (status != SL_OK) return status;
     measure(light, shape);
     if (settings->estimator == SL_LIGHT_RAYS) return SL_OK;
-    if (light->kind == SL_SAMPLED_AREA && settings->estimator != SL_LIGHT_LOOK_AT) {
-        return sl_light_window_make(light, settings, &shape->window, error);
-    }
     status = make_raster(light, shape, settings->threads, error);
     bool wider = status == SL_OK &&
                  (!s->widest || sl_raster_cluster_count(shape->raster) > sl_raster_cluster_count(s->widest));
@@ -131,7 +126,6 @@ void sl_light_sampling_destroy(sl_light_sampling *s) {
     if (!s) return;
     for (size_t i = 0; s->shape && i < s->lights->count; i++) {
         sl_light_shape_info *shape = &s->shape[i];
-        for (int level = 0; level < SL_WINDOW_LEVELS; level++) sl_free(shape->window.inside[level]);
         sl_raster_destroy(shape->raster);
         sl_free(shape->mesh_x);
         sl_free(shape->mesh_corner);
@@ -151,10 +145,6 @@ size_t sl_light_sampling_memory_bytes(const sl_light_sampling *s) {
         const sl_light_shape_info *shape = &s->shape[i];
         size_t triangles = s->lights->light[i].triangles;
         bytes += triangles * sizeof *shape->surface.area_before;
-        for (int level = 0; level < SL_WINDOW_LEVELS; level++) {
-            if (shape->window.inside[level])
-                bytes += (sl_window_words(1 << level) << level) * sizeof(uint32_t);
-        }
         if (!shape->raster) continue;
         bytes += sl_raster_memory_bytes(shape->raster) + 9 * triangles * sizeof *shape->mesh_x +
                  3 * triangles * sizeof *shape->mesh_corner;
@@ -171,12 +161,12 @@ static bool allocate_planes(const sl_light_sampling *sampling, sl_light_sample_s
     s->planes = sl_allocate(2 * pixels, sizeof *s->planes);
     s->halves = sl_allocate(pixels / 2 + 1, sizeof *s->halves);
     s->sums = sl_allocate(2 * SL_REDUCED * SL_REDUCED, sizeof *s->sums);
-    s->row_x = sl_allocate(4 * side, sizeof *s->row_x);
-    bool ok = s->id && s->planes && s->halves && s->sums && s->row_x;
+    s->column_x = sl_allocate(4 * side, sizeof *s->column_x);
+    bool ok = s->id && s->planes && s->halves && s->sums && s->column_x;
     if (!ok) return false;
-    s->row_y = s->row_x + side;
-    s->column_x = s->row_y + side;
     s->column_y = s->column_x + side;
+    s->row_x = s->column_y + side;
+    s->row_y = s->row_x + side;
     if (!look_at) return true;
     s->depth = sl_allocate(pixels, sizeof *s->depth);
     s->light_id = sl_allocate(pixels, sizeof *s->light_id);
@@ -202,7 +192,7 @@ sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_l
 
 void sl_light_sample_scratch_destroy(sl_light_sample_scratch *s) {
     if (!s) return;
-    void *blocks[] = {s->id,    s->planes,   s->halves,      s->sums,  s->row_x,
+    void *blocks[] = {s->id,    s->planes,   s->halves,      s->sums,  s->column_x,
                       s->depth, s->light_id, s->light_depth, s->facing};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
     sl_raster_scratch_destroy(s->raster);
@@ -239,35 +229,18 @@ static double by_rays(const sample *s) {
     return sums.all > 0.0 ? value_of(s, sums, true) : by_one_ray(s);
 }
 
-/* Twice as many pixels until one is no larger than half the distance to the light's plane: the midpoint
- * rule's error depends on that. */
-static int picture_size(const sample *s, bool *fine) {
-    const sl_light_window *w = &s->shape->window;
-    int size = s->settings->size;
-    *fine = true;
-    if (s->shape->raster) return size;
-    double h = fabs(
-        sl_dotd(sl_subd(sl_to_double(s->query.point->position), w->origin), sl_to_double(s->light->normal)));
-    while ((double)size * h < 2.0 * w->side && size < s->settings->largest) size *= 2;
-    *fine = (double)size * h >= 2.0 * w->side;
-    return size;
-}
-
+/* Of a light that no pixel's centre is on, or of which none can tell, there are twice as many pixels. */
 static double by_pictures(const sample *s) {
-    bool ratio = s->settings->estimator == SL_LIGHT_RATIO, fine;
-    int size = picture_size(s, &fine);
-    if (!fine) return by_rays(s);
-    for (; size <= s->settings->largest; size *= 2) {
+    for (int size = s->settings->size; size <= s->settings->largest; size *= 2) {
         sl_light_sums sums = {.all = 0.0};
-        sl_light_shot shot = s->shape->raster ? sl_look_at_shoot(&s->query, size, &sums)
-                                              : sl_window_shoot(&s->query, size, &sums);
+        sl_light_shot shot = sl_look_at_shoot(&s->query, size, &sums);
         if (shot == SL_SHOT_IMPOSSIBLE) return by_rays(s);
         if (shot == SL_SHOT_HIDDEN) return 0.0;
         if (shot == SL_SHOT_NOTHING_BETWEEN) {
             sl_count(s->query.counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
             return s->unoccluded;
         }
-        if (sums.all > 0.0) return value_of(s, sums, ratio);
+        if (sums.all > 0.0) return value_of(s, sums, s->settings->estimator == SL_LIGHT_RATIO);
     }
     return by_one_ray(s);
 }

@@ -9,8 +9,7 @@
  *
  *   lights.c           which lights there are
  *   light_sample.c     what kind of light, whether it can be seen at all, how many pixels it takes
- *   window.c           the light's own plane as a window: weights, ratio to the closed form
- *   look_at.c          the paper's frustum, solid angles of pixels
+ *   look_at.c          the paper's frustum, solid angles of pixels, ratio to the closed form
  *   closed_forms.c     polygons clipped to the horizon (Lambert), tiny lights as points
  *   shadow_ray.c       rays: lights without extent, and the estimator SL_LIGHT_RAYS
  *   lit_lobe.c         what a glossy lobe reflects
@@ -26,12 +25,9 @@
 
 typedef struct sl_light_sample_settings {
     sl_light_estimator estimator;
-    /* N of N x N pixels, a power of two; doubled until N h / s >= 2 (h: distance to the light's plane, s: its
-     * side), */
-    int size;
-    int largest;           /* ... up to this, 2048 at most, then the closed form times a share of rays */
+    int size;              /* N of N x N pixels, a power of two; doubled where none is on the light, */
+    int largest;           /* ... up to this, 2048 at most */
     int rays;              /* n of n x n rays */
-    bool all_triangles;    /* nothing is culled by cone and grid beforehand: the same bits, slower */
     unsigned threads;      /* for making what is shared */
 } sl_light_sample_settings;
 

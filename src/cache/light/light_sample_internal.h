@@ -14,22 +14,8 @@
  * from it. */
 #define SL_LIGHT_MARGIN 1e-4
 
-/* SL_REDUCED: sums are read back at so many pixels a side, or as many as there are. */
-enum { SL_WINDOW_LEVELS = 12, SL_REDUCED = 16 };
-
-/* A planar light's window: origin + s A + t B, s and t in [0,1], just holds the light, and is cut into N x N
- * pixels. */
-typedef struct sl_light_window {
-    sl_vec3d origin, a, b;
-    sl_vec3d over_a, over_b;   /* in the plane: . (p - origin) are s and t */
-    double side;               /* the longer of A and B */
-    /* orthonormal, for tangents: x, y in the plane, z against the side on which it shines */
-    sl_frame frame;
-    /* by log2 of N: a bit a pixel, is its centre on the light? sl_window_words(N) words a row */
-    uint32_t *inside[SL_WINDOW_LEVELS];
-} sl_light_window;
-
-static inline size_t sl_window_words(int size) { return (size_t)((size + 31) / 32); }
+/* sums are read back at so many pixels a side, or as many as there are */
+enum { SL_REDUCED = 16 };
 
 /* What is known of an area light beforehand. */
 typedef struct sl_light_shape_info {
@@ -38,7 +24,6 @@ typedef struct sl_light_shape_info {
     double flatness;           /* planar: how far its corners may lie off its plane, roundings included */
     /* whoever sees the front of one of its triangles sees all of it, unless something else is in between */
     bool closed_form;
-    sl_light_window window;
     sl_raster *raster;         /* of the light alone, where a look-at frustum is taken; or NULL */
     float *mesh_x;             /* what it is made of: x, y, z of its corners, and their numbers */
     uint32_t *mesh_corner;
@@ -74,7 +59,7 @@ struct sl_light_sample_scratch {
     float *planes;             /* two of largest^2: the light's weights as they are seen, and all of them */
     float *halves;             /* for the reduction */
     float *sums;               /* two of SL_REDUCED^2 */
-    float *row_x, *row_y, *column_x, *column_y; /* tangents of the pixels' centres */
+    float *column_x, *column_y, *row_x, *row_y; /* tangents of the pixels' centres */
     uint8_t *facing;           /* by triangle of a light */
     int picture_size;          /* of planes' first, 0: none */
 };
@@ -108,15 +93,10 @@ typedef enum sl_light_shot {
  * (0,0,0): nothing is. */
 sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *point);
 
-/* window.c */
-sl_status sl_light_window_make(const sl_sampled_light *light, const sl_light_sample_settings *settings,
-                               sl_light_window *window, sl_error *error);
-sl_light_shot sl_window_shoot(const sl_light_query *query, int size, sl_light_sums *sums);
-/* Sums the two planes of size x size weights in the scratch by reduction. */
-sl_light_sums sl_light_reduce(const sl_light_query *query, int size);
-
 /* look_at.c */
 sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_sums *sums);
+/* Sums the two planes of size x size weights by reduction on the hardware. */
+sl_light_sums sl_light_reduce(const sl_light_query *query, int size);
 
 /* shadow_ray.c. Is the light's middle hidden? */
 bool sl_light_middle_hidden(const sl_light_query *query);

@@ -7,20 +7,16 @@
 
 #include <stdint.h>
 
-/* A picture in tangents at distance 1 along the view's axis: the pixel in column i, row j looks along (x, y,
- * 1), x = column_x[i] + row_x[j] and y = column_y[i] + row_y[j]; in a picture square to its frame y is
- * row_y[j] alone, and x is column_x[i]. */
+/* A picture in tangents at distance 1 along the view's axis: the pixel in column i, row j looks along
+ * (column_x[i] + row_x[j], column_y[i] + row_y[j], 1). */
 typedef struct sl_light_pixels {
     int size;
     const float *column_x, *column_y, *row_x, *row_y;
-    float step_x, step_y;        /* between neighbours, of pictures square to their frame */
     sl_vec3 normal, geometric;   /* of the receiver, in the view's frame */
-    float scale;                 /* weights are multiplied by this (of a window: a pixel's area, too) */
+    float scale;                 /* a pixel's area in tangents, over pi */
     float *seen, *all;           /* size x size each */
 } sl_light_pixels;
 
-/* The light is a window: pixels whose bit of `inside` is set; seen where id is SL_NO_INDEX. */
-typedef void sl_window_weigh(const sl_light_pixels *pixels, const uint32_t *inside, const uint32_t *id);
 /* The light is what its own picture shows (light_id: a triangle with facing != 0); seen where the scene is no
  * nearer, depths being 1/w. */
 typedef void sl_look_at_weigh(const sl_light_pixels *pixels, const uint32_t *light_id, const uint8_t *facing,
@@ -55,14 +51,12 @@ typedef void sl_ray_places(const float *u, const float *v, sl_vec3 corner, sl_ve
 typedef void sl_ray_weights(const sl_ray_receiver *receiver, sl_aimed_rays *rays);
 
 typedef struct sl_light_pixel_kernels {
-    sl_window_weigh *window;
     sl_look_at_weigh *look_at;
     sl_ray_jitter *jitter;
     sl_ray_places *places;
     sl_ray_weights *weights;
 } sl_light_pixel_kernels;
 
-SL_KERNEL_VARIANTS(sl_window_weigh, sl_window_weigh);
 SL_KERNEL_VARIANTS(sl_look_at_weigh, sl_look_at_weigh);
 SL_KERNEL_VARIANTS(sl_ray_jitter, sl_ray_jitter);
 SL_KERNEL_VARIANTS(sl_ray_places, sl_ray_places);
@@ -70,7 +64,7 @@ SL_KERNEL_VARIANTS(sl_ray_weights, sl_ray_weights);
 
 static inline sl_light_pixel_kernels sl_light_pixel_kernels_for(sl_isa isa) {
     return (sl_light_pixel_kernels){
-        SL_KERNEL_OF(isa, sl_window_weigh), SL_KERNEL_OF(isa, sl_look_at_weigh),
+        SL_KERNEL_OF(isa, sl_look_at_weigh),
         SL_KERNEL_OF(isa, sl_ray_jitter), SL_KERNEL_OF(isa, sl_ray_places),
         SL_KERNEL_OF(isa, sl_ray_weights)};
 }

@@ -81,8 +81,7 @@ void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transpor
 }
 
 void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
-    static const char *const estimators[] = {"a window in the light's plane",
-                                             "a window in the light's plane, weights alone",
+    static const char *const estimators[] = {"a frustum around the light, ratio to the closed form",
                                              "a frustum around the light", "shadow rays"};
     const sl_multi_mesh_settings *m = &settings->multi_mesh;
     sl_features f = sl_scene_features(scene);

@@ -234,13 +234,3 @@ sl_light_sight sl_view_light(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *
     frame.y = sl_to_float(y);
     return hold(&o, eye, &frame, width, height, near, out);
 }
-
-sl_light_sight sl_view_light_window(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light,
-                                    const sl_frame *window, int width, int height, float near,
-                                    sl_light_view *out) {
-    outline o;
-    if (!sl_is_finite(eye) || !sl_is_finite(normal)) return SL_LIGHT_HIDDEN;
-    make_outline(&o, eye, normal, light);
-    if (o.count == 0) return SL_LIGHT_HIDDEN;
-    return hold(&o, eye, window, width, height, near, out);
-}

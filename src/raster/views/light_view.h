@@ -2,12 +2,12 @@
  * point's horizon. Rendering the scene into it samples the light's visibility with every pixel ("sub-frustum"
  * of multi-mesh caching with hardware sampling).
  *
- *                  ___ light ___           two ways to look at it:
- *          right  /            /            look-at  along the middle of the light's directions; any light,
- *             \  /____________/                      any position
- *              \      |      /  left        window   square to a planar light's plane, the picture's axes
- *               \     |     /                        fixed to the light: every pixel is the same piece of
- *                \    |z   /                         the light, seen from wherever
+ *                  ___ light ___
+ *          right  /            /
+ *             \  /____________/             It looks along the middle of the light's directions: any light,
+ *              \      |      /  left        from any position.
+ *               \     |     /
+ *                \    |z   /
  *    horizon ------ point ------
  *
  * The pyramid is conservative: every point of the light that is above the horizon and turned to the point
@@ -45,10 +45,5 @@ typedef struct sl_light_view {
  * light itself is. The tightest rectangle around the light is taken among those along its edges. */
 sl_light_sight sl_view_light(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light, int width, int height,
                              float near, sl_light_view *out);
-/* window: an orthonormal frame, z the way from the eye to the light's plane (against the side on which it
- * shines). */
-sl_light_sight sl_view_light_window(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light,
-                                    const sl_frame *window, int width, int height, float near,
-                                    sl_light_view *out);
 
 #endif

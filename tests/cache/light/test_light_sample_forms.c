@@ -68,7 +68,7 @@ static void the_penumbra_of_a_straight_edge_is_its_closed_form(void **unused) {
         sl_light_estimator estimator;
         double tolerance;
     } cases[] = {
-        {SL_LIGHT_RATIO, 0.004}, {SL_LIGHT_WINDOW, 0.02}, {SL_LIGHT_LOOK_AT, 0.02}, {SL_LIGHT_RAYS, 0.05}};
+        {SL_LIGHT_RATIO, 0.004}, {SL_LIGHT_LOOK_AT, 0.02}, {SL_LIGHT_RAYS, 0.05}};
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
@@ -76,7 +76,7 @@ static void the_penumbra_of_a_straight_edge_is_its_closed_form(void **unused) {
     light_world w;
     light_world_make(&w, &mesh);
     double open = rectangle_form(-0.5, 0.5, -0.5, 0.5, 2.0);
-    for (size_t k = 0; k < 4; k++) {
+    for (size_t k = 0; k < 3; k++) {
         sl_light_sample_settings settings = sl_light_sample_defaults();
         settings.estimator = cases[k].estimator;
         light_world_set(&w, &settings);
