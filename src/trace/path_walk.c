@@ -6,45 +6,17 @@
 
 #include <math.h>
 
-#include "base/random.h"
 #include "trace/bsdf.h"
 
-enum {
-    ROULETTE_AFTER = 4,         /* surfaces, in unlimited transport */
-    /* mirrors in a row, in any transport: two facing mirrors of reflectance 1 would not end */
-    ROULETTE_AFTER_MIRRORS = 8,
-};
-
-typedef struct walker {
-    sl_rgb radiance;       /* gathered so far */
-    sl_rgb weight;         /* f cos / pdf so far, by the lobes that carry light of further surfaces */
-    /* the same, by the lobes that reflect direct light at the last surface; black: not counted here */
-    sl_rgb direct_weight;
-    sl_vec3 origin, direction; /* of the ray under way; unit direction but for the first, which is as given */
-    float near, far;
-    uint32_t skip;
-    float pdf;             /* of the ray's direction, if a surface chose it */
-    bool at_surface;       /* x1 has been reached */
-    bool mirror_since;     /* a mirror was met after the last surface */
-    bool through;          /* this ray sees through surfaces: no visibility between x1 and x2 */
-    uint32_t surfaces;     /* between x1 and the walk's end so far: 0 at x1 */
-    uint32_t mirrors;      /* in a row */
-    uint32_t vertex;       /* met so far, for the sets of random points */
-    uint64_t key;
-    uint32_t index;
-} walker;
+enum { ROULETTE_AFTER = 4 }; /* surfaces, in unlimited transport */
 
 /* Light samples that wait for their shadow rays. */
 typedef struct shadow_queue {
     sl_ray16 rays;
     sl_rgb light[SL_PACKET];
-    walker *owner[SL_PACKET];
+    sl_walker *owner[SL_PACKET];
     unsigned count;
 } shadow_queue;
-
-static void draw(const sl_path_walk *walk, const walker *w, uint32_t set, float point[3]) {
-    sl_sequence_point(walk->sequence, w->key, set + SL_SETS_A_VERTEX * w->vertex, w->index, point);
-}
 
 static bool is_black(sl_rgb c) { return !(sl_rgb_max(c) > 0.0f); }
 
@@ -58,7 +30,7 @@ static float power_heuristic(float p, float q) {
 /* ---- light that the ray under way meets ------------------------------------------------------ */
 
 /* triangle: the emitter's, or SL_NO_INDEX for the environment. */
-static void meet_light(const sl_path_walk *walk, walker *w, sl_rgb emitted, uint32_t triangle, float t) {
+static void meet_light(const sl_path_walk *walk, sl_walker *w, sl_rgb emitted, uint32_t triangle, float t) {
     if (is_black(emitted)) return;
     sl_rgb weight = w->weight;
     if (!w->at_surface) {
@@ -69,44 +41,24 @@ static void meet_light(const sl_path_walk *walk, walker *w, sl_rgb emitted, uint
         /* Direct light of the last surface, which its light sample counts too. */
         if (is_black(w->direct_weight)) return;
         float other = sl_light_sampler_pdf(walk->lights, w->origin, w->direction, triangle, t);
-        weight = sl_rgb_scale(w->direct_weight, power_heuristic(w->pdf, other));
+        weight = sl_rgb_scale(w->direct_weight, power_heuristic((float)w->pdf, other));
     } /* else: light by mirrors, which no light sample finds */
     w->radiance = sl_rgb_add(w->radiance, sl_rgb_mul(weight, emitted));
 }
 
 /* ---- leaving a vertex ------------------------------------------------------------------------ */
 
-static void leave(walker *w, sl_vec3 origin, sl_vec3 direction, uint32_t triangle) {
-    w->origin = origin;
-    w->direction = direction;
-    w->near = 0.0f;
-    w->far = INFINITY;
-    w->skip = triangle;
-    w->vertex++;
-}
-
-/* Russian roulette: goes on with a probability that follows the weight, and makes up for it. */
-static bool survives(const sl_path_walk *walk, walker *w) {
-    float weight = fmaxf(sl_rgb_max(w->weight), sl_rgb_max(w->direct_weight));
-    float chance = fminf(fmaxf(weight, 0.05f), 0.95f), point[3];
-    draw(walk, w, SL_SET_ROULETTE, point);
-    if (!(point[0] < chance)) return false;
-    w->weight = sl_rgb_scale(w->weight, 1.0f / chance);
-    w->direct_weight = sl_rgb_scale(w->direct_weight, 1.0f / chance);
-    return true;
-}
-
-static bool follow_mirror(const sl_path_walk *walk, walker *w, const sl_surface *s, sl_vec3 to_viewer,
+static bool follow_mirror(const sl_path_walk *walk, sl_walker *w, const sl_surface *s, sl_vec3 to_viewer,
                           uint32_t triangle) {
     const sl_transport *t = &walk->transport;
     if (w->at_surface ? !(t->bounce_lobes & SL_LOBE_MIRROR) : !t->eye_mirrors) return false;
     w->weight = sl_rgb_mul(w->weight, s->material->mirror);
     if (is_black(w->weight)) return false;
-    if (++w->mirrors > ROULETTE_AFTER_MIRRORS && !survives(walk, w)) return false;
+    if (++w->mirrors > SL_ROULETTE_AFTER_MIRRORS && !sl_walker_survives(walk->sequence, w)) return false;
     sl_vec3 direction = sl_normalize_or(sl_reflect(to_viewer, s->normal), s->normal);
     if (!(sl_dot(direction, s->geometric_normal) > 0.0f)) return false;
     w->mirror_since = true;
-    leave(w, sl_surface_lift(walk->scene, triangle, s), direction, triangle);
+    sl_walker_leave(w, sl_surface_lift(walk->scene, triangle, s), direction, 1.0, triangle);
     return true;
 }
 
@@ -120,7 +72,7 @@ typedef struct surface_task {
     bool met_by_chance;    /* the direction sampled may count direct light too */
 } surface_task;
 
-static surface_task task_at(const sl_path_walk *walk, const walker *w) {
+static surface_task task_at(const sl_path_walk *walk, const sl_walker *w) {
     const sl_transport *t = &walk->transport;
     bool first = w->surfaces == 0, mirrors = t->bounce_lobes & SL_LOBE_MIRROR;
     unsigned reflecting = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY;
@@ -136,7 +88,7 @@ static surface_task task_at(const sl_path_walk *walk, const walker *w) {
     return task;
 }
 
-static void queue_shadow_ray(shadow_queue *q, walker *w, sl_vec3 origin, const sl_light_sample *sample,
+static void queue_shadow_ray(shadow_queue *q, sl_walker *w, sl_vec3 origin, const sl_light_sample *sample,
                              uint32_t triangle, sl_rgb light) {
     unsigned i = q->count++;
     sl_ray16 *r = &q->rays;
@@ -147,11 +99,11 @@ static void queue_shadow_ray(shadow_queue *q, walker *w, sl_vec3 origin, const s
     q->owner[i] = w;
 }
 
-static void sample_light(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, const surface_task *task,
+static void sample_light(const sl_path_walk *walk, sl_walker *w, const sl_bsdf *bsdf, const surface_task *task,
                          sl_vec3 origin, uint32_t triangle, shadow_queue *queue) {
     float point[3];
     sl_light_sample sample;
-    draw(walk, w, SL_SET_LIGHT, point);
+    sl_walker_draw(walk->sequence, w, SL_SET_LIGHT, point);
     if (!sl_light_sampler_sample_2d(walk->lights, origin, point[0], point[1], &sample)) return;
     sl_rgb reflected = sl_bsdf_reflect(bsdf, sample.to_light, task->direct_lobes);
     if (is_black(reflected)) return;
@@ -164,11 +116,11 @@ static void sample_light(const sl_path_walk *walk, walker *w, const sl_bsdf *bsd
 }
 
 /* The next direction; false where the walk ends. */
-static bool bounce(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, const surface_task *task,
+static bool bounce(const sl_path_walk *walk, sl_walker *w, const sl_bsdf *bsdf, const surface_task *task,
                    sl_vec3 origin, uint32_t triangle) {
     float point[3];
     sl_vec3 direction;
-    draw(walk, w, SL_SET_DIRECTION, point);
+    sl_walker_draw(walk->sequence, w, SL_SET_DIRECTION, point);
     if (!sl_bsdf_sample(bsdf, point[2], point[0], point[1], &direction)) return false;
     float pdf = sl_bsdf_pdf(bsdf, direction);
     if (!(pdf > 0.0f)) return false;
@@ -178,18 +130,17 @@ static bool bounce(const sl_path_walk *walk, walker *w, const sl_bsdf *bsdf, con
     w->weight = sl_rgb_mul(weight, sl_bsdf_reflect(bsdf, direction, task->next_lobes));
     if (is_black(w->weight) && is_black(w->direct_weight)) return false;
     if (walk->transport.bounces == SL_BOUNCES_UNLIMITED && w->surfaces >= ROULETTE_AFTER &&
-        !survives(walk, w))
+        !sl_walker_survives(walk->sequence, w))
         return false;
-    w->pdf = pdf;
     w->through = w->surfaces == 0 && !walk->transport.bounce_visibility;
     w->at_surface = true;
     w->mirror_since = false;
     w->mirrors = 0;
-    leave(w, origin, direction, triangle);
+    sl_walker_leave(w, origin, direction, (double)pdf, triangle);
     return true;
 }
 
-static bool reach_surface(const sl_path_walk *walk, walker *w, const sl_surface *s, sl_vec3 to_viewer,
+static bool reach_surface(const sl_path_walk *walk, sl_walker *w, const sl_surface *s, sl_vec3 to_viewer,
                           uint32_t triangle, shadow_queue *queue) {
     if (w->at_surface) {
         if (w->surfaces == walk->transport.bounces || is_black(w->weight)) return false;
@@ -204,7 +155,7 @@ static bool reach_surface(const sl_path_walk *walk, walker *w, const sl_surface 
 }
 
 /* The end of the ray under way; false where the walk ends with it. */
-static bool arrive(const sl_path_walk *walk, walker *w, uint32_t triangle, float t, float w1, float w2,
+static bool arrive(const sl_path_walk *walk, sl_walker *w, uint32_t triangle, float t, float w1, float w2,
                    shadow_queue *queue) {
     const sl_scene *scene = walk->scene;
     sl_vec3 direction = sl_normalize_or(w->direction, sl_v3(0.0f, 0.0f, 1.0f));
@@ -227,60 +178,6 @@ static bool arrive(const sl_path_walk *walk, walker *w, uint32_t triangle, float
 
 /* ---- packets --------------------------------------------------------------------------------- */
 
-static void put_ray(sl_ray16 *rays, unsigned i, const walker *w) {
-    sl_ray16_set(rays, i, w->origin, w->direction, w->near, w->far, w->skip);
-}
-
-uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *first, uint64_t key,
-                                  sl_hit16 *chosen, sl_counters *counters) {
-    sl_ray16 ray = *first;
-    sl_hit16 hit;
-    uint32_t met = 0;
-    chosen->triangle[0] = SL_NO_INDEX;
-    for (;; ray.near[0] = hit.t[0], ray.skip[0] = hit.triangle[0]) {
-        sl_trace(tracer, &ray, 1, false, &hit, counters);
-        if (hit.triangle[0] == SL_NO_INDEX) return met;
-        met++;
-        if (sl_random_unit(key, met) * (float)met < 1.0f) *chosen = hit;
-    }
-}
-
-static uint32_t choose_along_ray(const sl_path_walk *walk, walker *w, sl_hit16 *hit, sl_counters *counters) {
-    sl_ray16 ray;
-    float point[3];
-    draw(walk, w, SL_SET_THROUGH - SL_SETS_A_VERTEX, point); /* of the vertex that was left */
-    put_ray(&ray, 0, w);
-    return sl_path_choose_along_ray(walk->tracer, &ray, sl_random_key(w->key, (uint64_t)(point[0] * 0x1p24f)),
-                                    hit, counters);
-}
-
-static void trace_walkers(const sl_path_walk *walk, walker *const *active, unsigned count, bool coherent,
-                          sl_hit16 *hits, sl_counters *counters) {
-    sl_ray16 rays;
-    bool through = false;
-    for (unsigned i = 0; i < count; i++) through |= active[i]->through;
-    if (!through) {
-        for (unsigned i = 0; i < count; i++) put_ray(&rays, i, active[i]);
-        sl_trace(walk->tracer, &rays, count, coherent, hits, counters);
-        return;
-    }
-    for (unsigned i = 0; i < count; i++) {
-        walker *w = active[i];
-        sl_hit16 hit;
-        if (w->through) {
-            w->weight = sl_rgb_scale(w->weight, (float)choose_along_ray(walk, w, &hit, counters));
-            w->through = false;
-        } else {
-            put_ray(&rays, 0, w);
-            sl_trace(walk->tracer, &rays, 1, false, &hit, counters);
-        }
-        hits->t[i] = hit.t[0];
-        hits->w1[i] = hit.w1[0];
-        hits->w2[i] = hit.w2[0];
-        hits->triangle[i] = hit.triangle[0];
-    }
-}
-
 static void add_light(const sl_path_walk *walk, shadow_queue *queue, bool coherent, sl_counters *counters) {
     if (queue->count == 0) return;
     uint32_t hidden = sl_trace_occluded(walk->tracer, &queue->rays, queue->count, coherent, counters);
@@ -294,26 +191,27 @@ static void add_light(const sl_path_walk *walk, shadow_queue *queue, bool cohere
 void sl_path_walk_radiance(const sl_path_walk *walk, const sl_ray16 *rays, unsigned count, bool coherent,
                            const uint64_t key[SL_PACKET], uint32_t index, sl_rgb radiance[SL_PACKET],
                            sl_counters *counters) {
-    walker walkers[SL_PACKET], *active[SL_PACKET];
+    sl_walker walkers[SL_PACKET], *active[SL_PACKET];
     shadow_queue queue;
     queue.count = 0;
     for (unsigned i = 0; i < count; i++) {
-        walkers[i] = (walker){.weight = {1.0f, 1.0f, 1.0f},
-                              .key = key[i],
-                              .index = index,
-                              .near = rays->near[i],
-                              .far = rays->far[i],
-                              .skip = rays->skip[i]};
+        walkers[i] = (sl_walker){.weight = {1.0f, 1.0f, 1.0f},
+                                 .roulette_scale = 1.0f,
+                                 .key = key[i],
+                                 .index = index,
+                                 .near = rays->near[i],
+                                 .far = rays->far[i],
+                                 .skip = rays->skip[i]};
         walkers[i].origin = sl_v3(rays->origin_x[i], rays->origin_y[i], rays->origin_z[i]);
         walkers[i].direction = sl_v3(rays->direction_x[i], rays->direction_y[i], rays->direction_z[i]);
         active[i] = &walkers[i];
     }
     for (unsigned alive = count; alive > 0;) {
         sl_hit16 hits;
-        trace_walkers(walk, active, alive, coherent, &hits, counters);
+        sl_walkers_trace(walk->tracer, walk->sequence, active, alive, coherent, &hits, counters);
         unsigned left = 0;
         for (unsigned i = 0; i < alive; i++) {
-            walker *w = active[i];
+            sl_walker *w = active[i];
             if (arrive(walk, w, hits.triangle[i], hits.t[i], hits.w1[i], hits.w2[i], &queue))
                 active[left++] = w;
         }

@@ -3,8 +3,7 @@
 #define SL_TRACE_PATH_WALK_H
 
 #include "trace/pixel_filter.h"
-#include "trace/sequence.h"
-#include "trace/trace.h"
+#include "trace/walker.h"
 
 typedef struct sl_path_walk {
     const sl_scene *scene;
@@ -20,12 +19,6 @@ typedef struct sl_path_walk {
 void sl_path_walk_radiance(const sl_path_walk *walk, const sl_ray16 *rays, unsigned count, bool coherent,
                            const uint64_t key[SL_PACKET], uint32_t index, sl_rgb radiance[SL_PACKET],
                            sl_counters *counters);
-
-/* Where nothing hides anything, every surface on the ray, the first of the packet, sends its light to the
- * ray's start. One of the n is taken, each with probability 1/n: put into lane 0. Returns n, by which its
- * light is multiplied. */
-uint32_t sl_path_choose_along_ray(const sl_tracer *tracer, const sl_ray16 *ray, uint64_t key, sl_hit16 *hit,
-                                  sl_counters *counters);
 
 /* Where the rays of a film leave: tangents of half its fields of view. */
 typedef struct sl_path_lens {
@@ -51,15 +44,5 @@ void sl_path_lens_ray(const sl_scene *scene, const sl_path_lens *lens, sl_path_p
 sl_path_place sl_path_place_in(const sl_path_walk *walk, int x, int y, uint64_t key, uint32_t index);
 /* A sample that is not a number would spoil its pixel for good. */
 sl_rgb sl_path_finite_or_black(sl_rgb radiance, sl_counters *counters);
-
-/* The sets of points that a walk draws from: set 0 is for the pixel, then four a vertex. */
-enum {
-    SL_SET_PIXEL = 0,
-    SL_SET_LIGHT = 1,
-    SL_SET_DIRECTION = 2,
-    SL_SET_ROULETTE = 3,
-    SL_SET_THROUGH = 4,
-    SL_SETS_A_VERTEX = 4
-};
 
 #endif

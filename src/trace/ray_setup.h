@@ -1,6 +1,6 @@
 /* Rays made ready for Embree and for the triangle test, sixteen at a time. Nearly all rays are usual: their
- * numbers are finite, their directions of about unit length, their origins not far from the scene. These are
- * made ready in whole vectors; tracer.c looks at the others one by one. */
+ * numbers are finite, their directions of about unit length, their origins not far from the scene. tracer.c
+ * makes usual rays of the others, one by one. */
 #ifndef SL_TRACE_RAY_SETUP_H
 #define SL_TRACE_RAY_SETUP_H
 
@@ -22,18 +22,13 @@ typedef struct sl_ray_setup {
     double unit;         /* Embree's unit of length over ours */
 } sl_ray_setup;
 
-/* What becomes of them: lanes that are not usual hold anything, but for valid, which is -1 or 0. */
-typedef struct sl_ready_rays {
-    sl_ray_state *state; /* all but its frames (sl_ray_frames) */
-    float (*origin)[SL_PACKET], (*direction)[SL_PACKET], *scale;
-    struct RTCRay16 *rays;
-    int *valid;
-} sl_ready_rays;
+/* Finds which of the first `count` are usual: -1, else 0. Returns how many. */
+typedef unsigned sl_rays_usual(const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count, int *valid);
+/* Makes sixteen usual rays, whose `start` is known, ready: all of the state but the frames (sl_ray_frames). */
+typedef void sl_rays_ready(const sl_ray_setup *setup, const sl_ray16 *rays, sl_ray_state *state,
+                           struct RTCRay16 *ready);
 
-/* Returns how many of the first `count` are usual. */
-typedef unsigned sl_ray_setup_usual(const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count,
-                                    const sl_ready_rays *ready);
-
-SL_KERNEL_VARIANTS(sl_ray_setup_usual, sl_ray_setup_usual);
+SL_KERNEL_VARIANTS(sl_rays_usual, sl_rays_usual);
+SL_KERNEL_VARIANTS(sl_rays_ready, sl_rays_ready);
 
 #endif

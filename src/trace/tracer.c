@@ -39,7 +39,8 @@ struct sl_tracer {
     sl_triangle_test *test;
     sl_ray_frames *frames;
     sl_ray_setup setup;
-    sl_ray_setup_usual *make_usual_ready;
+    sl_rays_usual *find_usual;
+    sl_rays_ready *make_ready;
     atomic_llong embree_bytes;
 };
 
@@ -48,7 +49,6 @@ typedef struct query_state {
     const sl_tracer *tracer;
     sl_ray_state rays;
     float scale[SL_PACKET]; /* of the direction, see direction_scale() */
-    _Alignas(64) float origin[3][SL_PACKET], direction[3][SL_PACKET];
     uint32_t occluded; /* occlusion queries: bit per ray */
 } query_state;
 
@@ -165,7 +165,8 @@ sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *
     tracer->scene = scene;
     tracer->test = SL_KERNEL_OF(sl_isa_best(), sl_triangle_test);
     tracer->frames = SL_KERNEL_OF(sl_isa_best(), sl_ray_frames);
-    tracer->make_usual_ready = SL_KERNEL_OF(sl_isa_best(), sl_ray_setup_usual);
+    tracer->find_usual = SL_KERNEL_OF(sl_isa_best(), sl_rays_usual);
+    tracer->make_ready = SL_KERNEL_OF(sl_isa_best(), sl_rays_ready);
     sl_status status = place_triangles(tracer, error);
     if (status != SL_OK) {
         sl_tracer_destroy(tracer);
@@ -307,87 +308,49 @@ static float direction_scale(float largest_component) {
     return ldexpf(1.0f, -exponent);
 }
 
-static void set_frame(query_state *state, unsigned i, sl_vec3 origin, sl_vec3 direction) {
-    state->origin[0][i] = origin.x;
-    state->origin[1][i] = origin.y;
-    state->origin[2][i] = origin.z;
-    state->direction[0][i] = direction.x;
-    state->direction[1][i] = direction.y;
-    state->direction[2][i] = direction.z;
-}
-
-/* Makes ray i ready: false if it has no direction, is not finite or is empty. */
-static bool prepare_ray(query_state *state, const sl_ray16 *rays, unsigned i, struct RTCRay16 *out) {
+/* Makes ray i usual: false if it has no direction, is not finite or is empty. */
+static bool make_usual(query_state *state, sl_ray16 *rays, unsigned i) {
     sl_vec3 origin = sl_v3(rays->origin_x[i], rays->origin_y[i], rays->origin_z[i]);
     sl_vec3 d = sl_v3(rays->direction_x[i], rays->direction_y[i], rays->direction_z[i]);
     float ax = fabsf(d.x), ay = fabsf(d.y), az = fabsf(d.z), size = ax > ay ? ax : ay;
     size = size > az ? size : az;
     if (!sl_is_finite(origin) || !sl_is_finite(d) || !(size > 0.0f)) return false;
     if (!(rays->far[i] > rays->near[i]) || !(rays->far[i] > 0.0f)) return false;
-
-    float scale = direction_scale(size), near = rays->near[i], far = rays->far[i];
-    if (scale != 1.0f) {
-        d = sl_scale(d, scale);
-        near /= scale;
-        far /= scale;
-    }
-    float unit = state->tracer->unit;
-    sl_ray_state *r = &state->rays;
-    sl_vec3 o = start_near(state->tracer, origin, sl_to_double(d), &r->start[i]);
-    set_frame(state, i, o, d);
-    state->scale[i] = scale;
-    out->org_x[i] = o.x * unit;
-    out->org_y[i] = o.y * unit;
-    out->org_z[i] = o.z * unit;
+    float scale = state->scale[i] = direction_scale(size);
+    if (scale != 1.0f) d = sl_scale(d, scale);
+    sl_vec3 o = start_near(state->tracer, origin, sl_to_double(d), &state->rays.start[i]);
+    sl_ray16_set(rays, i, o, d, rays->near[i] / scale, rays->far[i] / scale, rays->skip[i]);
     /* It would end the process. A ray that is no nearer, although it was started near the scene, leaves it
      * behind or passes it by. */
-    if (!(sl_greatest_coordinate(sl_v3(out->org_x[i], out->org_y[i], out->org_z[i])) < FARTHEST))
-        return false;
-    r->near[i] = near > 0.0f ? near : 0.0f;
-    r->best_t[i] = far;
-    r->best_triangle[i] = SL_NO_INDEX;
-    r->skip[i] = rays->skip[i];
-    out->dir_x[i] = d.x;
-    out->dir_y[i] = d.y;
-    out->dir_z[i] = d.z;
-    double from_start = (double)r->near[i] - r->start[i];
-    out->tnear[i] = from_start > 0.0 ? (float)(from_start * (1.0 - SL_FAR_SLACK) * (double)unit) : 0.0f;
-    out->tfar[i] = isinf(far) ? INFINITY : embree_far(state, i, far);
-    out->time[i] = 0.0f;
-    out->mask[i] = UINT32_MAX;
-    out->id[i] = i;
-    out->flags[i] = 0;
-    return true;
+    return sl_greatest_coordinate(sl_scale(o, state->tracer->unit)) < FARTHEST;
 }
 
-/* A lane without a ray holds a harmless one. */
-static void clear_ray(query_state *state, unsigned i, struct RTCRay16 *out) {
-    set_frame(state, i, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 0.0f, 1.0f));
-    state->rays.near[i] = state->rays.best_t[i] = 0.0f;
-    state->rays.start[i] = 0.0;
-    state->rays.best_triangle[i] = state->rays.skip[i] = SL_NO_INDEX;
-    out->org_x[i] = out->org_y[i] = out->org_z[i] = out->dir_x[i] = out->dir_y[i] = 0.0f;
-    out->dir_z[i] = 1.0f;
-    out->tnear[i] = out->time[i] = 0.0f;
-    out->tfar[i] = -INFINITY;
-    out->mask[i] = out->flags[i] = 0;
-    out->id[i] = i;
-}
-
-/* All rays of a query: the usual ones together, the others one by one. Returns how many are valid. */
+/* All rays of a query. A lane without a ray holds a harmless one. Returns how many are valid. */
 static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ray16 *rays, unsigned count,
                         struct RTCRay16 *out, int valid[SL_PACKET]) {
-    const sl_ready_rays ready = {&state->rays, state->origin, state->direction, state->scale, out, valid};
+    sl_ray16 own;
+    unsigned valids = tracer->find_usual(&tracer->setup, rays, count, valid);
     state->tracer = tracer;
     state->occluded = 0;
-    unsigned valids = tracer->make_usual_ready(&tracer->setup, rays, count, &ready);
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        state->scale[i] = 1.0f;
+        state->rays.start[i] = 0.0;
+    }
+    if (valids < SL_PACKET) {
+        own = *rays;
+        rays = &own;
+    }
     for (unsigned i = 0; i < SL_PACKET && valids < SL_PACKET; i++) {
         if (valid[i]) continue;
-        if (i < count && prepare_ray(state, rays, i, out)) valid[i] = -1, valids++;
-        else clear_ray(state, i, out);
+        if (i < count && make_usual(state, &own, i)) {
+            valid[i] = -1;
+            valids++;
+        } else {
+            sl_ray16_set(&own, i, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 0.0f, 1.0f), 0.0f, 0.0f, SL_NO_INDEX);
+        }
     }
-    tracer->frames(&state->rays, (const float(*)[SL_PACKET])state->origin,
-                   (const float(*)[SL_PACKET])state->direction);
+    tracer->make_ready(&tracer->setup, rays, &state->rays, out);
+    tracer->frames(&state->rays, rays);
     return valids;
 }
 

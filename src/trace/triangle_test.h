@@ -49,11 +49,9 @@ typedef uint32_t sl_triangle_test(const sl_ray_state *state, const sl_triangle_c
 
 SL_KERNEL_VARIANTS(sl_triangle_test, sl_triangle_test);
 
-/* Sets origins, shears and dominant axes of sixteen rays, given by axis and then ray; directions are finite
- * and not 0. The dominant component is what the others are divided by, so that a shear's entries are at
- * most 1. */
-typedef void sl_ray_frames(sl_ray_state *state, const float origin[3][SL_PACKET],
-                           const float direction[3][SL_PACKET]);
+/* Sets origins, shears and dominant axes of sixteen rays, whose directions are finite and not 0. The dominant
+ * component is what the others are divided by, so that a shear's entries are at most 1. */
+typedef void sl_ray_frames(sl_ray_state *state, const sl_ray16 *rays);
 
 SL_KERNEL_VARIANTS(sl_ray_frames, sl_ray_frames);
 

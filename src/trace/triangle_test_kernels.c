@@ -185,14 +185,13 @@ uint32_t SL_KERNEL(sl_triangle_test)(const sl_ray_state *state, const sl_triangl
     return hits;
 }
 
-void SL_KERNEL(sl_ray_frames)(sl_ray_state *restrict s, const float origin[3][SL_PACKET],
-                              const float direction[3][SL_PACKET]) {
+void SL_KERNEL(sl_ray_frames)(sl_ray_state *restrict s, const sl_ray16 *restrict rays) {
     _Alignas(64) uint32_t axis[SL_PACKET];
     _Alignas(64) float dominant[SL_PACKET];
 #pragma omp simd
     for (unsigned i = 0; i < SL_PACKET; i++) {
-        float dx = direction[0][i], dy = direction[1][i], dz = direction[2][i];
-        float ox = origin[0][i], oy = origin[1][i], oz = origin[2][i];
+        float dx = rays->direction_x[i], dy = rays->direction_y[i], dz = rays->direction_z[i];
+        float ox = rays->origin_x[i], oy = rays->origin_y[i], oz = rays->origin_z[i];
         float ax = fabsf(dx), ay = fabsf(dy), az = fabsf(dz);
         bool along_z = (az >= ax) & (az >= ay), along_x = (ax > az) & (ax >= ay);
         float d3 = along_z ? dz : along_x ? dx : dy;

@@ -150,14 +150,11 @@ static void a_closed_mesh_is_never_missed_from_inside(void **unused) {
 /* The specification of a hit, without any hierarchy. */
 static hit nearest_of_all(const sl_scene *scene, ray r) {
     sl_ray_state state;
-    float origin[3][SL_PACKET], direction[3][SL_PACKET];
+    sl_ray16 rays;
     memset(&state, 0, sizeof state);
-    for (int i = 0; i < SL_PACKET; i++) {
-        origin[0][i] = r.origin.x, origin[1][i] = r.origin.y, origin[2][i] = r.origin.z;
-        direction[0][i] = r.direction.x, direction[1][i] = r.direction.y, direction[2][i] = r.direction.z;
-    }
-    sl_ray_frames_baseline(&state, (const float(*)[SL_PACKET])origin,
-                           (const float(*)[SL_PACKET])direction);
+    for (unsigned i = 0; i < SL_PACKET; i++)
+        sl_ray16_set(&rays, i, r.origin, r.direction, 0.0f, INFINITY, SL_NO_INDEX);
+    sl_ray_frames_baseline(&state, &rays);
     const int valid = -1;
     const unsigned id = 0;
     hit best = {INFINITY, 0, 0, SL_NO_INDEX};

@@ -8,7 +8,7 @@
 #include "base/counters.h"
 #include "base/math.h"
 #include "base/random.h"
-#include "trace/path_walk.h"
+#include "trace/walker.h"
 
 static bool is_light(sl_rgb c) { return sl_rgb_max(c) > 0.0f && sl_rgb_is_finite(c); }
 

@@ -9,31 +9,7 @@
 #include "base/random.h"
 #include "trace/path_walk.h"
 
-enum {
-    ROULETTE_AFTER_MIRRORS = 8, /* mirrors in a row: two facing mirrors of reflectance 1 would not end */
-    SET_WHERE = SL_SET_THROUGH + 1, SET_WHITHER, /* light starts */
-};
-
-typedef struct walker {
-    sl_subpath *path;
-    sl_rgb weight;         /* of light of further surfaces */
-    sl_rgb direct_weight;  /* of a light that the ray under way meets, if it left a surface */
-    float roulette_scale;  /* 1 over the weight of the start */
-    sl_vec3 origin, direction;
-    uint32_t skip;
-    double pdf;            /* of the ray: per solid angle, or, if parallel, per area that faces it */
-    bool parallel, from_light;
-    bool at_surface;       /* a surface that is no mirror was met */
-    bool mirror_since;     /* after the last surface */
-    bool through;          /* this ray sees through surfaces */
-    uint32_t surfaces, mirrors, vertex; /* mirrors: in a row; vertex: for the sets of random points */
-    uint64_t key;
-    uint32_t index;
-} walker;
-
-static void draw(const sl_path_maker *m, const walker *w, uint32_t set, float point[3]) {
-    sl_sequence_point(m->sequence, w->key, set + SL_SETS_A_VERTEX * w->vertex, w->index, point);
-}
+enum { SET_WHERE = SL_SET_THROUGH + 1, SET_WHITHER }; /* where light starts */
 
 static bool is_black(sl_rgb c) { return !(sl_rgb_max(c) > 0.0f); }
 
@@ -60,7 +36,7 @@ sl_rgb sl_light_vertex_value(const sl_path_vertex *v, sl_vec3 to_eye, unsigned l
 
 /* Density with which the other walk, coming to v the way that this one leaves it, would have made the vertex
  * before v. */
-static void complete_vertex_before(const sl_path_maker *m, const walker *w, const sl_path_vertex *v,
+static void complete_vertex_before(const sl_path_maker *m, const sl_walker *w, const sl_path_vertex *v,
                                    double pdf) {
     if (w->path->count < 2) return;
     sl_path_vertex *before = &w->path->vertex[w->path->count - 2];
@@ -74,28 +50,7 @@ static void complete_vertex_before(const sl_path_maker *m, const walker *w, cons
 
 /* ---- leaving a vertex ------------------------------------------------------------------------ */
 
-static void leave(walker *w, const sl_path_vertex *v, sl_vec3 direction, double pdf) {
-    w->origin = v->origin;
-    w->direction = direction;
-    w->skip = v->triangle;
-    w->pdf = pdf;
-    w->parallel = false;
-    w->vertex++;
-}
-
-/* Russian roulette: goes on with a probability that follows the weight, and makes up for it. The heuristics'
- * densities leave it out: any weights that sum to 1 are right. */
-static bool survives(const sl_path_maker *m, walker *w) {
-    float weight = fmaxf(sl_rgb_max(w->weight), sl_rgb_max(w->direct_weight)) * w->roulette_scale;
-    float chance = fminf(fmaxf(weight, 0.05f), 0.95f), point[3];
-    draw(m, w, SL_SET_ROULETTE, point);
-    if (!(point[0] < chance)) return false;
-    w->weight = sl_rgb_scale(w->weight, 1.0f / chance);
-    w->direct_weight = sl_rgb_scale(w->direct_weight, 1.0f / chance);
-    return true;
-}
-
-static bool follow_mirror(const sl_path_maker *m, walker *w, const sl_path_vertex *v, sl_rgb reflectance) {
+static bool follow_mirror(const sl_path_maker *m, sl_walker *w, const sl_path_vertex *v, sl_rgb reflectance) {
     bool after_surface = w->from_light || w->at_surface;
     if (after_surface ? !sl_mirrors_followed(m) : !m->transport.eye_mirrors) return false;
     sl_vec3 direction = sl_normalize_or(sl_reflect(v->back, v->bsdf.normal), v->bsdf.normal);
@@ -106,17 +61,17 @@ static bool follow_mirror(const sl_path_maker *m, walker *w, const sl_path_verte
     if (w->from_light) w->weight = sl_rgb_scale(w->weight, leaving / arriving);
     if (is_black(w->weight)) return false;
     w->direct_weight = w->weight;
-    if (++w->mirrors > ROULETTE_AFTER_MIRRORS && !survives(m, w)) return false;
+    if (++w->mirrors > SL_ROULETTE_AFTER_MIRRORS && !sl_walker_survives(m->sequence, w)) return false;
     w->mirror_since = true;
     complete_vertex_before(m, w, v, 1.0);
-    leave(w, v, direction, 1.0);
+    sl_walker_leave(w, v->origin, direction, 1.0, v->triangle);
     return true;
 }
 
-static bool bounce(const sl_path_maker *m, walker *w, const sl_path_vertex *v) {
+static bool bounce(const sl_path_maker *m, sl_walker *w, const sl_path_vertex *v) {
     float point[3];
     sl_vec3 direction;
-    draw(m, w, SL_SET_DIRECTION, point);
+    sl_walker_draw(m->sequence, w, SL_SET_DIRECTION, point);
     if (v->bsdf.black || !sl_bsdf_sample(&v->bsdf, point[2], point[0], point[1], &direction)) return false;
     float pdf = sl_bsdf_pdf(&v->bsdf, direction);
     if (!(pdf > 0.0f)) return false;
@@ -133,26 +88,27 @@ static bool bounce(const sl_path_maker *m, walker *w, const sl_path_vertex *v) {
             weight, sl_bsdf_reflect(&v->bsdf, direction, further ? sl_indirect_lobes(m, w->surfaces) : 0));
     }
     if (is_black(w->weight) && is_black(w->direct_weight)) return false;
-    if (w->surfaces > m->roulette_after && !survives(m, w)) return false;
+    /* The heuristics' densities leave the roulette out: any weights that sum to 1 are right. */
+    if (w->surfaces > m->roulette_after && !sl_walker_survives(m->sequence, w)) return false;
     /* Two lobes in one mixture: the other walk would choose between those that reflect light of further
      * surfaces. */
     complete_vertex_before(m, w, v, sl_vertex_pdf(v, direction, v->back, sl_indirect_lobes(m, 2)));
     w->through = !w->from_light && w->surfaces == 1 && !m->transport.bounce_visibility;
     w->mirror_since = false;
     w->mirrors = 0;
-    leave(w, v, direction, (double)pdf);
+    sl_walker_leave(w, v->origin, direction, (double)pdf, v->triangle);
     return true;
 }
 
 /* ---- the end of a ray ------------------------------------------------------------------------ */
 
 /* Returns what the light that a ray of the eye meets is multiplied by; path_walk.c's meet_light(). */
-static sl_rgb emission_weight(const sl_path_maker *m, const walker *w) {
+static sl_rgb emission_weight(const sl_path_maker *m, const sl_walker *w) {
     if (!w->at_surface) return m->transport.emission ? w->weight : sl_grey(0.0f); /* L S* E */
     return w->mirror_since ? w->weight : w->direct_weight;
 }
 
-static void reach_sky(const sl_path_maker *m, walker *w) {
+static void reach_sky(const sl_path_maker *m, sl_walker *w) {
     const sl_environment *sky = &m->scene->environment;
     if (w->from_light || !sky->present || (w->at_surface && !m->transport.sky_light)) return;
     sl_path_vertex *v = &w->path->vertex[w->path->count];
@@ -167,7 +123,7 @@ static void reach_sky(const sl_path_maker *m, walker *w) {
     if (!is_black(v->emitted) && !is_black(v->emission_weight)) w->path->count++;
 }
 
-static void put_vertex(const sl_path_maker *m, const walker *w, uint32_t triangle, const sl_surface *s,
+static void put_vertex(const sl_path_maker *m, const sl_walker *w, uint32_t triangle, const sl_surface *s,
                        sl_path_vertex *v) {
     const sl_scene *scene = m->scene;
     bool mirror = sl_material_is_mirror(s->material);
@@ -189,7 +145,7 @@ static void put_vertex(const sl_path_maker *m, const walker *w, uint32_t triangl
 }
 
 /* Per area. The vertex before lies where the ray started. */
-static double arrival_density(const walker *w, const sl_path_vertex *v) {
+static double arrival_density(const sl_walker *w, const sl_path_vertex *v) {
     double cosine = (double)sl_dot(v->geometric_normal, v->back);
     if (!(cosine > 0.0)) return 0.0;
     if (w->parallel) return w->pdf * cosine;
@@ -199,7 +155,7 @@ static double arrival_density(const walker *w, const sl_path_vertex *v) {
 }
 
 /* Puts the vertex that the ray met; false where the walk ends with it. */
-static bool arrive(const sl_path_maker *m, walker *w, uint32_t triangle, float w1, float w2) {
+static bool arrive(const sl_path_maker *m, sl_walker *w, uint32_t triangle, float w1, float w2) {
     if (triangle == SL_NO_INDEX) {
         reach_sky(m, w);
         return false;
@@ -226,41 +182,16 @@ static bool arrive(const sl_path_maker *m, walker *w, uint32_t triangle, float w
 
 /* ---- packets --------------------------------------------------------------------------------- */
 
-static void put_ray(sl_ray16 *rays, unsigned i, const walker *w) {
-    sl_ray16_set(rays, i, w->origin, w->direction, 0.0f, INFINITY, w->skip);
-}
-
-/* No visibility between x1 and x2: one of all surfaces on the ray. All ways in which such a path may be made
- * have this ray in their walk from the eye, so 1/n is in all their densities, and none need have it. */
-static void trace_through(const sl_path_maker *m, walker *w, unsigned lane, sl_hit16 *hits,
-                          sl_counters *counters) {
-    sl_ray16 ray;
-    sl_hit16 hit;
-    float point[3];
-    draw(m, w, SL_SET_THROUGH - SL_SETS_A_VERTEX, point); /* of the vertex that was left */
-    put_ray(&ray, 0, w);
-    uint32_t met = sl_path_choose_along_ray(
-        m->tracer, &ray, sl_random_key(w->key, (uint64_t)(point[0] * 0x1p24f)), &hit, counters);
-    w->weight = sl_rgb_scale(w->weight, (float)met);
-    w->through = false;
-    hits->w1[lane] = hit.w1[0];
-    hits->w2[lane] = hit.w2[0];
-    hits->triangle[lane] = hit.triangle[0];
-}
-
-static void walk_on(const sl_path_maker *m, walker *walkers, unsigned count, bool coherent,
+static void walk_on(const sl_path_maker *m, sl_walker *walkers, unsigned count, bool coherent,
                     sl_counters *counters) {
-    walker *active[SL_PACKET];
+    sl_walker *active[SL_PACKET];
     for (unsigned i = 0; i < count; i++) active[i] = &walkers[i];
     for (unsigned alive = count; alive > 0; coherent = false) {
-        sl_ray16 rays;
         sl_hit16 hits;
-        for (unsigned i = 0; i < alive; i++) put_ray(&rays, i, active[i]);
-        sl_trace(m->tracer, &rays, alive, coherent, &hits, counters);
+        sl_walkers_trace(m->tracer, m->sequence, active, alive, coherent, &hits, counters);
         unsigned left = 0;
         for (unsigned i = 0; i < alive; i++) {
-            walker *w = active[i];
-            if (w->through) trace_through(m, w, i, &hits, counters);
+            sl_walker *w = active[i];
             if (arrive(m, w, hits.triangle[i], hits.w1[i], hits.w2[i])) active[left++] = w;
         }
         alive = left;
@@ -278,11 +209,12 @@ static bool light_subpaths_join(const sl_path_maker *m) {
 
 void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t *key, const uint32_t *index,
                          sl_subpath *const *paths, sl_counters *counters) {
-    walker walkers[SL_PACKET];
+    sl_walker walkers[SL_PACKET];
     unsigned started = 0;
     for (unsigned i = 0; i < count; i++) {
         /* A stream of its own: the walk from the eye draws from `key` itself. */
-        walker w = {.path = paths[i], .from_light = true, .key = sl_random_key(key[i], 1), .index = index[i]};
+        sl_walker w = {.path = paths[i], .from_light = true, .far = INFINITY,
+                       .key = sl_random_key(key[i], 1), .index = index[i]};
         float where[3], whither[3];
         sl_sequence_point(m->sequence, w.key, SET_WHERE, w.index, where);
         sl_sequence_point(m->sequence, w.key, SET_WHITHER, w.index, whither);
@@ -304,16 +236,17 @@ void sl_walk_from_lights(const sl_path_maker *m, unsigned count, const uint64_t 
 void sl_walk_from_eye(const sl_path_maker *m, unsigned count, sl_vec3 eye, const sl_vec3 *direction,
                       const double *pdf, const uint64_t *key, const uint32_t *index, sl_subpath *const *paths,
                       sl_counters *counters) {
-    walker walkers[SL_PACKET];
+    sl_walker walkers[SL_PACKET];
     for (unsigned i = 0; i < count; i++) {
         paths[i]->count = 1;
         paths[i]->vertex[0] = (sl_path_vertex){
             .kind = SL_VERTEX_EYE, .origin = eye, .triangle = SL_NO_INDEX, .light = SL_NO_INDEX};
-        walkers[i] = (walker){.path = paths[i],
+        walkers[i] = (sl_walker){.path = paths[i],
                               .weight = sl_grey(1.0f),
                               .roulette_scale = 1.0f,
                               .origin = eye,
                               .direction = direction[i],
+                              .far = INFINITY,
                               .skip = SL_NO_INDEX,
                               .pdf = pdf[i],
                               .key = key[i],
@@ -325,7 +258,7 @@ void sl_walk_from_eye(const sl_path_maker *m, unsigned count, sl_vec3 eye, const
 void sl_walk_from_point(const sl_path_maker *m, unsigned count, const sl_path_vertex *point,
                         const uint64_t *key, const uint32_t *index, sl_subpath *const *paths,
                         sl_counters *counters) {
-    walker walkers[SL_PACKET];
+    sl_walker walkers[SL_PACKET];
     unsigned started = 0;
     for (unsigned i = 0; i < count; i++) {
         paths[i]->count = 2;
@@ -338,7 +271,7 @@ void sl_walk_from_point(const sl_path_maker *m, unsigned count, const sl_path_ve
         v->surfaces = 1;
         v->light = SL_NO_INDEX;
         sl_bsdf_turn(&v->bsdf, v->back, sl_eye_lobes(m, 1));
-        walker w = {.path = paths[i],
+        sl_walker w = {.path = paths[i],
                     .weight = v->weight,
                     .roulette_scale = 1.0f,
                     .at_surface = true,
