@@ -1,5 +1,5 @@
-/* What plain C cannot say well about sixteen numbers: which of them are greater than a limit, at most a
- * limit, or negative, as bits. A NaN is neither. (A loop that collects bits costs more than the arithmetic
+/* Comparisons of sixteen numbers at once, as bits, which plain C cannot say well: greater than a limit, at
+ * most a limit, or negative. A NaN is neither. (A loop that collects bits costs more than the arithmetic
  * that it may save.) For *_kernels.c files. */
 #ifndef SL_BASE_BITS16_H
 #define SL_BASE_BITS16_H

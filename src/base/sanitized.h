@@ -1,4 +1,4 @@
-/* Whether the program is watched by a sanitizer of addresses or of threads, which takes several times the
+/* 1 where the program is watched by a sanitizer of addresses or of threads, which takes several times the
  * memory and the time, reserves terabytes of addresses, and tells of crashes itself. */
 #ifndef SL_BASE_SANITIZED_H
 #define SL_BASE_SANITIZED_H

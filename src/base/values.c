@@ -99,6 +99,7 @@ sl_status sl_value_vector(const char *text, double vector[3], sl_error *error) {
 enum { LONGEST_WORD = 64 };
 
 static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c; }
+
 bool sl_ends_with(const char *text, const char *ending) {
     size_t at = strlen(text), left = strlen(ending);
     if (at < left) return false;
@@ -110,8 +111,8 @@ static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
 
 static size_t length_of(const char *word) { return smaller(strlen(word), LONGEST_WORD); }
 
-/* How many insertions, deletions and replacements turn one word into the other (Levenshtein), of the first 64
- * letters. */
+/* Counts the insertions, deletions and replacements that turn one word into the other (Levenshtein), of the
+ * first 64 letters. */
 static size_t edit_distance(const char *a, const char *b) {
     size_t row[LONGEST_WORD + 1], a_length = length_of(a), b_length = length_of(b);
     for (size_t j = 0; j <= b_length; j++) row[j] = j;

@@ -24,6 +24,7 @@ void sl_value_choice_name(const char *choices, int index, char *text, size_t roo
 
 /* Tells whether a text ends so, as file names do: upper and lower case are the same. */
 bool sl_ends_with(const char *text, const char *ending);
+
 /* Returns the candidate nearest to a misspelt word: one that begins with it, or it with that, or by edit
  * distance, upper and lower case being the same; NULL if none is near. */
 const char *sl_nearest_word(const char *word, const char *const *candidates, size_t count);

@@ -6,7 +6,7 @@
  * infinity itself. */
 float sl_srgb_encode(float linear);
 float sl_srgb_decode(float encoded);
-/* What a byte of an 8-bit picture means. */
+/* Linear values of the bytes of an 8-bit picture. */
 extern const float sl_srgb_to_linear[256];
 
 #endif

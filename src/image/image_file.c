@@ -97,7 +97,8 @@ static sl_status read_texels(const sl_bytes *bytes, sl_image **image, sl_error *
     if (status == SL_OK) {
         size_t pixels = (size_t)width * (size_t)height;
         for (size_t i = 0; i < pixels; i++) {
-            for (size_t c = 0; c < 3; c++) (*image)->planes[c * pixels + i] = sl_srgb_to_linear[rgba[4 * i + c]];
+            for (size_t c = 0; c < 3; c++)
+                (*image)->planes[c * pixels + i] = sl_srgb_to_linear[rgba[4 * i + c]];
             if (has_alpha) (*image)->planes[3 * pixels + i] = (float)rgba[4 * i + 3] / 255.0f;
         }
     }

@@ -1,5 +1,5 @@
-/* What stb_image 2.27 trusts in a JPEG and must not: a table of Huffman codes that lists more codes than
- * there are makes it write beyond its own. So the file's segments are walked before it is decoded (ITU T.81,
+/* Checks what stb_image 2.27 trusts in a JPEG: a table of Huffman codes that lists more codes than there are
+ * makes it write beyond its own. So the file's segments are walked before it is decoded (ITU T.81,
  * annex B). */
 #include "image/formats.h"
 

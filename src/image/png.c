@@ -70,7 +70,7 @@ static void read_bytes(png_structp png, png_bytep to, size_t count) {
     work->position += count;
 }
 
-/* Whatever the file holds becomes 8-bit R, G, B, A. */
+/* Asks for 8-bit R, G, B, A, whatever the file holds. */
 static void ask_for_rgba(png_work *work) {
     png_structp png = work->png;
     int type = png_get_color_type(png, work->info);

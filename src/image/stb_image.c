@@ -9,7 +9,7 @@
 
 #pragma GCC diagnostic ignored "-Wunused-function"
 
-/* What stb_image leaves unset (rows beyond the end of a short file) is to be 0, not what the memory held
+/* Rows beyond the end of a short file, which stb_image leaves unset, are to be 0, not what the memory held
  * before. */
 /* stb_image, which hands no pointer of ours to these, calls a picture damaged for which it has no memory */
 static _Thread_local bool starved;

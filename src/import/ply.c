@@ -1,4 +1,4 @@
-/* What the header of a PLY file promises. */
+/* The promises of a PLY file's header. */
 #include <stdio.h>
 #include <string.h>
 

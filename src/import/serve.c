@@ -51,7 +51,7 @@ static void close_what_came_along(void) {
     for (int descriptor = 3; descriptor < MOST_DESCRIPTORS; descriptor++) close(descriptor);
 }
 
-/* What Assimp says that it could not do. */
+/* Fails for the reason that Assimp gives. */
 static sl_status fail(const char *path, const char *said, sl_error *error) {
     if (strstr(said, "bad_alloc") || sl_memory_has_ended()) return sl_fail_memory(error, path);
     if (strncmp(said, "No suitable reader found", 24) == 0)

@@ -242,7 +242,7 @@ sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_err
     return status;
 }
 
-/* Whatever can fail comes before the first change. */
+/* Does all that can fail before the first change. */
 sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error) {
     unsigned changed = 0;
     if (changes) *changes = 0;

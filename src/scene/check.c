@@ -1,6 +1,5 @@
-/* What a scene says of its surfaces and lights must be physical: no negative or infinite reflectance or
- * light, no surface that reflects more than it receives. What has an obvious repair is repaired with a
- * warning, the rest is an input error. */
+/* Surfaces and lights must be physical: no negative or infinite reflectance or light, no surface that
+ * reflects more than it receives. Where a repair is obvious it is made, with a warning; the rest is an input error. */
 #include <math.h>
 
 #include "base/error.h"

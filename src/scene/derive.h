@@ -1,5 +1,5 @@
-/* What follows from the triangles, and is computed again whenever they move: geometric normals, emitters,
- * bounds. */
+/* Geometric normals, emitters and bounds: they follow from the triangles, and are computed again whenever
+ * these move. */
 #ifndef SL_SCENE_DERIVE_H
 #define SL_SCENE_DERIVE_H
 

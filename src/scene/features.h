@@ -1,4 +1,4 @@
-/* What a scene holds: the ground on which plans are made. One look over materials, lights and triangles. */
+/* The contents of a scene, on which plans are made: one look over materials, lights and triangles. */
 #ifndef SL_SCENE_FEATURES_H
 #define SL_SCENE_FEATURES_H
 

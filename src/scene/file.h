@@ -12,7 +12,7 @@
 
 /* Tells whether there is a file (not a folder) that can be read. */
 bool sl_file_exists(const char *path);
-/* What stands behind a path's last slash. */
+/* Returns the part of a path behind its last slash. */
 const char *sl_file_name(const char *path);
 /* `name` as seen from the folder of `beside`: absolute names stay. Release with sl_free(); NULL without
  * memory. */

@@ -9,7 +9,7 @@
 #include "scene/affine.h"
 #include "softlux.h"
 
-/* What a process may take; beyond that it is ended. */
+/* Limits of a process; beyond them it is ended. */
 typedef struct sl_import_limits {
     unsigned seconds, processor_seconds; /* the former by the clock */
     uint64_t address_bytes;

@@ -1,5 +1,5 @@
-/* What the importer's process answers: what came of a file, and the model of what is in it. Written there and
- * read here, as a stranger's file is: the importer may have run astray. */
+/* The answer of the importer's process: what came of a file, and the model of what is in it. Written there
+ * and read here, as a stranger's file is: the importer may have run astray. */
 #ifndef SL_SCENE_IMPORT_REPLY_H
 #define SL_SCENE_IMPORT_REPLY_H
 

@@ -9,7 +9,7 @@
 #include "base/vec.h"
 #include "softlux.h"
 
-/* What a file may hold at most (docs/scene-format.md): more is an error. */
+/* Limits of a file (docs/scene-format.md): more is an error. */
 enum { SL_JSON_BYTES = 64 << 20, SL_JSON_ENTRIES = 65536, SL_JSON_STRING = 4095 };
 
 typedef struct sl_json {

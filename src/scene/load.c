@@ -1,4 +1,4 @@
-/* What kind of file a scene is: a scene file of ours, or a mesh file. */
+/* Loading a scene: from a scene file of ours, or from a mesh file alone. */
 #include <stdio.h>
 
 #include "base/error.h"

@@ -6,7 +6,7 @@
 #include "scene/file.h"
 #include "scene/model.h"
 
-/* What a material says beside what the model's has. */
+/* A material's values beside those that the model's has. */
 typedef struct sl_obj_material {
     unsigned long line; /* of its first use; 0: a library has it */
     bool may_mirror;    /* illum 3 or 5: without a diffuse colour it is a mirror */

@@ -15,7 +15,7 @@ typedef struct sl_corner {
     uint32_t at[SL_CORNER_PARTS]; /* SL_NO_INDEX: it has none */
 } sl_corner;
 
-/* What corners may name, and the polygon at hand. Zeroed: none. */
+/* Values that corners may name, and the polygon at hand. Zeroed: none. */
 typedef struct sl_polygons {
     float (*value[SL_CORNER_PARTS])[3];
     size_t count[SL_CORNER_PARTS], room[SL_CORNER_PARTS];

@@ -20,10 +20,10 @@ static const double EYE_SPAN = 4.0;
 /* Of the diagonal; below that floats as large as the whole scene do not tell the smaller part's vertices
  * apart. */
 static const double LEAST = 0x1p-20;
-/* What lies around the eye counts as a scene of its own where the rest is that many times as far, and nothing
- * at all in between: most vertices may be in the rest. */
+/* The surroundings of the eye count as a scene of their own where the rest is that many times as far, with
+ * nothing in between: most vertices may be in the rest. */
 static const double GAP = 128.0;
-/* How far from the middle the central region reaches at least, in radii. */
+/* Half the least extent of the central region, in radii. */
 static const double CENTRAL = 2.0;
 
 enum { DIGIT = 11, DIGITS = 1 << DIGIT, SAMPLES_MAX = 1 << 17 };
@@ -83,7 +83,7 @@ static double median(const sample *s, measure *value) {
     return 0.5 * ((double)ranked(s, value, (s->count - 1) / 2) + (double)ranked(s, value, s->count / 2));
 }
 
-/* ---- what surrounds the eye ---- */
+/* ---- the surroundings of the eye ---- */
 
 static double squared_distance(const sl_scene *scene, sl_vec3d from, uint32_t vertex) {
     sl_vec3d d = sl_subd(sl_to_double(sl_scene_position(scene, vertex)), from);

@@ -118,7 +118,7 @@ static void read_light_key(sl_scene_file *file, const cJSON *item, sl_key *key) 
     else sl_json_fail(json, direction, "expected 'direction' to be other than 0");
 }
 
-/* What a key does not give stays as it was at the one before, or in the light itself. */
+/* Values that a key does not give stay as they were at the one before, or in the light itself. */
 void sl_scene_file_light_keys(sl_scene_file *file, const cJSON *list, uint32_t light) {
     static const char *const names[] = {"time", "position", "direction"};
     const sl_light *rest = &file->model.scene.lights[light];

@@ -1,5 +1,5 @@
-/* What a surface point is made of. Which side is seen and which way normals point is decided in
- * surface_rules.h alone. */
+/* A surface point: its place, normals and colours. Which side is seen and which way normals point is decided
+ * in surface_rules.h alone. */
 #include "scene/bump.h"
 #include "scene/surface_rules.h"
 #include "scene/texture.h"

@@ -1,6 +1,6 @@
-/* What stands has its centre of mass above its feet. So the axis that points up is one along which the middle
- * of the surface lies within the box of what is lowest; legs and floors make that box a good part of the
- * model's, a tail that hangs down or a wall's edge does not. */
+/* A thing that stands has its centre of mass above its feet. So the axis that points up is one along which
+ * the middle of the surface lies within the box of what is lowest; legs and floors make that box a good part
+ * of the model's, a tail that hangs down or a wall's edge does not. */
 #include "scene/up_axis.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 /* Of the height, how much counts as lowest; of the ground, how much that covers at least; how many times the
  * same for y that is. */
 static const double lowest = 0.02, least_support = 0.1, far_more = 4.0;
-/* What is flatter than that share of its width hangs on a wall as well as it lies on the ground. */
+/* A model flatter than that share of its width hangs on a wall as well as it lies on the ground. */
 static const double flat = 0.05;
 /* Cosine of the angle to the horizontal up to which a triangle is level. */
 static const double level = 0.95;
