@@ -6,6 +6,12 @@
 
 enum { SL_EXIT_COMPARISON_FAILED = 1, SL_EXIT_SIGNAL = 128 };
 
+typedef struct sl_command {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *summary; /* what it does */
+} sl_command;
+
 int sl_command_render(int argc, char **argv);
 int sl_command_compare(int argc, char **argv);
 int sl_command_info(int argc, char **argv);

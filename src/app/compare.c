@@ -2,7 +2,9 @@
 #include "app/clock.h"
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/page.h"
 #include "app/same_file.h"
+#include "base/error.h"
 #include "image/output_file.h"
 #include "image/tone.h"
 #include "softlux.h"
@@ -46,14 +48,12 @@ static shown shown_of(const sl_image *image) {
 static sl_status show(sl_image **radiance, const char *path, const shown *other, const char *other_path,
                       sl_error *error) {
     sl_image *displayed;
-    if (!other->known) {
-        snprintf(
-            error->message, sizeof error->message,
+    if (!other->known)
+        return sl_fail(
+            error, SL_ERROR_INPUT,
             "%.400s does not tell the tone that it was made with, so that it cannot be compared with the "
             "radiance of %.400s; expected two EXR files, or a PNG by softlux",
             other_path, path);
-        return error->status = SL_ERROR_INPUT;
-    }
     sl_status status = sl_tone_display(*radiance, other->curve, other->stops, &displayed, error);
     if (status != SL_OK) return status;
     sl_image_destroy(*radiance);
@@ -191,36 +191,28 @@ typedef struct compare_pictures {
     sl_image *image, *reference, *mask, *difference;
 } compare_pictures;
 
-static int complain(const char *message, sl_status status) {
-    fprintf(stderr, "softlux: %s\n", message);
-    return (int)status;
-}
-
-static int check_picture(const sl_image *image, const char *path) {
+static sl_status check_picture(const sl_image *image, const char *path, sl_error *error) {
     if (sl_image_channel(image, "R") && sl_image_channel(image, "G") && sl_image_channel(image, "B"))
         return SL_OK;
-    fprintf(stderr, "softlux: %s: no R, G, B channels to compare\n", path);
-    return SL_ERROR_INPUT;
+    return sl_fail(error, SL_ERROR_INPUT, "%s: no R, G, B channels to compare", path);
 }
 
-static int check_size(const sl_image *image, const char *path, const sl_image *other,
-                      const char *other_path) {
+static sl_status check_size(const sl_image *image, const char *path, const sl_image *other,
+                            const char *other_path, sl_error *error) {
     if (image->width == other->width && image->height == other->height) return SL_OK;
-    fprintf(stderr, "softlux: pictures of different sizes: %s has %d x %d pixels, %s %d x %d\n", path,
-            image->width, image->height, other_path, other->width, other->height);
-    return SL_ERROR_INPUT;
+    return sl_fail(error, SL_ERROR_INPUT, "pictures of different sizes: %s has %d x %d pixels, %s %d x %d",
+                   path, image->width, image->height, other_path, other->width, other->height);
 }
 
-static int read_pictures(const compare_request *q, compare_pictures *p) {
-    sl_error error;
-    sl_status read = sl_image_read(q->paths[0], &p->image, &error);
-    if (read == SL_OK) read = sl_image_read(q->paths[1], &p->reference, &error);
-    if (read == SL_OK && q->mask) read = sl_image_read(q->mask, &p->mask, &error);
-    if (read != SL_OK) return complain(error.message, read);
-    int status = check_picture(p->image, q->paths[0]);
-    if (status == SL_OK) status = check_picture(p->reference, q->paths[1]);
-    if (status == SL_OK) status = check_size(p->image, q->paths[0], p->reference, q->paths[1]);
-    if (status == SL_OK && p->mask) status = check_size(p->image, q->paths[0], p->mask, q->mask);
+static sl_status read_pictures(const compare_request *q, compare_pictures *p, sl_error *error) {
+    const char *const *path = q->paths;
+    sl_status status = sl_image_read(path[0], &p->image, error);
+    if (status == SL_OK) status = sl_image_read(path[1], &p->reference, error);
+    if (status == SL_OK && q->mask) status = sl_image_read(q->mask, &p->mask, error);
+    if (status == SL_OK) status = check_picture(p->image, path[0], error);
+    if (status == SL_OK) status = check_picture(p->reference, path[1], error);
+    if (status == SL_OK) status = check_size(p->image, path[0], p->reference, path[1], error);
+    if (status == SL_OK && p->mask) status = check_size(p->image, path[0], p->mask, q->mask, error);
     return status;
 }
 
@@ -350,7 +342,7 @@ static int compare(const compare_request *q, compare_pictures *p) {
                                   q->difference ? &p->difference : NULL, &error);
     sl_watch_for_interrupt(); /* a picture that is being written is written to its end */
     if (status == SL_OK && q->difference) status = sl_image_write(p->difference, q->difference, &error);
-    if (status != SL_OK) return complain(error.message, status);
+    if (status != SL_OK) return sl_complain(&error);
     warn_of_tones(&tones[0], q->paths[0], &tones[1], q->paths[1]);
     metric metrics[METRICS];
     list_metrics(&result, rel_rmse_of_surfaces(p), metrics);
@@ -366,10 +358,9 @@ int sl_command_compare(int argc, char **argv) {
     const char *const read[] = {request.paths[0], request.paths[1], request.mask};
     if (!sl_is_file_of_its_own("difference", request.difference, read, 3)) return SL_ERROR_USAGE;
     sl_error error;
-    status = request.difference ? (int)sl_output_check(request.difference, &error) : SL_OK;
-    if (status != SL_OK) return complain(error.message, (sl_status)status);
-    status = read_pictures(&request, &pictures);
-    if (status == SL_OK) status = compare(&request, &pictures);
+    sl_status ready = request.difference ? sl_output_check(request.difference, &error) : SL_OK;
+    if (ready == SL_OK) ready = read_pictures(&request, &pictures, &error);
+    status = ready == SL_OK ? compare(&request, &pictures) : sl_complain(&error);
     sl_image_destroy(pictures.image);
     sl_image_destroy(pictures.reference);
     sl_image_destroy(pictures.mask);

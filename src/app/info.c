@@ -2,12 +2,14 @@
 #include "app/auto_method.h"
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/page.h"
 #include "scene/features.h"
 #include "softlux.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void print_scene(const sl_scene *s) {
     sl_features f = sl_scene_features(s);
@@ -49,7 +51,8 @@ static sl_status print_choice(const sl_scene *scene, sl_settings *settings, sl_e
     sl_status status = sl_auto_method(scene, settings, &budget, &choice, error);
     if (status != SL_OK) return status;
     printf("auto         %s\n", choice.why);
-    return sl_auto_settle(scene, &budget, true, settings, error);
+    if (strcmp(settings->method, "auto") == 0) settings->method = choice.method;
+    return SL_OK;
 }
 
 int sl_command_info(int argc, char **argv) {
@@ -74,6 +77,5 @@ int sl_command_info(int argc, char **argv) {
         if (status == SL_OK) status = print_plan(scene, &settings, &error);
         sl_scene_destroy(scene);
     }
-    if (status != SL_OK) fprintf(stderr, "softlux: %s\n", error.message);
-    return (int)status;
+    return status == SL_OK ? 0 : sl_complain(&error);
 }

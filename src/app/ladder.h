@@ -4,9 +4,7 @@
 
 #include "cache/frame/settings.h"
 
-enum { SL_LADDER_MAX = 8 };
-
-/* Returns how many steps, SL_LADDER_MAX at most; 0: the method refines one picture for as long as it is let
+/* Returns how many steps; 0: the method refines one picture for as long as it is let
  * (path, bidirectional). */
 unsigned sl_ladder_steps(const char *method);
 /* Returns where a quality stands on it. */

@@ -6,7 +6,9 @@
 #include "app/live/report.h"
 #include "app/memory_limit.h"
 #include "app/options.h"
+#include "app/page.h"
 #include "app/same_file.h"
+#include "base/error.h"
 #include "cache/frame/method.h"
 #include "scene/features.h"
 
@@ -53,8 +55,7 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
         "example: softlux live scenes/moving-light.json --seconds 10 -o - | ffplay -",
         options, 1, 1, &o->reading, &o->settings, NULL};
     int operands;
-    if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
-    return true;
+    return sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status);
 }
 
 /* ---- the display loop ------------------------------------------------------------------------ */
@@ -148,9 +149,7 @@ static sl_status play(show *s, sl_scene *scene, sl_pass_times *stages, sl_error 
 static sl_status choose_method(show_options *o, const sl_scene *scene, sl_error *error) {
     const sl_auto_budget budget = {.quality = o->settings.quality,
                                    .things_move = sl_scene_features(scene).animated};
-    return strcmp(o->settings.method, "auto") == 0
-               ? sl_auto_settle(scene, &budget, o->quiet, &o->settings, error)
-               : SL_OK;
+    return sl_auto_settle(scene, &budget, o->quiet, &o->settings, error);
 }
 
 static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *error) {
@@ -182,22 +181,17 @@ int sl_command_live(int argc, char **argv) {
     sl_error error;
     sl_scene *scene = NULL;
     sl_status status = sl_film_check(o.output, o.frames_per_second, &error);
-    if (status == SL_OK && o.json && o.output && strcmp(o.output, "-") == 0) {
-        snprintf(error.message, sizeof error.message,
-                 "--json and --output -: both would go to standard output");
-        status = SL_ERROR_USAGE;
-    }
+    if (status == SL_OK && o.json && o.output && strcmp(o.output, "-") == 0)
+        status = sl_fail(&error, SL_ERROR_USAGE, "--json and --output -: both would go to standard output");
     if (status == SL_OK)
         status = sl_load_within_memory(o.scene_path, &o.reading.load, &o.settings, &scene, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "output", o.output, &error);
-    for (size_t i = 0; status == SL_OK && !o.quiet && i < sl_scene_warning_count(scene); i++)
-        fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
     if (status == SL_OK) {
+        sl_tell_warnings(scene, o.quiet);
         sl_watch_for_interrupt();
         status = choose_method(&o, scene, &error);
         if (status == SL_OK) status = show_scene(&o, scene, &error);
     }
     sl_scene_destroy(scene);
-    if (status != SL_OK) fprintf(stderr, "softlux: %s\n", error.message);
-    return (int)status;
+    return status == SL_OK ? 0 : sl_complain(&error);
 }

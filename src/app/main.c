@@ -12,11 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const struct {
-    const char *name;
-    int (*run)(int argc, char **argv);
-    const char *summary;
-} commands[] = {
+static const sl_command commands[] = {
     {"render", sl_command_render, "compute a picture of a scene"},
     {"compare", sl_command_compare, "error metrics between two pictures; exit status for golden-image tests"},
     {"info", sl_command_info, "what is in a scene, and what a method would do with it"},
@@ -39,12 +35,6 @@ static void print_help(FILE *out) {
                  "where signal N (Ctrl-C: 2)\n"
                  "cut the work short: what was done by then is written.\n\n"
                  "example: softlux render scenes/cornell.json -o cornell.png\n");
-}
-
-static void print_manual(void) {
-    const char *names[COMMANDS], *summaries[COMMANDS];
-    for (size_t i = 0; i < COMMANDS; i++) names[i] = commands[i].name, summaries[i] = commands[i].summary;
-    sl_print_program_manual(names, summaries, COMMANDS);
 }
 
 /* A stream that was closed leaves its number to the first file that is opened, and what is printed would go
@@ -79,7 +69,7 @@ static int run(int argc, char **argv) {
         return 0;
     }
     if (strcmp(argv[1], "--man") == 0) {
-        print_manual();
+        sl_print_program_manual(commands, COMMANDS);
         return 0;
     }
     if (strcmp(argv[1], "--version") == 0) {

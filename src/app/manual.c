@@ -150,17 +150,18 @@ static void print_settings(void) {
     }
 }
 
-void sl_print_program_manual(const char *const *names, const char *const *summaries, size_t count) {
+void sl_print_program_manual(const sl_command *commands, size_t count) {
     print_heading("softlux",
                   "global illumination of triangle scenes on a CPU, deterministic and without a GPU");
     printf(".SH SYNOPSIS\nsoftlux \\fICOMMAND\\fR ...\n.SH COMMANDS\n");
     for (size_t i = 0; i < count; i++) {
-        printf(".TP\n.BR softlux\\-%s (1)\n", names[i]);
-        print_text(summaries[i]);
+        printf(".TP\n.BR softlux\\-%s (1)\n", commands[i].name);
+        print_text(commands[i].summary);
         putchar('\n');
     }
     print_settings();
     print_exit_statuses();
     printf(".SH EXAMPLES\nsoftlux render scenes/cornell.json \\-o cornell.png\n.SH SEE ALSO\n");
-    for (size_t i = 0; i < count; i++) printf(".BR softlux\\-%s (1)%s\n", names[i], i + 1 < count ? "," : "");
+    for (size_t i = 0; i < count; i++)
+        printf(".BR softlux\\-%s (1)%s\n", commands[i].name, i + 1 < count ? "," : "");
 }

@@ -3,6 +3,7 @@
 #ifndef SL_APP_MANUAL_H
 #define SL_APP_MANUAL_H
 
+#include "app/commands.h"
 #include "app/options.h"
 #include "cache/frame/settings.h"
 
@@ -10,8 +11,8 @@
 
 /* The page of one command, on stdout. */
 void sl_print_command_manual(const sl_command_line *line);
-/* The page of the program: `count` commands, their names and what each does. */
-void sl_print_program_manual(const char *const *names, const char *const *summaries, size_t count);
+/* The page of the program and its commands. */
+void sl_print_program_manual(const sl_command *commands, size_t count);
 
 /* ---- options of methods ---- */
 

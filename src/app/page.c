@@ -8,6 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- lines for people ---- */
+
+int sl_complain(const sl_error *error) {
+    fprintf(stderr, "softlux: %s\n", error->message);
+    return (int)error->status;
+}
+
+void sl_tell_warnings(const sl_scene *scene, bool quiet) {
+    for (size_t i = 0; !quiet && i < sl_scene_warning_count(scene); i++)
+        fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
+}
+
 /* ---- text ---- */
 
 void sl_put_escaped(FILE *out, const char *text) {

@@ -1,12 +1,18 @@
-/* Output for people and for programs: JSON, and pages that hold everything they show and fetch
- * nothing: a style, data as JSON, and a script that makes the page of it. */
+/* Output for people and for programs: lines on stderr, JSON, and pages that hold everything they show and
+ * fetch nothing: a style, data as JSON, and a script that makes the page of it. */
 #ifndef SL_APP_PAGE_H
 #define SL_APP_PAGE_H
 
 #include "softlux.h"
 
 #include <cjson/cJSON.h>
+#include <stdbool.h>
 #include <stdio.h>
+
+/* Prints an error's line; returns its status, with which the command ends. */
+int sl_complain(const sl_error *error);
+/* Prints what loading a scene had to repair, a line each. */
+void sl_tell_warnings(const sl_scene *scene, bool quiet);
 
 /* Files that the linker has put in, from their beginning to their end. */
 typedef struct sl_page_files {

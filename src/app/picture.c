@@ -187,9 +187,12 @@ static void tell_bounces(const sl_render_options *o) {
 static void tell_left_out(const sl_render_options *o, const sl_scene *scene) {
     double share = 0.0;
     const bool tracer = !strcmp(o->settings.method, "path") || !strcmp(o->settings.method, "bidirectional");
-    if (tracer || sl_measure_left_out(scene, &o->settings, &share, NULL) != SL_OK || fabs(share) < 0.01) return;
-    fprintf(stderr, "softlux: %s counts about %.0f %% %s light than there is; softlux info tells what it leaves out\n",
-            o->settings.method, 100.0 * fabs(share), share > 0.0 ? "less" : "more");
+    if (tracer || sl_measure_left_out(scene, &o->settings, &share, NULL) != SL_OK || fabs(share) < 0.01)
+        return;
+    fprintf(
+        stderr,
+        "softlux: %s counts about %.0f %% %s light than there is; softlux info tells what it leaves out\n",
+        o->settings.method, 100.0 * fabs(share), share > 0.0 ? "less" : "more");
 }
 
 void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl_progress *progress,

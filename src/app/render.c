@@ -4,6 +4,7 @@
 #include "app/commands.h"
 #include "app/memory_limit.h"
 #include "app/options.h"
+#include "app/page.h"
 #include "app/picture.h"
 #include "app/same_file.h"
 #include "app/target.h"
@@ -63,18 +64,7 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
     int operands;
     *at_given = false;
     *error_text = NULL;
-    if (!sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status)) return false;
-    return true;
-}
-
-static int report(const sl_error *error) {
-    fprintf(stderr, "softlux: %s\n", error->message);
-    return (int)error->status;
-}
-
-static void print_warnings(const sl_scene *scene) {
-    for (size_t i = 0; i < sl_scene_warning_count(scene); i++)
-        fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
+    return sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status);
 }
 
 /* --error, and what does not go with it. */
@@ -165,7 +155,7 @@ int sl_command_render(int argc, char **argv) {
     if (!loses_nothing(&o)) return SL_ERROR_USAGE;
     sl_error error;
     sl_scene *scene = NULL;
-    if (!sl_output_is_known(&o, &error)) return report(&error); /* before the work, not after */
+    if (!sl_output_is_known(&o, &error)) return sl_complain(&error); /* before the work, not after */
     sl_status status = sl_output_is_open(&o, &error);
     if (status == SL_OK)
         status = sl_load_within_memory(o.scene_path, &o.reading.load, &o.settings, &scene, &error);
@@ -174,11 +164,11 @@ int sl_command_render(int argc, char **argv) {
     if (status == SL_OK && (at_given || o.frames))
         status = sl_scene_set_time(scene, o.at_seconds, NULL, &error);
     if (status == SL_OK) {
-        if (!o.quiet) print_warnings(scene);
+        sl_tell_warnings(scene, o.quiet);
         status = render(&o, scene, &end, &error);
     }
     sl_scene_destroy(scene);
-    if (status != SL_OK) return report(&error);
+    if (status != SL_OK) return sl_complain(&error);
     return end == SL_RENDER_STOPPED  ? sl_interrupted_status()
            : end == SL_RENDER_MISSED ? SL_EXIT_COMPARISON_FAILED
                                      : 0;

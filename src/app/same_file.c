@@ -38,7 +38,8 @@ void sl_frame_name(const char *pattern, unsigned long long frame, char *name, si
     snprintf(name, size, "%.*s%0*llu%s", (int)(begin - pattern), pattern, width, frame, end);
 }
 
-bool sl_frame_name_fits(const char *pattern, const char *name) {
+/* Tells whether a name is that of some frame. */
+static bool is_name_of_frame(const char *pattern, const char *name) {
     const char *begin, *end;
     int width;
     unsigned long long frame;
@@ -75,7 +76,7 @@ static bool is_one_of(const char *pattern, const char *other) {
     char name[4096];
     int length = snprintf(name, sizeof name, "%.*s%s", slash ? (int)(slash - pattern) + 1 : 0, pattern,
                           other_slash ? other_slash + 1 : other);
-    return length < (int)sizeof name && sl_frame_name_fits(pattern, name) && are_same(name, other);
+    return length < (int)sizeof name && is_name_of_frame(pattern, name) && are_same(name, other);
 }
 
 sl_status sl_spare_scene(const sl_scene *scene, const char *option, const char *file, sl_error *error) {

@@ -22,7 +22,5 @@ bool sl_name_ends_with(const char *name, const char *end);
 /* Tells whether there is one %d, %4d or %04d, and no other %. */
 bool sl_frame_pattern_is_good(const char *pattern);
 void sl_frame_name(const char *pattern, unsigned long long frame, char *name, size_t size);
-/* Tells whether a name is that of some frame. */
-bool sl_frame_name_fits(const char *pattern, const char *name);
 
 #endif

@@ -96,8 +96,8 @@ static void add_box(sl_room *r, const double low[3], const double high[3]) {
     }
 }
 
-/* Makes a room of 4 x 3 x 5 with a box on its floor and a lamp of .8 x .8 under its ceiling, seen from its open
- * front. */
+/* Makes a room of 4 x 3 x 5 with a box on its floor and a lamp of .8 x .8 under its ceiling, seen from its
+ * open front. */
 static void begin_room(sl_room *r, const sl_room_cut *cut) {
     /* floor */
     static const double walls[5][4][3] = {{{-2, 0, 2.5}, {2, 0, 2.5}, {2, 0, -2.5}, {-2, 0, -2.5}},

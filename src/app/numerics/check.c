@@ -2,6 +2,7 @@
 #include "app/commands.h"
 #include "app/numerics/cases.h"
 #include "app/options.h"
+#include "app/page.h"
 #include "app/picture.h"
 #include "base/error.h"
 
@@ -278,10 +279,7 @@ int sl_command_check_numerics(int argc, char **argv) {
     sl_error error;
     size_t failures = 0;
     sl_status status = check_all(&c, &failures, &error);
-    if (status != SL_OK) {
-        fprintf(stderr, "softlux: %s\n", error.message);
-        return (int)status;
-    }
+    if (status != SL_OK) return sl_complain(&error);
     printf("%zu failed\n", failures);
     return failures ? SL_EXIT_COMPARISON_FAILED : 0;
 }

@@ -43,8 +43,7 @@ static bool parse(int argc, char **argv, steps_command *s, int *status) {
         "example: softlux steps scenes/cornell.json -m splatting -o cornell-steps",
         options, 1, 1, &s->reading, &s->settings, NULL};
     int operands;
-    if (!sl_options_parse(&line, argc, argv, &s->scene, &operands, status)) return false;
-    return true;
+    return sl_options_parse(&line, argc, argv, &s->scene, &operands, status);
 }
 
 /* 160 pixels wide, in the shape of the scene's film, where nobody asks for another: every pixel has an
@@ -112,12 +111,9 @@ int sl_command_steps(int argc, char **argv) {
     sl_status status = sl_load_within_memory(s.scene, &s.reading.load, &s.settings, &scene, &error);
     if (status == SL_OK) status = sl_spare_scene_in(scene, "output", s.folder, "index.html", &error);
     if (status == SL_OK && s.at_seconds != 0.0) status = sl_scene_set_time(scene, s.at_seconds, NULL, &error);
-    for (size_t i = 0; status == SL_OK && !s.quiet && i < sl_scene_warning_count(scene); i++)
-        fprintf(stderr, "softlux: warning: %s\n", sl_scene_warning(scene, i));
+    if (status == SL_OK) sl_tell_warnings(scene, s.quiet);
     if (status == SL_OK) status = make_folder(s.folder, &error);
     if (status == SL_OK) status = make_page(&s, scene, &error);
     sl_scene_destroy(scene);
-    if (status == SL_OK) return 0;
-    fprintf(stderr, "softlux: %s\n", error.message);
-    return (int)status;
+    return status == SL_OK ? 0 : sl_complain(&error);
 }
