@@ -71,8 +71,10 @@ void bench_depth_cube(measurer *m, bench_scene *scene) {
     large_pass p = {.scene = scene, .views = 6, .depth = bench_allocate(6 * pixels, sizeof(float))};
     const sl_scene *s = scene->scene;
     sl_vec3 middle = sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min));
-    for (int face = 0; face < 6; face++)
-        p.view[face] = sl_view_cube_face(middle, face, SIZE, 1e-3f * s->diagonal);
+    for (int face = 0; face < 6; face++) {
+        sl_frame frame = sl_cube_face_frame(face);
+        p.view[face] = sl_view_pyramid(&frame, middle, -1, 1, -1, 1, SIZE, SIZE, 1e-3f * s->diagonal);
+    }
     w.context = &p;
     w.peer = peer_ids(&scene->mesh, p.view, 6, false);
     measure_row(m, &w);

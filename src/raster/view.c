@@ -1,4 +1,4 @@
-/* Views: the matrices of cameras, of pyramids above surface points, and of cube faces. */
+/* Views: the matrices of cameras, of pyramids above surface points, and of the faces of hemicubes. */
 #include <math.h>
 #include <string.h>
 
@@ -58,13 +58,6 @@ sl_frame sl_cube_face_frame(int face) {
     };
     const float *a = axes[face];
     return (sl_frame){sl_v3(a[0], a[1], a[2]), sl_v3(a[3], a[4], a[5]), sl_v3(a[6], a[7], a[8])};
-}
-
-sl_view sl_view_cube_face(sl_vec3 eye, int face, int size, float near) {
-    sl_frame frame = sl_cube_face_frame(face);
-    sl_view view = sl_view_pyramid(&frame, eye, -1.0f, 1.0f, -1.0f, 1.0f, size, size, near);
-    view.kind = SL_VIEW_CUBE_FACE;
-    return view;
 }
 
 /* A face's axes in the hemicube's frame (x, y of the picture, and the way it looks), and the part of [-1,1]^2

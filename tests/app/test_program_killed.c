@@ -28,6 +28,7 @@
 #include <unistd.h>
 
 #include "app/commands.h"
+#include "base/values.h"
 #include "command.h"
 #include "scene_files.h"
 #include "softlux.h"
@@ -301,11 +302,6 @@ static bytes read_all(const char *folder, const char *name) {
 
 static const char old_text[] = "what was there before";
 
-static bool ends_with(const char *text, const char *ending) {
-    size_t n = strlen(text), m = strlen(ending);
-    return n >= m && strcmp(text + n - m, ending) == 0;
-}
-
 static bool is_picture(const char *folder, const char *name) {
     char path[512];
     sl_image *image = NULL;
@@ -334,7 +330,7 @@ static size_t whole_lines(const bytes *b, bool of_objects) {
 
 /* Of what depends on the clock at least its length in lines, and how it ends. */
 static bool is_whole_text(const char *name, const bytes *b, const bytes *model) {
-    if (ends_with(name, ".html") && (b->size < 10 || strcmp(b->at + b->size - 8, "</html>\n") != 0))
+    if (sl_ends_with(name, ".html") && (b->size < 10 || strcmp(b->at + b->size - 8, "</html>\n") != 0))
         return false;
     return b->size > 0 && b->at[b->size - 1] == '\n' && whole_lines(b, false) == whole_lines(model, false);
 }
@@ -343,10 +339,10 @@ static bool is_whole(const work *w, const char *folder, const char *model, const
     bytes b = read_all(folder, name), whole = read_all(model, name);
     bool same = b.at && whole.at && b.size == whole.size && memcmp(b.at, whole.at, b.size) == 0;
     if (!same && b.at && whole.at) {
-        bool picture = ends_with(name, ".exr") || ends_with(name, ".png") || ends_with(name, ".pfm");
+        bool picture = sl_ends_with(name, ".exr") || sl_ends_with(name, ".png") || sl_ends_with(name, ".pfm");
         if (picture) same = w->by_the_clock && is_picture(folder, name);
-        else if (ends_with(name, ".y4m")) same = is_whole_stream(&b);
-        else if (ends_with(name, ".jsonl")) same = whole_lines(&b, true) == whole_lines(&whole, true);
+        else if (sl_ends_with(name, ".y4m")) same = is_whole_stream(&b);
+        else if (sl_ends_with(name, ".jsonl")) same = whole_lines(&b, true) == whole_lines(&whole, true);
         else same = w->by_the_clock && is_whole_text(name, &b, &whole);
     }
     free(b.at);
@@ -407,12 +403,12 @@ static void look_after_the_end(const trial *t, const char *folder) {
     listing found = files_of(folder);
     for (size_t i = 0; i < found.count; i++) {
         const char *name = found.name[i];
-        if (ends_with(name, ".part")) {
+        if (sl_ends_with(name, ".part")) {
             bool is_second_name = strcmp(board->call, "close") == 0 || strcmp(board->call, "rename") == 0;
             if (t->how == REFUSED || !(t->without_unnamed || is_second_name)) explain(t, " is left", name);
         } else if (!is_listed(&t->whole, name)) {
             explain(t, " is no file of this command", name);
-        } else if (ends_with(name, ".jsonl")) {
+        } else if (sl_ends_with(name, ".jsonl")) {
             if (!is_sound_journal(folder, name)) explain(t, " is torn in the middle", name);
         } else if (!is_whole(t->w, folder, t->model, name) && !(t->over_old && is_old(folder, name))) {
             explain(t, " is neither whole nor as it was", name);
@@ -431,7 +427,7 @@ static void look_after_the_next_run(const trial *t, const char *folder) {
             explain(t, " is not what it should be after the next run", t->whole.name[i]);
     }
     for (size_t i = 0; i < found.count; i++) {
-        if (!ends_with(found.name[i], ".part") && !is_listed(&t->whole, found.name[i]))
+        if (!sl_ends_with(found.name[i], ".part") && !is_listed(&t->whole, found.name[i]))
             explain(t, " is no file of this command, after the next run", found.name[i]);
     }
 }

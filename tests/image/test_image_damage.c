@@ -19,6 +19,7 @@
 #include "image/decode.h"
 #include "image/formats.h"
 #include "image_support.h"
+#include "scene_files.h"
 
 typedef struct sample_file {
     const char *name;
@@ -28,14 +29,14 @@ typedef struct sample_file {
 
 enum { WIDTH = 12, HEIGHT = 20 };
 
-static sample_file write_our_own(void **state, const char *name) {
+static sample_file write_our_own(const char *name) {
     static const char *const names[] = {"R", "G", "B", "layer.R"};
     sl_image *image;
     assert_int_equal(sl_image_create(WIDTH, HEIGHT, 4, names, &image, NULL), SL_OK);
     for (int i = 0; i < 4 * WIDTH * HEIGHT; i++)
         image->planes[i] = test_value(i / (WIDTH * HEIGHT), i % WIDTH, i / WIDTH % HEIGHT);
     assert_int_equal(sl_image_set_metadata(image, "softlux.method", "path", NULL), SL_OK);
-    const char *path = temporary_path(state, name);
+    const char *path = scene_file_path(name);
     sample_file sample = {.name = name};
     assert_int_equal(sl_image_write(image, path, NULL), SL_OK);
     sample.bytes = read_file(path, &sample.size);
@@ -43,7 +44,7 @@ static sample_file write_our_own(void **state, const char *name) {
     return sample;
 }
 
-static sample_file write_exr_of(void **state, const char *name, exr_compression_t compression, int tile) {
+static sample_file write_exr_of(const char *name, exr_compression_t compression, int tile) {
     static float real[WIDTH * HEIGHT];
     static uint16_t half[WIDTH * HEIGHT];
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -60,16 +61,16 @@ static sample_file write_exr_of(void **state, const char *name, exr_compression_
                           .channels = channels,
                           .channel_count = 3};
     sample_file sample = {.name = name};
-    write_exr(temporary_path(state, name), &file);
-    sample.bytes = read_file(temporary_path(state, name), &sample.size);
+    write_exr(scene_file_path(name), &file);
+    sample.bytes = read_file(scene_file_path(name), &sample.size);
     return sample;
 }
 
-static sample_file write_8_bit(void **state, const char *name) {
+static sample_file write_8_bit(const char *name) {
     uint8_t rgb[WIDTH * HEIGHT * 3];
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++)
         rgb[i] = (uint8_t)(255.0f * test_value(i % 3, i / 3 % WIDTH, i / 3 / WIDTH));
-    const char *path = temporary_path(state, name);
+    const char *path = scene_file_path(name);
     assert_true(strstr(name, "tga") ? stbi_write_tga(path, WIDTH, HEIGHT, 3, rgb)
                                     : stbi_write_bmp(path, WIDTH, HEIGHT, 3, rgb));
     sample_file sample = {.name = name};
@@ -77,35 +78,35 @@ static sample_file write_8_bit(void **state, const char *name) {
     return sample;
 }
 
-static sample_file write_hdr(void **state) {
+static sample_file write_hdr(void) {
     float rgb[WIDTH * HEIGHT * 3];
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++) rgb[i] = test_value(i % 3, i / 3 % WIDTH, i / 3 / WIDTH);
     sample_file sample = {.name = "sample.hdr"};
-    assert_true(stbi_write_hdr(temporary_path(state, sample.name), WIDTH, HEIGHT, 3, rgb));
-    sample.bytes = read_file(temporary_path(state, sample.name), &sample.size);
+    assert_true(stbi_write_hdr(scene_file_path(sample.name), WIDTH, HEIGHT, 3, rgb));
+    sample.bytes = read_file(scene_file_path(sample.name), &sample.size);
     return sample;
 }
 
 enum { SAMPLES = 13, COMPLETE = 11 }; /* the last are read as textures only */
 
-static void make_samples(void **state, sample_file samples[SAMPLES]) {
+static void make_samples(sample_file samples[SAMPLES]) {
     int count = 0;
-    samples[count++] = write_our_own(state, "sample.exr");
-    samples[count++] = write_our_own(state, "sample.pfm");
-    samples[count++] = write_our_own(state, "sample.png");
-    samples[count++] = write_hdr(state);
+    samples[count++] = write_our_own("sample.exr");
+    samples[count++] = write_our_own("sample.pfm");
+    samples[count++] = write_our_own("sample.png");
+    samples[count++] = write_hdr();
     samples[count] = (sample_file){.name = "tests/data/waves.jpg"};
     samples[count].bytes = read_file(samples[count].name, &samples[count].size);
     count++;
-    samples[count++] = write_exr_of(state, "none.exr", EXR_COMPRESSION_NONE, 0);
-    samples[count++] = write_exr_of(state, "rle.exr", EXR_COMPRESSION_RLE, 8);
-    samples[count++] = write_exr_of(state, "zips.exr", EXR_COMPRESSION_ZIPS, 0);
-    samples[count++] = write_exr_of(state, "piz.exr", EXR_COMPRESSION_PIZ, 0);
-    samples[count++] = write_exr_of(state, "pxr24.exr", EXR_COMPRESSION_PXR24, 0);
-    samples[count++] = write_exr_of(state, "b44.exr", EXR_COMPRESSION_B44, 0);
+    samples[count++] = write_exr_of("none.exr", EXR_COMPRESSION_NONE, 0);
+    samples[count++] = write_exr_of("rle.exr", EXR_COMPRESSION_RLE, 8);
+    samples[count++] = write_exr_of("zips.exr", EXR_COMPRESSION_ZIPS, 0);
+    samples[count++] = write_exr_of("piz.exr", EXR_COMPRESSION_PIZ, 0);
+    samples[count++] = write_exr_of("pxr24.exr", EXR_COMPRESSION_PXR24, 0);
+    samples[count++] = write_exr_of("b44.exr", EXR_COMPRESSION_B44, 0);
     assert_int_equal(count, COMPLETE);
-    samples[count++] = write_8_bit(state, "sample.bmp");
-    samples[count++] = write_8_bit(state, "sample.tga");
+    samples[count++] = write_8_bit("sample.bmp");
+    samples[count++] = write_8_bit("sample.tga");
     assert_int_equal(count, SAMPLES);
 }
 
@@ -142,8 +143,9 @@ static bool survives(const uint8_t *bytes, size_t size) {
 }
 
 static void files_cut_short_at_any_length_are_refused(void **state) {
+    (void)state;
     sample_file samples[SAMPLES];
-    make_samples(state, samples);
+    make_samples(samples);
     for (int i = 0; i < SAMPLES; i++) {
         assert_true(survives(samples[i].bytes, samples[i].size) == (i < COMPLETE));
         for (size_t size = 0; size < samples[i].size; size++) {
@@ -155,8 +157,9 @@ static void files_cut_short_at_any_length_are_refused(void **state) {
 }
 
 static void textures_cut_short_are_refused(void **state) {
+    (void)state;
     sample_file samples[SAMPLES];
-    make_samples(state, samples);
+    make_samples(samples);
     for (int i = COMPLETE; i < SAMPLES; i++) {
         int width, height;
         bool has_alpha;
@@ -175,9 +178,10 @@ static void textures_cut_short_are_refused(void **state) {
 }
 
 static void changed_bytes_never_crash_a_reader(void **state) {
+    (void)state;
     enum { ROUNDS = 300 };
     sample_file samples[SAMPLES];
-    make_samples(state, samples);
+    make_samples(samples);
     for (int i = 0; i < SAMPLES; i++) {
         uint8_t *changed = malloc(samples[i].size);
         for (uint64_t round = 0; round < ROUNDS; round++) {
@@ -195,11 +199,10 @@ static void changed_bytes_never_crash_a_reader(void **state) {
     free_samples(samples);
 }
 
-static void check_refused(void **state, const char *name, const void *bytes, size_t size, const char *words) {
+static void check_refused(const char *name, const void *bytes, size_t size, const char *words) {
     sl_error error = {0};
     sl_image *image;
-    const char *path = temporary_path(state, name);
-    write_file(path, bytes, size);
+    const char *path = scene_file_write(name, bytes, size);
     assert_int_equal(sl_image_read(path, &image, &error), SL_ERROR_INPUT);
     assert_null(image);
     assert_non_null(strstr(error.message, name));
@@ -207,7 +210,8 @@ static void check_refused(void **state, const char *name, const void *bytes, siz
 }
 
 static void absurd_sizes_are_refused_before_memory_is_asked_for(void **state) {
-#define REFUSED(name, text, words) check_refused(state, name, text, sizeof text - 1, words)
+    (void)state;
+#define REFUSED(name, text, words) check_refused(name, text, sizeof text - 1, words)
     REFUSED("huge.pfm", "PF\n46341 46341\n-1.0\nabc", "too many for its");
     REFUSED("wide.pfm", "PF\n2147483648 1\n-1.0\nabc", "no size for a picture");
     REFUSED("overflow.pfm", "PF\n99999999999999999999 1\n-1.0\n", "PFM header");
@@ -224,6 +228,7 @@ static void absurd_sizes_are_refused_before_memory_is_asked_for(void **state) {
 }
 
 static void a_huge_exr_window_is_refused(void **state) {
+    (void)state;
     static const float value[16] = {0};
     const exr_test_channel channels[] = {{"R", EXR_PIXEL_FLOAT, value, 1}};
     const exr_attr_box2i_t displays[] = {
@@ -234,14 +239,15 @@ static void a_huge_exr_window_is_refused(void **state) {
             .width = 4, .height = 4, .display = &displays[i], .channels = channels, .channel_count = 1};
         sl_error error = {0};
         sl_image *image;
-        write_exr(temporary_path(state, "window.exr"), &file);
-        assert_int_equal(sl_image_read(temporary_path(state, "window.exr"), &image, &error), SL_ERROR_INPUT);
+        write_exr(scene_file_path("window.exr"), &file);
+        assert_int_equal(sl_image_read(scene_file_path("window.exr"), &image, &error), SL_ERROR_INPUT);
         assert_non_null(strstr(error.message, "window.exr"));
     }
 }
 
 /* A small file of many channels may not claim a large picture in each. */
 static void the_channels_of_an_exr_count_in_its_claim(void **state) {
+    (void)state;
     enum { CHANNELS = 1000 };
     static const float value[1] = {0};
     static char names[CHANNELS][16];
@@ -255,8 +261,8 @@ static void the_channels_of_an_exr_count_in_its_claim(void **state) {
         .width = 1, .height = 1, .display = &display, .channels = channels, .channel_count = CHANNELS};
     sl_error error = {0};
     sl_image *image;
-    write_exr(temporary_path(state, "many.exr"), &file);
-    assert_int_equal(sl_image_read(temporary_path(state, "many.exr"), &image, &error), SL_ERROR_INPUT);
+    write_exr(scene_file_path("many.exr"), &file);
+    assert_int_equal(sl_image_read(scene_file_path("many.exr"), &image, &error), SL_ERROR_INPUT);
     assert_non_null(strstr(error.message, "1000 channels"));
 }
 
@@ -280,11 +286,12 @@ static void a_jpeg_behind_fill_bytes_is_checked_too(void **state) {
 }
 
 static void what_cannot_be_opened_is_named(void **state) {
+    (void)state;
     sl_error error = {0};
     sl_image *image;
     assert_int_equal(sl_image_read("/nowhere/x.exr", &image, &error), SL_ERROR_INPUT);
     assert_string_equal(error.message, "/nowhere/x.exr: cannot be opened: No such file or directory");
-    assert_int_equal(sl_image_read(*state, &image, &error), SL_ERROR_INPUT);
+    assert_int_equal(sl_image_read(scene_file_path(""), &image, &error), SL_ERROR_INPUT);
     assert_non_null(strstr(error.message, "expected a file"));
     assert_int_equal(sl_image_read("/dev/zero", &image, NULL), SL_ERROR_INPUT);
 }
@@ -300,5 +307,5 @@ int main(void) {
         cmocka_unit_test(a_jpeg_behind_fill_bytes_is_checked_too),
         cmocka_unit_test(what_cannot_be_opened_is_named),
     };
-    return cmocka_run_group_tests(tests, make_temporary_folder, remove_temporary_folder);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -13,6 +13,7 @@
 
 #include "base/random.h"
 #include "image_support.h"
+#include "scene_files.h"
 
 /* ---- our own files --------------------------------------------------------------------------- */
 
@@ -41,11 +42,12 @@ static void assert_same_image(const sl_image *a, const sl_image *b) {
 }
 
 static void a_layered_image_comes_back_bit_for_bit(void **state) {
+    (void)state;
     static const int sizes[][2] = {{1, 1}, {1, 40}, {17, 16}, {33, 35}, {128, 3}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         sl_image *image = layered_image(sizes[i][0], sizes[i][1]), *back;
-        assert_int_equal(sl_image_write(image, temporary_path(state, "layers.exr"), NULL), SL_OK);
-        assert_int_equal(sl_image_read(temporary_path(state, "layers.exr"), &back, NULL), SL_OK);
+        assert_int_equal(sl_image_write(image, scene_file_path("layers.exr"), NULL), SL_OK);
+        assert_int_equal(sl_image_read(scene_file_path("layers.exr"), &back, NULL), SL_OK);
         assert_same_image(image, back);
         assert_string_equal(back->channel_name[0], "R");
         assert_string_equal(back->channel_name[2], "B");
@@ -55,6 +57,7 @@ static void a_layered_image_comes_back_bit_for_bit(void **state) {
 }
 
 static void every_kind_of_float_survives(void **state) {
+    (void)state;
     static const uint32_t bits[] = {0x7fc00000, 0xffc12345, 0x7f800001, 0x7f800000, 0xff800000,
                                     0x00000001, 0x80000001, 0x007fffff, 0x80000000, 0x00000000,
                                     0x7f7fffff, 0xff7fffff, 0x3f800001, 0x00800000};
@@ -62,8 +65,8 @@ static void every_kind_of_float_survives(void **state) {
     sl_image *image, *back;
     assert_int_equal(sl_image_create(COUNT, 1, 3, NULL, &image, NULL), SL_OK);
     for (int c = 0; c < 3; c++) memcpy(image->planes + c * COUNT, bits, sizeof bits);
-    assert_int_equal(sl_image_write(image, temporary_path(state, "floats.exr"), NULL), SL_OK);
-    assert_int_equal(sl_image_read(temporary_path(state, "floats.exr"), &back, NULL), SL_OK);
+    assert_int_equal(sl_image_write(image, scene_file_path("floats.exr"), NULL), SL_OK);
+    assert_int_equal(sl_image_read(scene_file_path("floats.exr"), &back, NULL), SL_OK);
     assert_same_image(image, back);
     sl_image_destroy(image);
     sl_image_destroy(back);
@@ -71,6 +74,7 @@ static void every_kind_of_float_survives(void **state) {
 
 /* OpenEXR 3.1's C library takes a chunk that does not shrink at all for one that does. */
 static void chunks_that_zip_to_their_own_size_survive(void **state) {
+    (void)state;
     enum { ACROSS = 4, CHUNKS = 4000, CHUNK = ACROSS * 16 };
     static const char *const name = "Z";
     sl_image *image, *back;
@@ -83,14 +87,15 @@ static void chunks_that_zip_to_their_own_size_survive(void **state) {
             memcpy(image->planes + chunk * CHUNK + i, &bits, sizeof bits);
         }
     }
-    assert_int_equal(sl_image_write(image, temporary_path(state, "chunks.exr"), NULL), SL_OK);
-    assert_int_equal(sl_image_read(temporary_path(state, "chunks.exr"), &back, NULL), SL_OK);
+    assert_int_equal(sl_image_write(image, scene_file_path("chunks.exr"), NULL), SL_OK);
+    assert_int_equal(sl_image_read(scene_file_path("chunks.exr"), &back, NULL), SL_OK);
     assert_same_image(image, back);
     sl_image_destroy(image);
     sl_image_destroy(back);
 }
 
 static void metadata_comes_back(void **state) {
+    (void)state;
     static const char long_key[] = "softlux.a.key.that.is.longer.than.thirty.one.bytes";
     char *long_value = malloc(100001);
     memset(long_value, 'v', 100000);
@@ -100,8 +105,8 @@ static void metadata_comes_back(void **state) {
     assert_int_equal(sl_image_set_metadata(image, "softlux.method", "splatting \xc3\xa9\n2", NULL), SL_OK);
     assert_int_equal(sl_image_set_metadata(image, "softlux.empty", "", NULL), SL_OK);
     assert_int_equal(sl_image_set_metadata(image, long_key, long_value, NULL), SL_OK);
-    assert_int_equal(sl_image_write(image, temporary_path(state, "metadata.exr"), NULL), SL_OK);
-    assert_int_equal(sl_image_read(temporary_path(state, "metadata.exr"), &back, NULL), SL_OK);
+    assert_int_equal(sl_image_write(image, scene_file_path("metadata.exr"), NULL), SL_OK);
+    assert_int_equal(sl_image_read(scene_file_path("metadata.exr"), &back, NULL), SL_OK);
     assert_int_equal(back->metadata_count, 3);
     assert_string_equal(sl_image_metadata(back, "softlux.method"), "splatting \xc3\xa9\n2");
     assert_string_equal(sl_image_metadata(back, "softlux.empty"), "");
@@ -113,6 +118,7 @@ static void metadata_comes_back(void **state) {
 }
 
 static void metadata_with_a_name_of_the_format_is_refused(void **state) {
+    (void)state;
     static const char *const keys[] = {"dataWindow", "chromaticities", "envmap",    "timeCode",
                                        "preview",    "multiView",      "keyCode",   "framesPerSecond",
                                        "focus",      "tStop",          "worldToNDC"};
@@ -120,7 +126,7 @@ static void metadata_with_a_name_of_the_format_is_refused(void **state) {
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
         sl_image *image = layered_image(4, 4);
         assert_int_equal(sl_image_set_metadata(image, keys[k], "x", NULL), SL_OK);
-        assert_int_equal(sl_image_write(image, temporary_path(state, "reserved.exr"), &error),
+        assert_int_equal(sl_image_write(image, scene_file_path("reserved.exr"), &error),
                          SL_ERROR_USAGE);
         assert_non_null(strstr(error.message, keys[k]));
         sl_image_destroy(image);
@@ -128,7 +134,7 @@ static void metadata_with_a_name_of_the_format_is_refused(void **state) {
     sl_image *image = layered_image(4, 4); /* those that are strings */
     assert_int_equal(sl_image_set_metadata(image, "owner", "x", NULL), SL_OK);
     assert_int_equal(sl_image_set_metadata(image, "comments", "x", NULL), SL_OK);
-    assert_int_equal(sl_image_write(image, temporary_path(state, "reserved.exr"), &error), SL_OK);
+    assert_int_equal(sl_image_write(image, scene_file_path("reserved.exr"), &error), SL_OK);
     sl_image_destroy(image);
 }
 
@@ -166,7 +172,7 @@ static double largest_difference(const float *plane, const sample_data *data, ch
     return largest;
 }
 
-static void check_layout(void **state, exr_compression_t compression, int tile_width, int tile_height,
+static void check_layout(exr_compression_t compression, int tile_width, int tile_height,
                          exr_lineorder_t order, double half_error, double float_error) {
     sample_data *data = malloc(sizeof *data);
     fill_samples(data);
@@ -185,8 +191,8 @@ static void check_layout(void **state, exr_compression_t compression, int tile_w
                           .channel_count = 3};
     sl_error error = {0};
     sl_image *image;
-    write_exr(temporary_path(state, "layout.exr"), &file);
-    assert_int_equal(sl_image_read(temporary_path(state, "layout.exr"), &image, &error), SL_OK);
+    write_exr(scene_file_path("layout.exr"), &file);
+    assert_int_equal(sl_image_read(scene_file_path("layout.exr"), &image, &error), SL_OK);
     assert_int_equal(image->width, WIDTH);
     assert_int_equal(image->height, HEIGHT);
     assert_true(largest_difference(sl_image_channel(image, "R"), data, 'h') <= half_error);
@@ -198,6 +204,7 @@ static void check_layout(void **state, exr_compression_t compression, int tile_w
 }
 
 static void every_compression_of_half_float_and_uint_is_read(void **state) {
+    (void)state;
     static const struct {
         exr_compression_t compression;
         double half_error, float_error; /* 0: lossless */
@@ -206,14 +213,15 @@ static void every_compression_of_half_float_and_uint_is_read(void **state) {
                {EXR_COMPRESSION_PIZ, 0, 0},    {EXR_COMPRESSION_PXR24, 0, 1e-4},
                {EXR_COMPRESSION_B44, 0.02, 0}, {EXR_COMPRESSION_B44A, 0.02, 0}};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        check_layout(state, all[i].compression, 0, 0, EXR_LINEORDER_INCREASING_Y, all[i].half_error,
+        check_layout(all[i].compression, 0, 0, EXR_LINEORDER_INCREASING_Y, all[i].half_error,
                      all[i].float_error);
-        check_layout(state, all[i].compression, 16, 8, EXR_LINEORDER_INCREASING_Y, all[i].half_error,
+        check_layout(all[i].compression, 16, 8, EXR_LINEORDER_INCREASING_Y, all[i].half_error,
                      all[i].float_error);
     }
 }
 
 static void special_halves_are_converted_exactly(void **state) {
+    (void)state;
     static const uint16_t halves[] = {0x0000, 0x8000, 0x0001, 0x83ff, 0x0400, 0x7bff,
                                       0xfbff, 0x7c00, 0xfc00, 0x7e00, 0x3c01};
     static const float expected[] = {0.0f,      -0.0f,    0x1p-24f,  -0x3ffp-24f, 0x1p-14f,       65504.0f,
@@ -222,8 +230,8 @@ static void special_halves_are_converted_exactly(void **state) {
     const exr_test_channel channels[] = {{"R", EXR_PIXEL_HALF, halves, 1}};
     exr_test_file file = {.width = COUNT, .height = 1, .channels = channels, .channel_count = 1};
     sl_image *image;
-    write_exr(temporary_path(state, "halves.exr"), &file);
-    assert_int_equal(sl_image_read(temporary_path(state, "halves.exr"), &image, NULL), SL_OK);
+    write_exr(scene_file_path("halves.exr"), &file);
+    assert_int_equal(sl_image_read(scene_file_path("halves.exr"), &image, NULL), SL_OK);
     for (int i = 0; i < COUNT; i++) {
         if (isnan(expected[i])) assert_true(isnan(image->planes[i]));
         else assert_true(same_bits(&image->planes[i], &expected[i], 1));
@@ -232,6 +240,7 @@ static void special_halves_are_converted_exactly(void **state) {
 }
 
 static void the_display_window_is_the_picture(void **state) {
+    (void)state;
     static const float values[6] = {1, 2, 3, 4, 5, 6}; /* 3 x 2 at (-1, 1) */
     const exr_test_channel channels[] = {{"R", EXR_PIXEL_FLOAT, values, 1}};
     const exr_attr_box2i_t display = {.min = {.x = 0, .y = 0}, .max = {.x = 3, .y = 2}};
@@ -247,8 +256,8 @@ static void the_display_window_is_the_picture(void **state) {
                               .tile_height = tile,
                               .channel_count = 1};
         sl_image *image;
-        write_exr(temporary_path(state, "windows.exr"), &file);
-        assert_int_equal(sl_image_read(temporary_path(state, "windows.exr"), &image, NULL), SL_OK);
+        write_exr(scene_file_path("windows.exr"), &file);
+        assert_int_equal(sl_image_read(scene_file_path("windows.exr"), &image, NULL), SL_OK);
         assert_int_equal(image->width, 4);
         assert_int_equal(image->height, 3);
         assert_true(same_bits(sl_image_channel(image, "R"), expected, 12));
@@ -257,14 +266,15 @@ static void the_display_window_is_the_picture(void **state) {
 }
 
 static void subsampled_channels_are_refused_by_name(void **state) {
+    (void)state;
     static const float values[16] = {0};
     const exr_test_channel channels[] = {{"RY", EXR_PIXEL_FLOAT, values, 2},
                                          {"Y", EXR_PIXEL_FLOAT, values, 1}};
     exr_test_file file = {.width = 4, .height = 4, .channels = channels, .channel_count = 2};
     sl_error error;
     sl_image *image;
-    write_exr(temporary_path(state, "subsampled.exr"), &file);
-    assert_int_equal(sl_image_read(temporary_path(state, "subsampled.exr"), &image, &error), SL_ERROR_INPUT);
+    write_exr(scene_file_path("subsampled.exr"), &file);
+    assert_int_equal(sl_image_read(scene_file_path("subsampled.exr"), &image, &error), SL_ERROR_INPUT);
     assert_null(image);
     assert_non_null(strstr(error.message, "RY is subsampled"));
     assert_non_null(strstr(error.message, "subsampled.exr"));
@@ -282,5 +292,5 @@ int main(void) {
         cmocka_unit_test(the_display_window_is_the_picture),
         cmocka_unit_test(subsampled_channels_are_refused_by_name),
     };
-    return cmocka_run_group_tests(tests, make_temporary_folder, remove_temporary_folder);
+    return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -1,7 +1,6 @@
 /* Memory that ends anywhere, in any of the library's functions. The short form tries some of the call paths
- * that allocate; with SOFTLUX_EVERY_ALLOCATION=1 every one, with N every N-th call
- * (tests/hard/allocations.sh). With a name only the cases that hold it are tried; --list prints their names.
- */
+ * that allocate; with SOFTLUX_EVERY_ALLOCATION=1 every one (tests/hard/allocations.sh). With a name only the
+ * cases that hold it are tried; --list prints their names. */
 #define _GNU_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>

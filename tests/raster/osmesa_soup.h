@@ -112,7 +112,6 @@ static const judged_size judged_sizes[] = {
     {"17x4000", 17, 4000, 0, 0, 17, 4000, 0.03},
     {"1x1", 1, 1, 0, 0, 1, 1, 0.01},
 };
-enum { JUDGED_SIZES = sizeof judged_sizes / sizeof judged_sizes[0] };
 
 static inline soup judged_soup(soup_kind kind, uint64_t seed, size_t triangles, const judged_size *size) {
     soup s = soup_make(kind, seed, triangles, size->width, size->height);

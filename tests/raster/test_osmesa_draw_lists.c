@@ -19,8 +19,8 @@ enum { EVERY = 50, DEPTH_STEPS = 256 };
 typedef struct tally {
     uint64_t draws, judged, pixels, id, depth, near;
 } tally;
-static const char *const view_names[SL_VIEW_KINDS] = {"camera",        "pyramid",        "cube face",
-                                                      "hemicube face", "light's window"};
+static const char *const view_names[SL_VIEW_KINDS] = {"camera", "pyramid", "hemicube face",
+                                                      "light's window"};
 static tally tallies[2][SL_VIEW_KINDS]; /* large, small */
 static struct {
     uint64_t passes, pixels, differing, other_triangle;
@@ -354,7 +354,7 @@ static void no_kind_of_pass_is_missing(void **state) {
     (void)state;
     open_or_skip();
     assert_true(tallies[0][SL_VIEW_CAMERA].judged > 0);
-    assert_true(tallies[0][SL_VIEW_PYRAMID].judged + tallies[0][SL_VIEW_CUBE_FACE].judged > 0);
+    assert_true(tallies[0][SL_VIEW_PYRAMID].judged > 0);
     assert_true(tallies[1][SL_VIEW_PYRAMID].judged > 0);
     assert_true(tallies[1][SL_VIEW_HEMICUBE_FACE].judged > 0);
     assert_true(tallies[1][SL_VIEW_LIGHT].judged > 0);

@@ -27,7 +27,8 @@ static void cube_faces_are_those_of_opengls_table(void **state) {
         int found = 0;
         for (int face = 0; face < 6; face++) {
             double sc = coordinate[face][0], tc = coordinate[face][1], ma = coordinate[face][2], x, y;
-            sl_view view = sl_view_cube_face(sl_v3(1, 2, 3), face, 16, 1e-3f);
+            sl_frame frame = sl_cube_face_frame(face);
+            sl_view view = sl_view_pyramid(&frame, sl_v3(1, 2, 3), -1, 1, -1, 1, 16, 16, 1e-3f);
             bool seen = project(&view, r, &x, &y);
             assert_true(seen == (ma == largest));
             found += seen;

@@ -2,14 +2,9 @@
 #include "raster_support.h"
 #include "raster/textures/textures.h"
 
-static sl_cube_map *new_cube(int size, bool mip) {
-    sl_cube_map *cube = NULL;
-    assert_int_equal(sl_cube_map_create(size, mip, &cube, NULL), SL_OK);
-    return cube;
-}
-
 static sl_cube_map *random_cube(int size, uint64_t seed) {
-    sl_cube_map *cube = new_cube(size, true);
+    sl_cube_map *cube = NULL;
+    assert_int_equal(sl_cube_map_create(size, true, &cube, NULL), SL_OK);
     uint64_t key = sl_random_key(seed, 1), n = 0;
     for (int face = 0; face < 6; face++) {
         for (int i = 0; i < size * size; i++) {
@@ -49,49 +44,6 @@ static void a_texels_own_direction_gives_that_texel_on_every_face(void **state) 
         }
     }
     sl_cube_map_destroy(cube);
-}
-
-/* What a cube of views sees (sl_view_cube_face) is found again by direction: both have the same axes. */
-static void a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn(void **state) {
-    (void)state;
-    enum { SIZE = 32, PIXELS = SIZE * SIZE };
-    sl_scene *scene = furnished_room(0, 1);
-    sl_raster *raster = raster_of(scene);
-    sl_cube_map *cube = new_cube(SIZE, false);
-    sl_vec3 eye = sl_v3(1, 1, 2);
-    static uint32_t id[6][PIXELS];
-    for (int face = 0; face < 6; face++) {
-        sl_view view = sl_view_cube_face(eye, face, SIZE, 1e-3f);
-        render(raster, &view, 1, id[face], NULL);
-        for (int i = 0; i < PIXELS; i++)
-            for (int c = 0; c < 4; c++)
-                sl_cube_map_texel(cube, 0, face, i % SIZE, i / SIZE)[c] = (float)id[face][i];
-    }
-    sl_cube_map_build(cube, 1);
-    for (int i = 0; i < 6 * PIXELS; i += 13) {
-        int face = i / PIXELS, x = i % SIZE, y = i % PIXELS / SIZE;
-        sl_vec3 d =
-            sl_normalize_or(on_face(face, ((float)x + 0.5f) * 2 / SIZE - 1, ((float)y + 0.5f) * 2 / SIZE - 1),
-                            sl_v3(0, 0, 1));
-        float rgba[4];
-        sample(cube, d, 0.0f, rgba);
-        assert_near((double)rgba[0], (double)id[face][i % PIXELS], 0.01); /* the direction is rounded */
-        rgba[0] = (float)id[face][i % PIXELS];
-        /* The triangle that was seen lies in that direction, up to the width of a texel. */
-        uint32_t triangle = (uint32_t)rgba[0];
-        sl_vec3 n = sl_scene_geometric_normal(scene, triangle),
-                p = sl_scene_position(scene, scene->vertex[0][triangle]);
-        float distance = sl_dot(sl_sub(p, eye), n) / sl_dot(d, n);
-        sl_vec3 hit = sl_mad(eye, distance, d),
-                middle = sl_scale(sl_add(sl_add(p, sl_scene_position(scene, scene->vertex[1][triangle])),
-                                         sl_scene_position(scene, scene->vertex[2][triangle])),
-                                  1.0f / 3.0f);
-        assert_true(distance > 0.0f && sl_length(sl_sub(hit, middle)) < 1.1f);
-        assert_true(rgba[3] == rgba[1]);
-    }
-    sl_cube_map_destroy(cube);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
 }
 
 /* Walks across all twelve edges and around all eight corners: a step of length e may change the result by no
@@ -178,7 +130,6 @@ static void impossible_sizes_are_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_texels_own_direction_gives_that_texel_on_every_face),
-        cmocka_unit_test(a_face_drawn_by_the_rasterizer_is_looked_up_where_it_was_drawn),
         cmocka_unit_test(lookups_are_continuous_over_edges_and_corners),
         cmocka_unit_test(any_direction_gives_a_defined_colour),
         cmocka_unit_test(lookups_have_the_same_bits_on_every_instruction_set),

@@ -1,5 +1,6 @@
-/* The fast path against its plain opposite (raster/plain.c): the same ids, the same depths, bit by bit, and the
- * same bill, whatever is drawn: random triangles of every size, rooms, and what breaks careless rasterizers. */
+/* The fast path against its plain opposite (raster/plain.c): the same ids, the same depths, bit by bit, and
+ * the same bill, whatever is drawn: random triangles of every size, rooms, and what breaks careless
+ * rasterizers. */
 #include <float.h>
 
 #include "base/counters.h"
@@ -470,8 +471,7 @@ static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
                             .materials = material,
                             .texture_count = 1,
                             .textures = &texture};
-    sl_scene *scene = NULL;
-    assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
+    sl_scene *scene = scene_built(&parts);
     sl_raster *raster = raster_of(scene);
     sl_raster_mesh mesh = mesh_of(scene);
     sl_view view = flat_view(SIZE, SIZE);

@@ -197,6 +197,39 @@ static void weights_of_a_triangle_that_is_not_finite_are_weights(void **state) {
     }
 }
 
+static void triangle_seen_edge_on_has_finite_weights(void **state) {
+    (void)state;
+    const float xyz[9] = {0, 0, 1, 0, 0, 2, 0, 0.0f, 3.5f};
+    const float flat[9] = {-1, 0, 1, 1, 0, 1, 0, 0, 3};
+    sl_frame frame = {sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1)};
+    sl_view view = sl_view_pyramid(&frame, sl_v3(0, 0, 0), -1, 1, -1, 1, 9, 9, 1e-3f);
+    const float *cases[2] = {xyz, flat};
+    for (int c = 0; c < 2; c++) {
+        sl_scene *scene = scene_of_triangles(flat, 1);
+        memcpy(scene->position_x, (const float[3]){cases[c][0], cases[c][3], cases[c][6]}, 12);
+        memcpy(scene->position_y, (const float[3]){cases[c][1], cases[c][4], cases[c][7]}, 12);
+        memcpy(scene->position_z, (const float[3]){cases[c][2], cases[c][5], cases[c][8]}, 12);
+        sl_raster *raster = raster_of(scene);
+        for (uint32_t i = 0; i < 81; i++) {
+            float w1, w2;
+            uint32_t zero = 0;
+            sl_raster_barycentrics(raster, &view, 1, &i, &zero, &w1, &w2);
+            assert_true(w1 >= 0.0f && w2 >= 0.0f && w1 + w2 <= 1.0000002f);
+        }
+        sl_raster_destroy(raster);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void flip_turns_rows_over(void **state) {
+    (void)state;
+    const float plane[6] = {0, 1, 2, 3, 4, 5};
+    float image[6];
+    sl_raster_flip(plane, 2, 3, image);
+    const float expected[6] = {4, 5, 2, 3, 0, 1};
+    assert_memory_equal(image, expected, sizeof image);
+}
+
 /* ---- lanes against the plain form ---- */
 
 static void plain_weights(const sl_scene *scene, const sl_view *view, uint32_t pixel, uint32_t id, float *w1,
@@ -284,8 +317,7 @@ static sl_scene *dressed_room(look l) {
                             .materials = materials,
                             .texture_count = 1,
                             .textures = &texture};
-    sl_scene *scene = NULL;
-    assert_int_equal(sl_scene_build(&parts, &scene, NULL), SL_OK);
+    sl_scene *scene = scene_built(&parts);
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
         const float odd[4] = {1e30f, NAN, -1e-9f, INFINITY};
         if (t % 30 == 0) scene->texture_u[scene->vertex[t / 30 % 3][t]] = odd[t / 90 % 4];
@@ -392,6 +424,8 @@ int main(void) {
         cmocka_unit_test(attributes_are_as_accurate_as_floats_allow),
         cmocka_unit_test(a_pixel_beside_its_triangle_takes_the_nearest_point_of_the_edge),
         cmocka_unit_test(weights_of_a_triangle_that_is_not_finite_are_weights),
+        cmocka_unit_test(triangle_seen_edge_on_has_finite_weights),
+        cmocka_unit_test(flip_turns_rows_over),
         cmocka_unit_test(weights_are_those_of_the_plain_form_bit_by_bit),
         cmocka_unit_test(surfaces_are_those_of_the_scene_bit_by_bit),
     };

@@ -142,15 +142,6 @@ static void tiles_blend_in_index_order_bit_for_bit(void **state) {
     }
 }
 
-/* ---- tiles ---- */
-
-/* A program that works in tile memory alone: each tile must come once, go once, and hold what its splats
- * need. */
-typedef struct tile_log {
-    canvas screen;
-    int begun[16 * 16], ended[16 * 16]; /* by tile */
-} tile_log;
-
 /* ---- reduction ---- */
 
 enum { CHANNELS = 4 };

@@ -1,6 +1,7 @@
 /* No hole and no double hit, in any layer, without another rasterizer to compare with. Along the line of
  * sight through a pixel a closed surface is entered as often as it is left: so the triangles that cover the
- * pixel, visible or hidden, are even in number seen from outside and odd from inside, where a sphere has one. */
+ * pixel, visible or hidden, are even in number seen from outside and odd from inside, where a sphere has
+ * one. */
 #include "raster/plain.h"
 #include "raster_support.h"
 
@@ -104,8 +105,8 @@ static mesh icosphere(int n, float rough, uint64_t key) {
 
 /* ---- counting -------------------------------------------------------------------------------- */
 
-/* Every pixel is covered by 0 to `most` triangles, an odd number or (parity 0) an even one. Returns the layers
- * seen. */
+/* Checks that every pixel is covered by 0 to `most` triangles, by an odd number or (parity 0) an even one.
+ * Returns the layers seen. */
 static double check_layers(const mesh *m, const sl_view *view, float most, int parity) {
     const size_t pixels = (size_t)view->width * (size_t)view->height;
     float *sums = calloc(2 * pixels, sizeof *sums), *unused = calloc(m->triangles, sizeof *unused);

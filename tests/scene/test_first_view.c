@@ -10,6 +10,7 @@
 
 #include "scene/features.h"
 #include "scene/scene.h"
+#include "rendering.h"
 #include "scene_files.h"
 
 /* ---- boxes as OBJ text: vertices 1 to 8, x fastest, then y, then z ------------------------------------- */
@@ -38,13 +39,6 @@ static sl_scene *load_with(const char *path, const sl_load_options *options) {
 static sl_scene *load(const char *path) { return load_with(path, &(sl_load_options){0}); }
 static sl_scene *obj(const char *text) { return load(scene_file_text("first.obj", text)); }
 
-static bool warns_of(const sl_scene *s, const char *words) {
-    for (size_t i = 0; i < sl_scene_warning_count(s); i++) {
-        if (strstr(sl_scene_warning(s, i), words)) return true;
-    }
-    return false;
-}
-
 static bool is_within(sl_vec3 p, sl_vec3 low, sl_vec3 high) {
     return p.x > low.x && p.y > low.y && p.z > low.z && p.x < high.x && p.y < high.y && p.z < high.z;
 }
@@ -61,7 +55,8 @@ static void a_solid_is_framed_from_outside_at_an_angle_under_sun_and_sky(void **
     assert_int_equal(s->light_count, 1);
     assert_int_equal(s->lights[0].type, SL_LIGHT_DIRECTIONAL);
     assert_true(s->environment.present && s->environment.constant.r < 0.2f * s->lights[0].intensity.r);
-    assert_true(warns_of(s, "framed from outside") && warns_of(s, "a sun") && warns_of(s, "a sky"));
+    assert_true(scene_warns_of(s, "framed from outside") && scene_warns_of(s, "a sun") &&
+                scene_warns_of(s, "a sky"));
     sl_scene_destroy(s);
 }
 
@@ -74,7 +69,7 @@ static void a_closed_room_is_seen_from_inside_in_the_light_of_a_lamp(void **stat
     assert_int_equal(s->lights[0].type, SL_LIGHT_POINT);
     assert_true(is_within(s->lights[0].position, room_low, room_high) && s->lights[0].position.y > 1.6f);
     assert_false(s->environment.present);
-    assert_true(warns_of(s, "put into the room") && warns_of(s, "a lamp is added"));
+    assert_true(scene_warns_of(s, "put into the room") && scene_warns_of(s, "a lamp is added"));
     sl_scene_destroy(s);
 }
 
@@ -116,7 +111,7 @@ static void what_has_its_lamps_in_a_solid_is_lit_from_outside(void **state) {
     sl_scene *s = obj("mtllib lamp.mtl\n" ROOM SIDES RIGHT LAMP);
     assert_false(is_within(s->camera.eye, s->box_min, s->box_max));
     assert_true(s->emitter_count == 1 && s->light_count == 1 && s->environment.present);
-    assert_true(warns_of(s, "no light but behind walls: a sun"));
+    assert_true(scene_warns_of(s, "no light but behind walls: a sun"));
     sl_scene_destroy(s);
 }
 
@@ -179,10 +174,10 @@ static void what_stands_on_z_is_turned_where_its_format_does_not_say(void **stat
         sl_scene *s = load(path);
         assert_true(s->box_max.y == 3.0f && s->box_min.y == 0.0f && s->box_max.z == 1.0f);
         assert_true(s->geometric_normal_y[0] == -1.0f && s->normal_y[s->vertex[0][0]] == -1.0f);
-        assert_true(warns_of(s, "z points up") && warns_of(s, "--up-axis y"));
+        assert_true(scene_warns_of(s, "z points up") && scene_warns_of(s, "--up-axis y"));
         sl_scene_destroy(s);
         s = load_with(path, &(sl_load_options){.up_axis = SL_UP_Y});
-        assert_true(s->box_max.z == 3.0f && !warns_of(s, "z points up"));
+        assert_true(s->box_max.z == 3.0f && !scene_warns_of(s, "z points up"));
         sl_scene_destroy(s);
     }
 }
@@ -196,7 +191,7 @@ static void what_may_stand_on_y_is_left_as_it_is(void **state) {
                                        "4\nf 4 3 6 5\n" /* a floor and a wall */};
     for (size_t i = 0; i < sizeof left / sizeof *left; i++) {
         sl_scene *s = obj(left[i]);
-        assert_false(warns_of(s, "z points up"));
+        assert_false(scene_warns_of(s, "z points up"));
         sl_scene_destroy(s);
     }
     sl_scene *s = load_with(scene_file_text("first.obj", SPIRE_ON_Y), &(sl_load_options){.up_axis = SL_UP_Z});
@@ -224,7 +219,7 @@ static void a_viewpoint_takes_the_place_of_the_files_camera_and_its_keyframes(vo
         "\"keyframes\": [{\"time\": 0, \"eye\": [0,1,30]}, {\"time\": 1, \"eye\": [0,1,60]}]}}";
     scene_file_text("first.obj", ROOM SIDES RIGHT);
     const char *path = scene_file_text("first.json", json);
-    const sl_viewpoint whole = {true, true, true, true, {9, 2, 0}, {8, 2, 0}, {0, 0, 2}, 1.0f},
+    const sl_viewpoint whole = {true, true, true, true, {9, 2, 0}, {8, 2, 0}, {0, 0, 2}, 1.0f, {0}},
                        eye = {.has_eye = true, .eye = {2, 1.5f, 40}},
                        fov = {.has_fov = true, .vertical_fov_rad = 0.25f};
     sl_scene *s = load_with(path, &(sl_load_options){.view = &whole});
@@ -268,7 +263,8 @@ static void a_lamp_is_put_where_the_viewpoint_stands_in_the_dark(void **state) {
                        outside = {.has_eye = true, .eye = {9, 9, 9}};
     const char *path = scene_file_text("first.obj", ROOM SIDES_INWARDS RIGHT_INWARDS WALLS_AROUND);
     sl_scene *s = load_with(path, &(sl_load_options){.view = &inside});
-    assert_true(s->lights[0].type == SL_LIGHT_POINT && !s->environment.present && !warns_of(s, "no camera"));
+    assert_true(s->lights[0].type == SL_LIGHT_POINT && !s->environment.present &&
+                !scene_warns_of(s, "no camera"));
     sl_scene_destroy(s);
     s = load_with(path, &(sl_load_options){.view = &outside});
     assert_true(s->lights[0].type == SL_LIGHT_DIRECTIONAL && s->environment.present);

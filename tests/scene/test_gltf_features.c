@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "scene/scene.h"
+#include "rendering.h"
 #include "scene_files.h"
 
 /* A triangle with uv (0,0) (1,0) (0,1) and a picture of 2 x 2 in the file, top row red and transparent blue,
@@ -36,13 +37,6 @@ static const char *file(const char *top, const char *material, const char *textu
     return scene_file_text("features.gltf", text);
 }
 
-static sl_scene *load(const char *path) {
-    sl_scene *scene;
-    sl_error error = {0};
-    if (sl_scene_load(path, &scene, &error) != SL_OK) fail_msg("%s", error.message);
-    return scene;
-}
-
 static const sl_material *first_material(const sl_scene *s) { return &s->materials[s->material_index[0]]; }
 
 static size_t warnings_of(const sl_scene *s, const char *words) {
@@ -54,17 +48,15 @@ static size_t warnings_of(const sl_scene *s, const char *words) {
 
 /* Loads a file, which tells that once. */
 static void tells(const char *path, const char *words) {
-    sl_scene *s = load(path);
+    sl_scene *s = load_scene(path);
     if (warnings_of(s, words) != 1)
         fail_msg("expected '%s' once, got it %zu times", words, warnings_of(s, words));
     sl_scene_destroy(s);
 }
 
 static void refuses(const char *path, const char *words) {
-    sl_scene *s;
-    sl_error error = {0};
-    assert_int_equal(sl_scene_load(path, &s, &error), SL_ERROR_INPUT);
-    if (!strstr(error.message, words)) fail_msg("expected '%s', got '%s'", words, error.message);
+    const char *message = load_refused(path);
+    if (!strstr(message, words)) fail_msg("expected '%s', got '%s'", words, message);
 }
 
 #define DULL "\"pbrMetallicRoughness\":{\"metallicFactor\":0}"
@@ -75,13 +67,33 @@ static void near(float a, float b) {
     if (fabsf(a - b) > 1e-5f) fail_msg("expected %g, got %g", (double)b, (double)a);
 }
 
+/* glTF's v runs down from the picture's top. */
+static void pictures_inside_the_file_colour_and_mask(void **state) {
+    (void)state;
+    sl_scene *s = load_scene(file("",
+                                  "\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{"
+                                  "\"index\":0},\"metallicFactor\":0,\"roughnessFactor\":1}",
+                                  "", ""));
+    assert_int_equal(s->texture_count, 1);
+    assert_int_equal(first_material(s)->texture, 0);
+    assert_int_equal(first_material(s)->alpha_texture, 0);
+    sl_rgb red = sl_scene_diffuse(s, 0, 0.25f, 0.25f), green = sl_scene_diffuse(s, 0, 0.25f, 0.75f),
+           blue = sl_scene_diffuse(s, 0, 0.75f, 0.25f);
+    assert_true(red.r > 0.9f && red.g == 0.0f && green.g > 0.9f && green.r == 0.0f && blue.b > 0.9f &&
+                blue.r == 0.0f);
+    assert_true(sl_scene_has_alpha(s, 0) && sl_scene_is_opaque(s, 0, 0.25f, 0.25f) &&
+                !sl_scene_is_opaque(s, 0, 0.75f, 0.25f));
+    sl_scene_destroy(s);
+}
+
 static void specular_glossiness_gives_kd_ks_and_exponent(void **state) {
     (void)state;
-    sl_scene *s = load(file("\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"],"
-                            "\"extensionsRequired\":[\"KHR_materials_pbrSpecularGlossiness\"],",
-                            "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0.5,"
-                            "0.25,0.125,1],\"specularFactor\":[0.1,0.2,0.3],\"glossinessFactor\":0.5}}",
-                            "", ""));
+    sl_scene *s =
+        load_scene(file("\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"],"
+                        "\"extensionsRequired\":[\"KHR_materials_pbrSpecularGlossiness\"],",
+                        "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0.5,"
+                        "0.25,0.125,1],\"specularFactor\":[0.1,0.2,0.3],\"glossinessFactor\":0.5}}",
+                        "", ""));
     const sl_material *m = first_material(s);
     near(m->diffuse.r, 0.35f); /* times 1 - 0.3 */
     near(m->diffuse.b, 0.0875f);
@@ -90,10 +102,11 @@ static void specular_glossiness_gives_kd_ks_and_exponent(void **state) {
     near(m->exponent, 30.0f); /* 2 / 0.5^4 - 2 */
     assert_int_equal(warnings_of(s, "pbrSpecularGlossiness"), 0);
     sl_scene_destroy(s);
-    s = load(file("\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"],",
-                  "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseTexture\":{\"index\":0},"
-                  "\"specularGlossinessTexture\":{\"index\":0},\"specularFactor\":[0.1,0.1,0.1]}}",
-                  "", ""));
+    s = load_scene(
+        file("\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"],",
+             "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseTexture\":{\"index\":0},"
+             "\"specularGlossinessTexture\":{\"index\":0},\"specularFactor\":[0.1,0.1,0.1]}}",
+             "", ""));
     m = first_material(s);
     assert_int_equal(m->texture, 0);
     near(m->specular.r, 0.05f);                         /* red and white of four */
@@ -125,9 +138,10 @@ static void texture_transforms_are_applied_to_the_base_texture(void **state) {
                  "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":1,\"baseColorTexture\":{"
                  "\"index\":0,\"extensions\":{\"KHR_texture_transform\":%s}}}",
                  cases[i].transform);
-        sl_scene *s = load(file("\"extensionsRequired\":[\"KHR_texture_transform\"],\"extensionsUsed\":["
-                                "\"KHR_texture_transform\"],",
-                                material, "", ""));
+        sl_scene *s =
+            load_scene(file("\"extensionsRequired\":[\"KHR_texture_transform\"],\"extensionsUsed\":["
+                            "\"KHR_texture_transform\"],",
+                            material, "", ""));
         sl_rgb found = seen(s, 0.1f, 0.1f);
         if ((found.r > 0.5f) != (cases[i].expected.r > 0.5f) ||
             (found.g > 0.5f) != (cases[i].expected.g > 0.5f) ||
@@ -161,7 +175,7 @@ static void what_is_read_of_materials_and_cameras_is_that_of_their_own(void **st
     static const char tree[] = "[{\"mesh\":0,\"children\":[1]},{\"mesh\":1,\"camera\":1}]";
     memmove(nodes + strlen(tree), nodes + 12, strlen(nodes + 12) + 1);
     memcpy(nodes, tree, strlen(tree));
-    sl_scene *s = load(scene_file_text("order.gltf", text));
+    sl_scene *s = load_scene(scene_file_text("order.gltf", text));
     for (size_t i = 0; i < s->material_count; i++) {
         const sl_material *m = &s->materials[i];
         if (strcmp(m->name, "m") == 0) assert_true(m->emission.r == 2.0f && m->emission.g == 0.0f);
@@ -174,10 +188,11 @@ static void what_is_read_of_materials_and_cameras_is_that_of_their_own(void **st
 
 static void what_is_unlit_is_diffuse_of_its_base_colour(void **state) {
     (void)state;
-    sl_scene *s = load(file("\"extensionsUsed\":[\"KHR_materials_unlit\"],",
-                            "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,1,1]},\"extensions\":{"
-                            "\"KHR_materials_unlit\":{}}",
-                            "", ""));
+    sl_scene *s =
+        load_scene(file("\"extensionsUsed\":[\"KHR_materials_unlit\"],",
+                        "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,1,1]},\"extensions\":{"
+                        "\"KHR_materials_unlit\":{}}",
+                        "", ""));
     const sl_material *m = first_material(s);
     assert_true(m->diffuse.r == 0.5f && m->diffuse.b == 1.0f && sl_rgb_max(m->specular) == 0.0f);
     assert_int_equal(
@@ -215,10 +230,10 @@ static void wrapping_that_is_not_had_is_told_where_it_would_be_seen(void **state
     tells(file("", twice, ",\"sampler\":0", ""),
           "material 'm': its texture is clamped beyond its edges in the file, and repeated here");
     tells(file("", twice, ",\"sampler\":1", ""), "material 'm': its texture is mirrored beyond its edges");
-    sl_scene *s = load(file("", once, ",\"sampler\":0", ""));
+    sl_scene *s = load_scene(file("", once, ",\"sampler\":0", ""));
     assert_int_equal(warnings_of(s, "beyond its edges"), 0);
     sl_scene_destroy(s);
-    s = load(file("", twice, "", ""));
+    s = load_scene(file("", twice, "", ""));
     assert_int_equal(warnings_of(s, "beyond its edges"), 0);
     sl_scene_destroy(s);
 }
@@ -241,6 +256,7 @@ static void a_file_that_requires_what_is_not_had_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pictures_inside_the_file_colour_and_mask),
         cmocka_unit_test(specular_glossiness_gives_kd_ks_and_exponent),
         cmocka_unit_test(texture_transforms_are_applied_to_the_base_texture),
         cmocka_unit_test(what_is_read_of_materials_and_cameras_is_that_of_their_own),

@@ -11,17 +11,14 @@
 
 #include "base/math.h"
 #include "scene/animation.h"
+#include "rendering.h"
 #include "scene_files.h"
 
 static const char triangle_obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nusemtl plain\nf 1//1 2//1 3//1\n";
 
 static sl_scene *load(const char *json) {
     scene_file_text("triangle.obj", triangle_obj);
-    sl_scene *scene;
-    sl_error error = {0};
-    if (sl_scene_load(scene_file_text("scene.json", json), &scene, &error) != SL_OK)
-        fail_msg("%s", error.message);
-    return scene;
+    return load_scene(scene_file_text("scene.json", json));
 }
 
 static unsigned at(sl_scene *scene, double time) {

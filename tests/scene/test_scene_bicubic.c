@@ -11,14 +11,8 @@
 
 #include "base/math.h"
 #include "scene/bicubic.h"
+#include "rendering.h"
 #include "scene_files.h"
-
-static sl_scene *load(const char *path) {
-    sl_scene *scene;
-    sl_error error = {0};
-    if (sl_scene_load(path, &scene, &error) != SL_OK) fail_msg("%s", error.message);
-    return scene;
-}
 
 static double distance(sl_vec3 a, sl_vec3 b) { return sl_lengthd(sl_subd(sl_to_double(a), sl_to_double(b))); }
 
@@ -116,7 +110,7 @@ static uint32_t missing_triangles(const sl_scene *scene, const sl_bicubic *b) {
 
 static void the_scene_holds_each_surface_as_a_grid_less_what_has_no_area(void **state) {
     (void)state;
-    sl_scene *scene = load("scenes/vase.json");
+    sl_scene *scene = load_scene("scenes/vase.json");
     assert_int_equal(scene->bicubic_count, 16);
     for (size_t i = 0; i < scene->bicubic_count; i++) {
         const sl_bicubic *b = &scene->bicubics[i];
@@ -152,7 +146,7 @@ static const char *bpt(const char *text, const char *points) {
 
 static void a_file_of_surfaces_alone_is_a_scene(void **state) {
     (void)state;
-    sl_scene *scene = load(bpt("# one\r\n1\r\n3 3\r\n", flat));
+    sl_scene *scene = load_scene(bpt("# one\r\n1\r\n3 3\r\n", flat));
     assert_int_equal(scene->bicubic_count, 1);
     assert_int_equal(scene->triangle_count, 512);
     assert_int_equal(scene->vertex_count, 289);
@@ -163,12 +157,9 @@ static void a_file_of_surfaces_alone_is_a_scene(void **state) {
 }
 
 static void assert_refused(const char *path, const char *where, const char *why) {
-    sl_scene *scene;
-    sl_error error = {0};
-    assert_int_equal(sl_scene_load(path, &scene, &error), SL_ERROR_INPUT);
-    assert_null(scene);
-    if (!strstr(error.message, where) || !strstr(error.message, why))
-        fail_msg("'%s' has no '%s' or no '%s'", error.message, where, why);
+    const char *message = load_refused(path);
+    if (!strstr(message, where) || !strstr(message, why))
+        fail_msg("'%s' has no '%s' or no '%s'", message, where, why);
 }
 
 static void every_mistake_is_reported_with_its_line(void **state) {
@@ -219,7 +210,7 @@ static void fronts_stay_fronts_where_a_transform_mirrors(void **state) {
                  "{\"softlux\": 1, \"meshes\": [{\"file\": \"surface.bpt\", \"transform\": {\"translate\": "
                  "[0, 0, 5], \"scale\": [%d, 1, 1]}}]}",
                  mirrored ? -2 : 2);
-        sl_scene *scene = load(scene_file_text("a.json", text));
+        sl_scene *scene = load_scene(scene_file_text("a.json", text));
         const sl_bicubic *b = &scene->bicubics[0];
         for (uint32_t t = 0; t < scene->triangle_count; t++) {
             assert_true(sl_scene_geometric_normal(scene, t).z > 0.99f &&
@@ -236,7 +227,7 @@ static void fronts_stay_fronts_where_a_transform_mirrors(void **state) {
 static void control_points_move_with_their_object(void **state) {
     (void)state;
     bpt("1\n3 3\n", flat);
-    sl_scene *scene = load(
+    sl_scene *scene = load_scene(
         scene_file_text("a.json", "{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"surface.bpt\"}, "
                                   "{\"file\": \"surface.bpt\", \"transform\": {\"translate\": [9, 0, 0]}, "
                                   "\"keyframes\": [{\"time\": 1}, {\"time\": 3, \"translate\": [0, 0, 4], "

@@ -10,6 +10,7 @@
 
 #include "scene/features.h"
 #include "scene/scene.h"
+#include "rendering.h"
 #include "scene_parts.h"
 
 static const float square[12] = {0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0};
@@ -19,20 +20,6 @@ static const sl_material grey = {
 
 static sl_scene_parts square_parts(void) {
     return (sl_scene_parts){.vertex_count = 4, .positions = square, .triangle_count = 2, .indices = two};
-}
-
-static bool warns_of(const sl_scene *scene, const char *part) {
-    for (size_t i = 0; i < sl_scene_warning_count(scene); i++) {
-        if (strstr(sl_scene_warning(scene, i), part)) return true;
-    }
-    return false;
-}
-
-static sl_scene *build(const sl_scene_parts *parts) {
-    sl_scene *scene;
-    sl_error error = {0};
-    if (sl_scene_build(parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
-    return scene;
 }
 
 static void refuse(const sl_scene_parts *parts, const char *because) {
@@ -49,7 +36,7 @@ static void facets_without_normals_stay_facets(void **state) {
     static const float roof[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const uint32_t faces[9] = {0, 1, 2, 0, 2, 3, 0, 3, 1};
     sl_scene_parts parts = {.vertex_count = 4, .positions = roof, .triangle_count = 3, .indices = faces};
-    sl_scene *s = build(&parts);
+    sl_scene *s = scene_built(&parts);
     assert_int_equal(s->vertex_count, 9);
     for (uint32_t t = 0; t < 3; t++) {
         for (int c = 0; c < 3; c++) {
@@ -65,7 +52,7 @@ static void given_normals_are_made_unit_and_bad_ones_replaced(void **state) {
     const float normals[12] = {0, 0, 5, 0, 0, 0, NAN, 0, 1, 1e30f, 0, 1e30f};
     sl_scene_parts parts = square_parts();
     parts.normals = normals;
-    sl_scene *s = build(&parts);
+    sl_scene *s = scene_built(&parts);
     for (size_t v = 0; v < s->vertex_count; v++) {
         sl_vec3 n = sl_scene_normal(s, (uint32_t)v);
         assert_true(fabs((double)sl_dot(n, n) - 1.0) < 1e-6);
@@ -81,12 +68,12 @@ static void triangles_that_cannot_be_drawn_are_dropped_and_counted(void **state)
     const float positions[21] = {0, 0, 0, 1, 0, 0, 0, 1, 0, NAN, 0, 0, INFINITY, 0, 0, 2, 0, 0, 0, 0, 0};
     const uint32_t faces[18] = {0, 1, 2, 0, 1, 3, 0, 4, 2, 0, 1, 5, 0, 0, 1, 0, 1, 99};
     sl_scene_parts parts = {.vertex_count = 7, .positions = positions, .triangle_count = 6, .indices = faces};
-    sl_scene *s = build(&parts);
+    sl_scene *s = scene_built(&parts);
     assert_int_equal(sl_scene_triangle_count(s), 1);
     assert_int_equal(s->vertex_count, 3);
-    assert_true(warns_of(s, "2 triangles with NaN or infinite vertices"));
-    assert_true(warns_of(s, "2 triangles without area"));
-    assert_true(warns_of(s, "1 triangles with vertex indices out of range"));
+    assert_true(scene_warns_of(s, "2 triangles with NaN or infinite vertices"));
+    assert_true(scene_warns_of(s, "2 triangles without area"));
+    assert_true(scene_warns_of(s, "1 triangles with vertex indices out of range"));
     sl_scene_destroy(s);
 }
 
@@ -98,7 +85,7 @@ static void tiny_and_huge_triangles_keep_a_normal(void **state) {
         const uint32_t face[3] = {0, 1, 2};
         sl_scene_parts parts = {
             .vertex_count = 3, .positions = positions, .triangle_count = 1, .indices = face};
-        sl_scene *s = build(&parts);
+        sl_scene *s = scene_built(&parts);
         assert_true(s->geometric_normal_z[0] == 1.0f);
         assert_true(s->diagonal > 0.0f && isfinite(s->diagonal));
         assert_true(sl_is_finite(s->camera.eye) && isfinite(s->camera.back.z));
@@ -115,12 +102,12 @@ static void reflectance_above_one_is_scaled_per_channel(void **state) {
     sl_scene_parts parts = square_parts();
     parts.material_count = 1;
     parts.materials = &m;
-    sl_scene *s = build(&parts);
+    sl_scene *s = scene_built(&parts);
     const sl_material *got = &s->materials[0];
     assert_true(got->diffuse.r + got->specular.r <= 1.0f && got->diffuse.r > 0.499f);
     assert_true(got->diffuse.g == 0.5f && got->specular.g == 0.5f && got->diffuse.b == 0.2f &&
                 got->specular.b == 0.3f);
-    assert_true(warns_of(s, "'shiny'") && warns_of(s, "exceed 1"));
+    assert_true(scene_warns_of(s, "'shiny'") && scene_warns_of(s, "exceed 1"));
     sl_scene_destroy(s);
 }
 
@@ -168,9 +155,9 @@ static void a_mirror_has_no_other_lobe(void **state) {
     sl_scene_parts parts = square_parts();
     parts.material_count = 1;
     parts.materials = &m;
-    sl_scene *s = build(&parts);
+    sl_scene *s = scene_built(&parts);
     assert_true(sl_rgb_max(s->materials[0].diffuse) == 0.0f && s->materials[0].mirror.r == 1.0f);
-    assert_true(warns_of(s, "mirror"));
+    assert_true(scene_warns_of(s, "mirror"));
     assert_int_equal(sl_scene_features(s).mirror_triangles, 2);
     assert_int_equal(sl_scene_features(s).diffuse_triangles, 0);
     sl_scene_destroy(s);
@@ -185,7 +172,7 @@ static void emissive_triangles_become_emitters_in_order(void **state) {
     parts.material_count = 2;
     parts.materials = both;
     parts.material_index = index;
-    sl_scene *s = build(&parts);
+    sl_scene *s = scene_built(&parts);
     assert_int_equal(s->emitter_count, 1);
     assert_int_equal(s->emitters[0].triangle, 1);
     assert_true(s->emitters[0].area == 2.0f && s->emitters[0].radiance.r == 3.0f);
@@ -207,33 +194,33 @@ static void emitters_whose_area_vanishes_give_no_light_and_say_so(void **state) 
                             .indices = face,
                             .material_count = 1,
                             .materials = &m};
-    sl_scene *s = build(&parts);
+    sl_scene *s = scene_built(&parts);
     assert_int_equal(s->emitter_count, 0);
     assert_int_equal(s->emitter_of_triangle[0], SL_NO_INDEX);
-    assert_true(warns_of(s, "give no light"));
+    assert_true(scene_warns_of(s, "give no light"));
     sl_scene_destroy(s);
 }
 
 static void a_dark_scene_gets_the_stated_light_only_if_asked(void **state) {
     (void)state;
     sl_scene_parts parts = square_parts();
-    sl_scene *s = build(&parts);
+    sl_scene *s = scene_built(&parts);
     assert_false(s->environment.present);
-    assert_true(warns_of(s, "no light"));
+    assert_true(scene_warns_of(s, "no light"));
     sl_scene_destroy(s);
     parts.default_light = true;
-    s = build(&parts);
+    s = scene_built(&parts);
     assert_true(s->environment.present && s->environment.constant.g == 0.2f);
     assert_true(s->light_count == 1 && s->lights[0].type == SL_LIGHT_DIRECTIONAL &&
                 s->lights[0].intensity.g == 3.0f);
-    assert_true(warns_of(s, "no light: a sun"));
+    assert_true(scene_warns_of(s, "no light: a sun"));
     sl_scene_destroy(s);
     const sl_light light = {.type = SL_LIGHT_POINT, .position = {0, 0, 1}, .intensity = {1, 1, 1}};
     parts.light_count = 1;
     parts.lights = &light;
-    s = build(&parts);
+    s = scene_built(&parts);
     assert_false(s->environment.present);
-    assert_false(warns_of(s, "no light"));
+    assert_false(scene_warns_of(s, "no light"));
     sl_scene_destroy(s);
 }
 
@@ -244,8 +231,8 @@ static void a_missing_camera_frames_the_whole_box(void **state) {
         sl_scene_parts parts = square_parts();
         parts.film_width = films[f][0];
         parts.film_height = films[f][1];
-        sl_scene *s = build(&parts);
-        assert_true(warns_of(s, "no camera"));
+        sl_scene *s = scene_built(&parts);
+        assert_true(scene_warns_of(s, "no camera"));
         assert_true(s->camera.eye.z > s->box_max.z && s->camera.back.x > 0.3f && s->camera.back.y > 0.3f &&
                     s->camera.back.z > 0.8f);
         double up = tan(0.5 * (double)s->camera.vertical_fov), across = up * films[f][0] / films[f][1];
@@ -276,7 +263,7 @@ static void a_camera_needs_a_view_and_an_up_that_differ(void **state) {
 static void moving_the_camera_raises_the_version_and_changes_the_hash(void **state) {
     (void)state;
     sl_scene_parts parts = square_parts();
-    sl_scene *s = build(&parts), *same = build(&parts);
+    sl_scene *s = scene_built(&parts), *same = scene_built(&parts);
     assert_true(sl_scene_hash(s) == sl_scene_hash(same));
     const float eye[3] = {0, 0, 5}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
     uint64_t version = s->version, hash = sl_scene_hash(s);
@@ -294,7 +281,7 @@ static void the_hash_sees_whatever_reaches_a_pixel(void **state) {
     sl_material m = grey;
     parts.material_count = 1;
     parts.materials = &m;
-    sl_scene *s = build(&parts);
+    sl_scene *s = scene_built(&parts);
     uint64_t hash = sl_scene_hash(s);
     float *floats[] = {&s->position_x[1],          &s->normal_y[2],           &s->texture_u[0],
                        &s->materials[0].diffuse.g, &s->materials[0].exponent, &s->materials[0].emission.b,

@@ -46,10 +46,7 @@ static sl_scene *floor_with(int height(int column, int row), float depth) {
                                   .textures = &texture,
                                   .light_count = 1,
                                   .lights = &light};
-    sl_scene *scene;
-    sl_error error;
-    if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
-    return scene;
+    return scene_built(&parts);
 }
 
 static int even(int column, int row) { return (void)column, (void)row, 200; }

@@ -14,21 +14,11 @@
 #include "scene/file.h"
 #include "scene/json.h"
 #include "scene/model.h"
+#include "rendering.h"
 #include "scene_files.h"
 
-/* The message of what must fail; valid until the next call. */
-static const char *trouble(const char *text) {
-    static sl_error error;
-    sl_scene *scene = NULL;
-    error = (sl_error){0};
-    assert_int_equal(sl_scene_load(scene_file_text("limits.json", text), &scene, &error), SL_ERROR_INPUT);
-    assert_null(scene);
-    assert_null(strchr(error.message, '\n'));
-    return error.message;
-}
-
 static void expect(const char *text, const char *words) {
-    const char *message = trouble(text);
+    const char *message = load_refused(scene_file_text("limits.json", text));
     if (!strstr(message, words)) fail_msg("'%s' does not say '%s'", message, words);
 }
 
@@ -78,14 +68,8 @@ static void as_many_as_may_be_are_read_in_time(void **state) {
                "0,0],\"edge1\":[1,0,0],\"edge2\":[0,1,0],\"radiance\":1},",
                "{\"type\":\"point\",\"position\":[0,0,0],\"intensity\":0,\"keyframes\":[{\"time\":0}]}",
                SL_JSON_ENTRIES - 1, "]}");
-    sl_scene *scene = NULL;
-    sl_error error = {0};
-    if (sl_scene_load(scene_file_text("dark.json", text), &scene, &error) != SL_OK)
-        fail_msg("%s", error.message);
-    bool told = false;
-    for (size_t i = 0; i < sl_scene_warning_count(scene); i++)
-        told |= strstr(sl_scene_warning(scene, i), "65535 lights have no intensity and are left out") != NULL;
-    assert_true(told);
+    sl_scene *scene = load_scene(scene_file_text("dark.json", text));
+    assert_true(scene_warns_of(scene, "65535 lights have no intensity and are left out"));
     sl_scene_destroy(scene);
     free(text);
 }
@@ -113,16 +97,14 @@ static void write_sparse(const char *name, const char *start, long long bytes) {
 
 static void files_may_be_only_so_large(void **state) {
     (void)state;
-    sl_scene *scene = NULL;
-    sl_error error = {0};
     write_sparse("large.json", "{}", SL_JSON_BYTES + 1ll);
-    assert_int_equal(sl_scene_load(scene_file_path("large.json"), &scene, &error), SL_ERROR_INPUT);
-    assert_non_null(strstr(error.message, "expected a scene file of at most 67108864 bytes, got 67108865"));
+    assert_non_null(strstr(load_refused(scene_file_path("large.json")),
+                           "expected a scene file of at most 67108864 bytes, got 67108865"));
     static const char *const names[] = {"large.obj", "large.ply", "large.gltf", "large.bpt"};
     for (size_t i = 0; i < 4; i++) {
         write_sparse(names[i], "x", (long long)SL_FILE_BYTES + 1);
-        assert_int_equal(sl_scene_load(scene_file_path(names[i]), &scene, &error), SL_ERROR_INPUT);
-        assert_non_null(strstr(error.message, "expected a file of at most 2147483647 bytes, got 2147483648"));
+        assert_non_null(strstr(load_refused(scene_file_path(names[i])),
+                               "expected a file of at most 2147483647 bytes, got 2147483648"));
     }
     /* blanks and commas: no JSON, but small enough */
     char *text = repeat("{\"softlux\":1,\"lights\":[", " ", SL_JSON_BYTES / 2 - 16, "0]}");

@@ -10,17 +10,11 @@
 #include <cmocka.h>
 
 #include "scene/scene.h"
+#include "rendering.h"
 #include "scene_files.h"
 
-static sl_scene *load(const char *path) {
-    sl_scene *scene;
-    sl_error error = {0};
-    if (sl_scene_load(path, &scene, &error) != SL_OK) fail_msg("%s", error.message);
-    return scene;
-}
-
 static uint64_t hash_of(const char *obj) {
-    sl_scene *scene = load(scene_file_text("a.obj", obj));
+    sl_scene *scene = load_scene(scene_file_text("a.obj", obj));
     uint64_t hash = sl_scene_hash(scene);
     sl_scene_destroy(scene);
     return hash;
@@ -31,18 +25,15 @@ static void expect_same(const char *obj, const char *plain) {
 }
 
 static void refuse(const char *obj, const char *rest) {
-    const char *path = scene_file_text("bad.obj", obj);
-    sl_scene *scene;
-    sl_error error = {0};
-    assert_int_equal(sl_scene_load(path, &scene, &error), SL_ERROR_INPUT);
-    assert_int_equal(strncmp(error.message, path, strlen(path)), 0);
-    assert_string_equal(error.message + strlen(path), rest);
+    const char *path = scene_file_text("bad.obj", obj), *message = load_refused(path);
+    assert_int_equal(strncmp(message, path, strlen(path)), 0);
+    assert_string_equal(message + strlen(path), rest);
 }
 
 /* The first material of a library of one, which a triangle uses. */
 static sl_material material_of(const char *mtl) {
     scene_file_text("m.mtl", mtl);
-    sl_scene *scene = load(scene_file_text(
+    sl_scene *scene = load_scene(scene_file_text(
         "m.obj",
         "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"));
     for (size_t i = 0; i < scene->material_count; i++) {
@@ -92,7 +83,7 @@ static void odd_triangles_are_those_of_the_plain_spelling(void **state) {
 }
 
 static double area_of(const char *obj, size_t triangles) {
-    sl_scene *scene = load(scene_file_text("polygon.obj", obj));
+    sl_scene *scene = load_scene(scene_file_text("polygon.obj", obj));
     double area = 0.0;
     assert_int_equal(sl_scene_triangle_count(scene), triangles);
     for (uint32_t t = 0; t < triangles; t++) {
@@ -136,7 +127,7 @@ static void a_polygon_that_crosses_itself_and_one_of_many_corners_are_cut_someho
 static void names_keep_what_elsewhere_is_a_comment(void **state) {
     (void)state;
     scene_file_text("hash #1.mtl", "newmtl Material #25\nKd 0.1 0.2 0.3\n");
-    sl_scene *scene = load(scene_file_text(
+    sl_scene *scene = load_scene(scene_file_text(
         "named.obj", " mtllib hash #1.mtl \nv 0 0 0\nv 1 0 0\nv 0 1 0\n usemtl Material #25 \nf 1 2 3\n"));
     assert_true(scene->materials[scene->material_index[0]].diffuse.g == 0.2f);
     assert_string_equal(scene->materials[scene->material_index[0]].name, "Material #25");
@@ -194,7 +185,7 @@ static void expect_grey(sl_rgb colour, float value) {
 static void expect_reds(const char *obj, float first, float second, float third) {
     scene_file_text("one.mtl", "newmtl one\nKd 0.25\n");
     scene_file_text("two.mtl", "newmtl two\nKd 0.5\n");
-    sl_scene *scene = load(scene_file_text("m.obj", obj));
+    sl_scene *scene = load_scene(scene_file_text("m.obj", obj));
     assert_int_equal(sl_scene_triangle_count(scene), 3);
     for (uint32_t t = 0; t < 3; t++) {
         int which = (int)scene->position_x[scene->vertex[0][t]];
@@ -242,17 +233,15 @@ static const char a_triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 
 static void refuse_library(const char *mtl, const char *rest) {
     const char *library = scene_file_text("m.mtl", mtl);
     scene_file_text("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
-    sl_scene *scene;
-    sl_error error = {0};
-    assert_int_equal(sl_scene_load(scene_file_path("m.obj"), &scene, &error), SL_ERROR_INPUT);
-    assert_int_equal(strncmp(error.message, library, strlen(library)), 0);
-    assert_string_equal(error.message + strlen(library), rest);
+    const char *message = load_refused(scene_file_path("m.obj"));
+    assert_int_equal(strncmp(message, library, strlen(library)), 0);
+    assert_string_equal(message + strlen(library), rest);
 }
 
 /* How many of a file's warnings end like that. */
 static size_t warnings(const char *obj, const char *end) {
     size_t found = 0;
-    sl_scene *scene = load(scene_file_text("m.obj", obj));
+    sl_scene *scene = load_scene(scene_file_text("m.obj", obj));
     for (size_t i = 0; i < sl_scene_warning_count(scene); i++) {
         const char *warning = sl_scene_warning(scene, i);
         found += strlen(warning) >= strlen(end) && strcmp(warning + strlen(warning) - strlen(end), end) == 0;
@@ -363,7 +352,7 @@ static void of_very_many_warnings_the_first_hundred_are_told_and_the_others_coun
     const int first = 8; /* line */
     for (int i = 0; i < MANY; i++)
         at += snprintf(obj + at, sizeof obj - (size_t)at, "usemtl %c%d\nf 1 2 3\n", 'z' - i % 26, i);
-    sl_scene *scene = load(scene_file_text("m.obj", obj));
+    sl_scene *scene = load_scene(scene_file_text("m.obj", obj));
     size_t count = sl_scene_warning_count(scene);
     for (int i = 0; i < 100; i++) {
         char wanted[80];
@@ -379,7 +368,7 @@ static void of_very_many_warnings_the_first_hundred_are_told_and_the_others_coun
 static void a_material_without_a_name_is_that_of_faces_that_name_none(void **state) {
     (void)state;
     scene_file_text("m.mtl", "newmtl \nKd 0.25\nnewmtl m\nKd 0.5\n");
-    sl_scene *scene = load(scene_file_text(
+    sl_scene *scene = load_scene(scene_file_text(
         "m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\nusemtl \nf 1 2 3\n"));
     expect_grey(scene->materials[scene->material_index[1]].diffuse, 0.25f);
     sl_scene_destroy(scene);
@@ -389,17 +378,13 @@ static void bytes_of_zero_are_no_text(void **state) {
     (void)state;
     static const char obj[] = "v 0 0 0\nv 1 0 0\n\0v 0 1 0\nf 1 2 3\n";
     const char *path = scene_file_write("zero.obj", obj, sizeof obj - 1);
-    sl_scene *scene;
-    sl_error error = {0};
-    assert_int_equal(sl_scene_load(path, &scene, &error), SL_ERROR_INPUT);
-    assert_string_equal(error.message + strlen(path), ":3: expected text, got a byte that is zero");
+    assert_string_equal(load_refused(path) + strlen(path), ":3: expected text, got a byte that is zero");
     static const char mtl[] = "newmtl m\r\nKd 0.5\0\r\n";
     path = scene_file_write("zero.mtl", mtl, sizeof mtl - 1);
-    assert_int_equal(
-        sl_scene_load(scene_file_text("m.obj", "mtllib zero.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
-                      &scene, &error),
-        SL_ERROR_INPUT);
-    assert_string_equal(error.message + strlen(path), ":2: expected text, got a byte that is zero");
+    assert_string_equal(load_refused(scene_file_text("m.obj", "mtllib zero.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 "
+                                                              "0\nf 1 2 3\n")) +
+                            strlen(path),
+                        ":2: expected text, got a byte that is zero");
 }
 
 static void faces_that_are_none_are_counted(void **state) {

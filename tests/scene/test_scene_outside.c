@@ -5,34 +5,20 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
+#include "rendering.h"
 #include "scene/scene.h"
+#include "scene_files.h"
 
-/* ROOT/secret.* and ROOT/inside/scene.json; what lies below inside/ may be read. */
-static char root[64];
+/* secret.* and inside/scene.json; what lies below inside/ may be read. */
+static const char *at(const char *name) { return scene_file_path(name); }
 
-static const char *at(const char *name) {
-    static char paths[64][256]; /* as many as a test keeps at once */
-    static unsigned next;
-    char *path = paths[next++ % 64];
-    snprintf(path, sizeof paths[0], "%s/%s", root, name);
-    return path;
-}
-
-static void write_bytes(const char *name, const void *data, size_t size) {
-    FILE *file = fopen(at(name), "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
-static void write_text(const char *name, const char *text) { write_bytes(name, text, strlen(text)); }
+static void write_text(const char *name, const char *text) { scene_file_text(name, text); }
 
 static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
 /* TGA, one pixel */
@@ -40,55 +26,35 @@ static const uint8_t picture[] = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0
 
 static int make_folders(void **state) {
     (void)state;
-    strcpy(root, "/tmp/softlux-outside-XXXXXX");
-    if (!mkdtemp(root) || mkdir(at("inside"), 0700) != 0 || mkdir(at("inside/below"), 0700) != 0) return 1;
+    if (mkdir(at("inside"), 0700) != 0 || mkdir(at("inside/below"), 0700) != 0) return 1;
     write_text("secret.obj", triangle);
     write_text("secret.mtl", "newmtl m\nKd 1 0 0\n");
-    write_bytes("secret.tga", picture, sizeof picture);
-    write_bytes("secret.bin", (float[9]){0, 0, 0, 1, 0, 0, 0, 1, 0}, 36);
+    scene_file_write("secret.tga", picture, sizeof picture);
+    scene_file_write("secret.bin", (float[9]){0, 0, 0, 1, 0, 0, 0, 1, 0}, 36);
     write_text("secret.pfm", "PF\n1 1\n-1.0\nabcdefghijkl");
     write_text("inside/mesh.obj", triangle);
-    write_bytes("inside/below/inner.tga", picture, sizeof picture);
-    return symlink("../secret.obj", at("inside/link.obj")) | symlink(root, at("inside/up")) |
+    scene_file_write("inside/below/inner.tga", picture, sizeof picture);
+    return symlink("../secret.obj", at("inside/link.obj")) | symlink(at(""), at("inside/up")) |
            symlink("inside/mesh.obj", at("named.obj"));
-}
-
-static int remove_folders(void **state) {
-    static const char *const files[] = {
-        "secret.obj",   "secret.mtl",      "secret.tga",      "secret.bin",   "secret.pfm",
-        "named.obj",    "inside/mesh.obj", "inside/link.obj", "inside/up",    "inside/scene.json",
-        "inside/a.obj", "inside/a.mtl",    "inside/a.gltf",   "inside/t.tga", "inside/below/inner.tga"};
-    (void)state;
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) unlink(at(files[i]));
-    rmdir(at("inside/below"));
-    rmdir(at("inside"));
-    return rmdir(root);
 }
 
 /* Refused with one line that names the place, the file and the way to allow it; and allowed where that is
  * asked for. */
 static void expect_refusal(const char *scene_file, const char *place, const char *file) {
-    sl_scene *scene = NULL;
-    sl_error error = {0};
-    assert_int_equal(sl_scene_load(at(scene_file), &scene, &error), SL_ERROR_INPUT);
-    assert_null(scene);
+    const char *message = load_refused(at(scene_file));
     const char *const words[] = {at(place), file, "lies outside of the scene's folder", "--allow-outside"};
     for (size_t i = 0; i < 4; i++) {
-        if (!strstr(error.message, words[i])) fail_msg("'%s' does not say '%s'", error.message, words[i]);
+        if (!strstr(message, words[i])) fail_msg("'%s' does not say '%s'", message, words[i]);
     }
-    assert_null(strchr(error.message, '\n'));
+    sl_scene *scene = NULL;
+    sl_error error;
     if (sl_scene_load_with(at(scene_file), &(sl_load_options){.allow_outside = true}, &scene, &error) !=
         SL_OK)
         fail_msg("%s", error.message);
     sl_scene_destroy(scene);
 }
 
-static void expect_scene(const char *scene_file) {
-    sl_scene *scene = NULL;
-    sl_error error = {0};
-    if (sl_scene_load(at(scene_file), &scene, &error) != SL_OK) fail_msg("%s", error.message);
-    sl_scene_destroy(scene);
-}
+static void expect_scene(const char *scene_file) { sl_scene_destroy(load_scene(at(scene_file))); }
 
 static void scene_of(const char *format, const char *name) {
     char text[512];
@@ -155,8 +121,8 @@ static void a_texture_beside_its_mesh_is_taken_whatever_folder_is_named(void **s
     snprintf(text, sizeof text, "mtllib a.mtl\n%s", triangle);
     write_text("inside/a.obj", text);
     write_text("inside/a.mtl", "newmtl m\nmap_Kd ../secret.tga\n");
-    write_bytes("t.tga", picture, sizeof picture);
-    write_bytes("inside/t.tga", picture, sizeof picture);
+    scene_file_write("t.tga", picture, sizeof picture);
+    scene_file_write("inside/t.tga", picture, sizeof picture);
     write_text("inside/a.mtl", "newmtl m\nmap_Kd ../t.tga\n");
     expect_scene("inside/a.obj");
     unlink(at("t.tga"));
@@ -188,5 +154,5 @@ int main(void) {
         cmocka_unit_test(buffers_of_gltf_outside_are_refused),
         cmocka_unit_test(a_link_that_is_asked_for_by_name_is_followed),
     };
-    return cmocka_run_group_tests(tests, make_folders, remove_folders);
+    return cmocka_run_group_tests(tests, make_folders, scene_files_teardown);
 }

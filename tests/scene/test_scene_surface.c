@@ -18,13 +18,6 @@ static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 static const float uvs[6] = {0, 0, 1, 0, 0, 1};
 static const uint32_t face[3] = {0, 1, 2};
 
-static sl_scene *build(const sl_scene_parts *parts) {
-    sl_scene *scene;
-    sl_error error = {0};
-    if (sl_scene_build(parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
-    return scene;
-}
-
 static sl_scene *triangle(const float *normals, const sl_material *material, sl_texture *texture) {
     sl_scene_parts parts = {.vertex_count = 3,
                             .positions = corners,
@@ -36,7 +29,7 @@ static sl_scene *triangle(const float *normals, const sl_material *material, sl_
                             .materials = material,
                             .texture_count = texture ? 1 : 0,
                             .textures = texture};
-    return build(&parts);
+    return scene_built(&parts);
 }
 
 static void the_side_seen_decides_which_way_normals_point(void **state) {
@@ -130,7 +123,7 @@ static sl_scene *scene_under(const sl_environment *environment) {
                             .triangle_count = 1,
                             .indices = face,
                             .environment = environment};
-    return build(&parts);
+    return scene_built(&parts);
 }
 
 static sl_scene *scene_under_numbered_sky(void) {

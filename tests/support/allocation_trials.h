@@ -244,13 +244,8 @@ static bool make_board(void) {
 }
 
 /* SOFTLUX_EVERY_ALLOCATION=1: all paths are tried, foreign ones too, and with all that follow failing as
- * well. SOFTLUX_EVERY_ALLOCATION=N, above 1: every N-th call of ours, alone. Unset: `some` paths of ours. */
-static long how_many_to_try(long some) {
-    const char *text = getenv("SOFTLUX_EVERY_ALLOCATION");
-    long n = text ? atol(text) : 0;
-    if (n > 1) every_nth = n;
-    return n > 0 ? 0 : some;
-}
+ * well. Unset: `some` paths of ours. */
+static long how_many_to_try(long some) { return getenv("SOFTLUX_EVERY_ALLOCATION") ? 0 : some; }
 
 /* Returns how many faults there are. most: how many of our own paths are tried; 0: see above. */
 static long try_case(const fault_case *c, long most) {
@@ -262,7 +257,7 @@ static long try_case(const fault_case *c, long most) {
     if (wait_for(child) != 0) return fprintf(stderr, "%s: does not work at all\n", c->name), 1;
     long ours = 0, count = board->path_count;
     for (long i = 0; i < count; i++) ours += !board->path[i].foreign;
-    const int ways = most || every_nth ? 1 : 2;
+    const int ways = most ? 1 : 2;
     for (int all = 0; all < ways; all++) {
         all_from_there_on = all;
         for (int foreign = 0; foreign < ways; foreign++) {
@@ -272,10 +267,10 @@ static long try_case(const fault_case *c, long most) {
         }
     }
     printf(
-        "result %-34s %7ld allocations, %5ld %s from %4ld places (%ld of ours); %ld tried, %ld did without, "
+        "result %-34s %7ld allocations, %5ld paths (%ld of ours); %ld tried, %ld did without, "
         "%ld times ended or spoilt by foreign code and %ld times another reason from it, %ld faults\n",
-        c->name, board->allocations, count, every_nth ? "calls chosen" : "paths", board->place_count, ours,
-        board->trials, board->absorbed, board->foreign, board->misnamed, board->faults);
+        c->name, board->allocations, count, ours, board->trials, board->absorbed, board->foreign,
+        board->misnamed, board->faults);
     return board->faults;
 }
 

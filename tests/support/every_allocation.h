@@ -1,8 +1,7 @@
 /* A test program that includes this has the allocators of the whole process in its hands: of the library, of
  * the libraries that it uses, of C++. While a window is open allocations are counted, and one that was chosen
  * fails (or all from there on). A first run of some piece of work tells which call paths allocate, and each
- * path's first allocation is then made to fail, in children, which may crash; or every n-th allocation is,
- * whatever its path. */
+ * path's first allocation is then made to fail, in children, which may crash. */
 #ifndef SL_TESTS_EVERY_ALLOCATION_H
 #define SL_TESTS_EVERY_ALLOCATION_H
 
@@ -26,8 +25,7 @@
 
 enum { FAULT_FRAMES = 20, FAULT_SLOTS = 1 << 16, FAULT_PATHS = FAULT_SLOTS / 2 };
 
-/* A call path that allocates (or an n-th call): which allocation was its first, and whose code asked for it.
- */
+/* A call path that allocates: which allocation was its first, and whose code asked for it. */
 typedef struct fault_path {
     uint64_t hash;
     long first;
@@ -37,9 +35,9 @@ typedef struct fault_path {
 
 /* What parent and children share. */
 typedef struct fault_board {
-    long allocations, path_count, place_count;
+    long allocations, path_count;
     fault_path path[FAULT_PATHS];
-    uint64_t path_slot[FAULT_SLOTS], place_slot[FAULT_SLOTS]; /* sets of hashes */
+    uint64_t path_slot[FAULT_SLOTS]; /* a set of hashes */
     uint64_t expected; /* what comes out where nothing fails */
     atomic_long at;    /* the path under trial */
     long trials, absorbed, foreign, misnamed, faults;
@@ -53,7 +51,6 @@ static atomic_bool window_open, recording;
 static atomic_long allocation_number;
 static long failing_number = -1;
 static bool all_from_there_on;
-static long every_nth; /* call, whatever its path; 0: every path once */
 /* or only what the window's own thread allocates: that comes in the same order each time */
 static bool all_threads;
 static _Thread_local bool opened_window;
@@ -147,14 +144,11 @@ static void note_path(long number, void *caller) {
     uint64_t hash = hash_of(s.at, s.count);
     while (atomic_flag_test_and_set(&lock)) {}
     int owner;
-    bool wanted = every_nth ? number % every_nth == 0 : is_new(board->path_slot, hash);
-    if (board->path_count < FAULT_PATHS && wanted && (owner = owner_of(&s)) >= 0) {
+    if (board->path_count < FAULT_PATHS && is_new(board->path_slot, hash) && (owner = owner_of(&s)) >= 0) {
         fault_path *path = &board->path[board->path_count++];
         const char *module = module_of(s.at[owner]);
         *path = (fault_path){.hash = hash, .first = number, .foreign = is_foreign(module)};
         snprintf(path->owner, sizeof path->owner, "%s", module);
-        /* sl_allocate() and who called it */
-        board->place_count += is_new(board->place_slot, hash_of(s.at + owner, owner + 2 < s.count ? 2 : 1));
     }
     atomic_flag_clear(&lock);
 }

@@ -5,45 +5,10 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-int make_temporary_folder(void **state) {
-    char *folder = strdup("/tmp/softlux-test-XXXXXX");
-    *state = folder;
-    return folder && mkdtemp(folder) ? 0 : -1;
-}
-
-int remove_temporary_folder(void **state) {
-    char *folder = *state;
-    DIR *directory = opendir(folder);
-    for (struct dirent *entry; directory && (entry = readdir(directory));) {
-        if (entry->d_name[0] != '.') unlink(temporary_path(state, entry->d_name));
-    }
-    if (directory) closedir(directory);
-    int result = rmdir(folder);
-    free(folder);
-    return result;
-}
-
-const char *temporary_path(void **state, const char *name) {
-    static char paths[4][512];
-    static unsigned next;
-    char *path = paths[next++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", (const char *)*state, name);
-    return path;
-}
-
-void write_file(const char *path, const void *bytes, size_t size) {
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
 
 uint8_t *read_file(const char *path, size_t *size) {
     FILE *file = fopen(path, "rb");

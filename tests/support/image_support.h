@@ -1,4 +1,4 @@
-/* What the tests of picture files share: a temporary folder, whole files as bytes, and EXR files written
+/* What the tests of picture files share: whole files as bytes, and EXR files written
  * through OpenEXR itself with every layout that it knows. */
 #ifndef TESTS_IMAGE_SUPPORT_H
 #define TESTS_IMAGE_SUPPORT_H
@@ -9,13 +9,6 @@
 
 #include "softlux.h"
 
-/* cmocka group fixtures: *state becomes the folder's name. */
-int make_temporary_folder(void **state);
-int remove_temporary_folder(void **state);
-/* "FOLDER/name"; one of a few static buffers, good for a test's statement or two. */
-const char *temporary_path(void **state, const char *name);
-
-void write_file(const char *path, const void *bytes, size_t size);
 /* The caller frees it with free(). */
 uint8_t *read_file(const char *path, size_t *size);
 

@@ -27,9 +27,7 @@ static inline sl_scene *scene_of_triangles(const float *xyz, size_t count) {
                             .indices = indices,
                             .material_count = 1,
                             .materials = &grey};
-    sl_scene *scene = NULL;
-    sl_error error;
-    if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    sl_scene *scene = scene_built(&parts);
     free(indices);
     return scene;
 }

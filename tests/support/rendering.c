@@ -20,6 +20,22 @@ sl_scene *load_scene(const char *path) {
     return scene;
 }
 
+const char *load_refused(const char *path) {
+    static sl_error error;
+    sl_scene *scene = (sl_scene *)&error; /* no result */
+    error = (sl_error){0};
+    assert_int_equal(sl_scene_load(path, &scene, &error), SL_ERROR_INPUT);
+    assert_null(scene);
+    assert_null(strchr(error.message, '\n'));
+    return error.message;
+}
+
+bool scene_warns_of(const sl_scene *scene, const char *words) {
+    size_t i = 0;
+    while (i < sl_scene_warning_count(scene) && !strstr(sl_scene_warning(scene, i), words)) i++;
+    return i < sl_scene_warning_count(scene);
+}
+
 static void write_text(const char *path, const char *text) {
     FILE *file = fopen(path, "w");
     assert_non_null(file);

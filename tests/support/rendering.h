@@ -6,6 +6,10 @@
 #include "cache/frame/settings.h"
 
 sl_scene *load_scene(const char *path);
+/* Returns the one line in which a file is refused as input; good until the next call. */
+const char *load_refused(const char *path);
+/* Tells whether a scene has a warning that holds the words. */
+bool scene_warns_of(const sl_scene *scene, const char *words);
 /* A scene file from text, in a temporary folder; mesh text (OBJ) may be NULL, else the scene calls it
  * "mesh.obj". */
 sl_scene *scene_from_text(const char *json, const char *obj);

@@ -1,6 +1,11 @@
 #include "scene_parts.h"
 
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
 #include <string.h>
+
+#include <cmocka.h>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -87,4 +92,11 @@ sl_status sl_scene_build(const sl_scene_parts *parts, sl_scene **scene, sl_error
     if (status == SL_OK) status = sl_model_build(&m, scene, error);
     sl_model_clear(&m);
     return status;
+}
+
+sl_scene *scene_built(const sl_scene_parts *parts) {
+    sl_scene *scene;
+    sl_error error = {0};
+    if (sl_scene_build(parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    return scene;
 }

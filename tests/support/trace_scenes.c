@@ -134,10 +134,7 @@ sl_scene *trace_mesh_build(trace_mesh *mesh) {
                             .textures = mesh->textures,
                             .environment = mesh->environment,
                             .camera = mesh->has_camera ? &mesh->camera : NULL};
-    sl_scene *scene;
-    sl_error error = {0};
-    sl_status status = sl_scene_build(&parts, &scene, &error);
-    if (status != SL_OK) fail_msg("%s", error.message);
+    sl_scene *scene = scene_built(&parts);
     trace_mesh_discard(mesh);
     return scene;
 }
@@ -158,3 +155,76 @@ bool emitter_point(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1,
     sample->radiance = sl_rgb_scale(e->radiance, e->area * cosine / (sample->distance * sample->distance));
     return true;
 }
+
+sl_scene *trace_scene_lit_by(unsigned lights, bool mirrors) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0),
+             glossy = trace_mesh_material(&mesh, 0.2f, 0.5f, 10, 0, 0);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
+             lamp = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 9.0f);
+    mesh.materials[lamp].emission_two_sided = lights >> 5 & 1;
+    trace_mesh_quad(&mesh, sl_v3(-3, -1.2f, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0), wall);
+    trace_mesh_quad(&mesh, sl_v3(-3, -0.7f, -3.5f), sl_v3(6, 0, 0), sl_v3(0, 4, 0),
+                    mirrors ? mirror : glossy);
+    trace_mesh_sphere(&mesh, sl_v3(0.4f, 0, 0), 0.8f, 8, 0.2f, false, glossy);
+    if (mirrors) trace_mesh_sphere(&mesh, sl_v3(-1.4f, 0, 0.5f), 0.5f, 8, 0.0f, false, mirror);
+    if (lights & 1) trace_mesh_quad(&mesh, sl_v3(-1.5f, 2.5f, -1.5f), sl_v3(3, 0, 0), sl_v3(0, 0, 3), lamp);
+    if (lights & 2) {
+        mesh.lights[mesh.light_count++] =
+            (sl_light){.type = SL_LIGHT_POINT, .position = {2, 2, 2}, .intensity = {9, 8, 7}};
+    }
+    if (lights & 4) {
+        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT,
+                                                     .position = {-2, 2, 2},
+                                                     .direction = {0.6f, -0.64f, -0.48f},
+                                                     .intensity = {30, 20, 10},
+                                                     .cos_inner = 0.95f,
+                                                     .cos_outer = 0.7f};
+    }
+    if (lights & 8) {
+        mesh.lights[mesh.light_count++] =
+            (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, -0.8f}, .intensity = {1, 2, 3}};
+    }
+    static float texels[3 * 8 * 4];
+    for (int i = 0; i < 3 * 8 * 4; i++) texels[i] = 0.2f + 0.1f * (float)(i / 3 % 5);
+    sl_environment sky = {.present = true, .width = 8, .height = 4, .texels = texels};
+    if (lights & 16) mesh.environment = &sky;
+    mesh.has_camera = true;
+    assert_true(sl_camera_look_at(&mesh.camera, sl_v3(1, 1, 4), sl_v3(0, 0.1f, 0), sl_v3(0, 1, 0), 0.9f));
+    return trace_mesh_build(&mesh);
+}
+
+/* ---- pictures ---- */
+
+sl_transport transport_of(const char *name) {
+    sl_transport transport;
+    assert_true(sl_transport_named(name, &transport));
+    return transport;
+}
+
+trace_picture trace_picture_of(const sl_scene *scene, const sl_path_settings *settings, unsigned samples,
+                               bool backwards) {
+    const size_t pixels = (size_t)settings->width * (size_t)settings->height;
+    trace_picture p = {.counters = {{0}}};
+    float *planes = calloc(9 * pixels, sizeof *planes);
+    sl_tracer *tracer;
+    sl_path_tracer *path;
+    assert_non_null(planes);
+    assert_int_equal(sl_tracer_create(scene, settings->threads, NULL, &tracer, NULL), SL_OK);
+    assert_int_equal(sl_path_tracer_create(scene, tracer, settings, &path, NULL), SL_OK);
+    for (unsigned i = 0; i < samples; i++)
+        assert_int_equal(sl_path_tracer_sample(path, backwards ? samples - 1 - i : i, &p.counters, NULL),
+                         SL_OK);
+    assert_int_equal(p.counters.value[SL_COUNT_NONFINITE], 0);
+    for (int k = 0; k < 9; k++) p.plane[k / 3][k % 3] = planes + (size_t)k * pixels;
+    for (int half = -1; half < 2; half++) {
+        float **of = p.plane[half + 1];
+        sl_path_tracer_mean(path, half, of[0], of[1], of[2]);
+    }
+    for (size_t i = 0; i < 9 * pixels; i++) assert_true(planes[i] >= 0.0f && isfinite(planes[i]));
+    sl_path_tracer_destroy(path);
+    sl_tracer_destroy(tracer);
+    return p;
+}
+
+void trace_picture_free(trace_picture *picture) { free(picture->plane[0][0]); }

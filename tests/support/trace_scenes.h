@@ -37,6 +37,21 @@ uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, fl
                              float emission);
 sl_scene *trace_mesh_build(trace_mesh *mesh);
 void trace_mesh_discard(trace_mesh *mesh);
+/* Diffuse, glossy and mirror surfaces, shading normals off their facets, seen from before them; which lights,
+ * bit by bit: lamp, point, spot, distant, sky; and whether the lamp shines on both sides. */
+sl_scene *trace_scene_lit_by(unsigned lights, bool mirrors);
+sl_transport transport_of(const char *name);
+
+/* What a path tracer makes of a scene. */
+typedef struct trace_picture {
+    float *plane[3][3]; /* of all samples, the even and the odd ones: R, G and B, one behind the other */
+    sl_counters counters;
+} trace_picture;
+
+/* Takes samples 0, 1, ..., or the last of them first. The caller frees it. */
+trace_picture trace_picture_of(const sl_scene *scene, const sl_path_settings *settings, unsigned samples,
+                               bool backwards);
+void trace_picture_free(trace_picture *picture);
 /* A point of an emitter, uniform by area: to_light, distance, and radiance over its density in solid angle.
  * False: the emitter is dark on that side. */
 bool emitter_point(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2,

@@ -26,10 +26,7 @@ void browser_press(browser *browser, const char *key);
 /* How many messages of level SEVERE the console has had; each is printed. */
 int browser_errors(browser *browser);
 
-#define KEY_ENTER "\xee\x80\x87"
 #define KEY_HOME "\xee\x80\x91"
-#define KEY_LEFT "\xee\x80\x92"
-#define KEY_UP "\xee\x80\x93"
 #define KEY_RIGHT "\xee\x80\x94"
 #define KEY_DOWN "\xee\x80\x95"
 

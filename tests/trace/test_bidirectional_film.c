@@ -23,44 +23,17 @@ enum { SAMPLES = 64 };
 #endif
 enum { WIDTH = 24, HEIGHT = 20, PIXELS = WIDTH * HEIGHT };
 
-static sl_transport transport_of(const char *name) {
-    sl_transport transport;
-    assert_true(sl_transport_named(name, &transport));
-    return transport;
-}
-
 /* ---- whole pictures -------------------------------------------------------------------------- */
 
-typedef struct picture {
-    float planes[3][3 * PIXELS]; /* all, even, odd samples */
-} picture;
-
-static picture *render_film(const sl_scene *scene, const sl_path_settings *settings, unsigned samples) {
-    picture *p = calloc(1, sizeof *p);
-    sl_counters counters = {{0}};
-    sl_tracer *tracer;
-    sl_path_tracer *path;
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
-    assert_int_equal(sl_path_tracer_create(scene, tracer, settings, &path, NULL), SL_OK);
-    for (unsigned i = 0; i < samples; i++)
-        assert_int_equal(sl_path_tracer_sample(path, i, &counters, NULL), SL_OK);
-    assert_int_equal(counters.value[SL_COUNT_NONFINITE], 0);
-    for (int h = -1; h < 2; h++) {
-        float *q = p->planes[h + 1];
-        sl_path_tracer_mean(path, h, q, q + PIXELS, q + 2 * PIXELS);
-    }
-    for (int i = 0; i < 3 * PIXELS; i++) assert_true(p->planes[0][i] >= 0.0f && isfinite(p->planes[0][i]));
-    sl_path_tracer_destroy(path);
-    sl_tracer_destroy(tracer);
-    return p;
+static trace_picture render_path(const sl_scene *scene, const sl_transport *transport, unsigned samples) {
+    return trace_picture_of(scene, &(sl_path_settings){WIDTH, HEIGHT, 2, 11, *transport, false}, samples,
+                            false);
 }
 
-static picture *render_path(const sl_scene *scene, const sl_transport *transport, unsigned samples) {
-    return render_film(scene, &(sl_path_settings){WIDTH, HEIGHT, 2, 11, *transport, false}, samples);
-}
-
-static picture *render_both_ways(const sl_scene *scene, const sl_transport *transport, unsigned samples) {
-    return render_film(scene, &(sl_path_settings){WIDTH, HEIGHT, 2, 5, *transport, true}, samples);
+static trace_picture render_both_ways(const sl_scene *scene, const sl_transport *transport,
+                                      unsigned samples) {
+    return trace_picture_of(scene, &(sl_path_settings){WIDTH, HEIGHT, 2, 5, *transport, true}, samples,
+                            false);
 }
 
 /* Two pictures of the same: how far the means of blocks of 4 x 4 pixels are apart, over what the pictures'
@@ -71,19 +44,21 @@ typedef struct agreement {
     double means;  /* in standard errors */
 } agreement;
 
-static agreement compare(const picture *a, const picture *b) {
+static agreement compare(const trace_picture *first, const trace_picture *second) {
+    float *a[3], *b[3]; /* of all, even and odd samples */
+    for (int h = 0; h < 3; h++) a[h] = first->plane[h][0], b[h] = second->plane[h][0];
     double difference = 0.0, noise = 0.0, sum = 0.0, variance = 0.0, whole = 0.0;
-    for (int i = 0; i < 3 * PIXELS; i++) whole += (double)a->planes[0][i] / (3.0 * PIXELS);
+    for (int i = 0; i < 3 * PIXELS; i++) whole += (double)a[0][i] / (3.0 * PIXELS);
     for (int c = 0; c < 3; c++) {
         for (int y = 0; y < HEIGHT; y += 4) {
             for (int x = 0; x < WIDTH; x += 4) {
                 double d = 0.0, na = 0.0, nb = 0.0, level = 0.0;
                 for (int k = 0; k < 16; k++) {
                     int i = c * PIXELS + (y + k / 4) * WIDTH + x + k % 4;
-                    d += (double)a->planes[0][i] - (double)b->planes[0][i];
-                    na += 0.5 * ((double)a->planes[1][i] - (double)a->planes[2][i]);
-                    nb += 0.5 * ((double)b->planes[1][i] - (double)b->planes[2][i]);
-                    level += (double)a->planes[0][i];
+                    d += (double)a[0][i] - (double)b[0][i];
+                    na += 0.5 * ((double)a[1][i] - (double)a[2][i]);
+                    nb += 0.5 * ((double)b[1][i] - (double)b[2][i]);
+                    level += (double)a[0][i];
                 }
                 level = 0.0625 * level + 0.3 * whole; /* a block that is all but black tells nothing */
                 double scale = 1.0 / (level * level);
@@ -98,7 +73,7 @@ static agreement compare(const picture *a, const picture *b) {
     return (agreement){difference / fmax(noise, 1e-12), fabs(sum) / sqrt(3.0 * variance + 1e-12)};
 }
 
-static void check_equal(const char *what, const picture *a, const picture *b) {
+static void check_equal(const char *what, const trace_picture *a, const trace_picture *b) {
     agreement found = compare(a, b);
     print_message("%-34s squared difference over noise %.2f, means %.1f standard errors apart\n", what,
                   found.blocks, found.means);
@@ -106,10 +81,11 @@ static void check_equal(const char *what, const picture *a, const picture *b) {
 }
 
 static void check_transport(const char *what, const sl_scene *scene, const sl_transport *transport) {
-    picture *a = render_path(scene, transport, 2 * SAMPLES), *b = render_both_ways(scene, transport, SAMPLES);
-    check_equal(what, b, a);
-    free(a);
-    free(b);
+    trace_picture a = render_path(scene, transport, 2 * SAMPLES),
+                  b = render_both_ways(scene, transport, SAMPLES);
+    check_equal(what, &b, &a);
+    trace_picture_free(&a);
+    trace_picture_free(&b);
 }
 
 static void check_named(const char *file, bool all) {
@@ -272,7 +248,7 @@ static void a_point_light_throws_caustics(void **unused) {
     assert_true(sl_camera_look_at(&mesh.camera, sl_v3(1.0f, 0, 3), sl_v3(1.0f, 0, 0), sl_v3(0, 1, 0), 0.3f));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_transport full = transport_of("full");
-    picture *p = render_both_ways(scene, &full, 20 * SAMPLES);
+    trace_picture p = render_both_ways(scene, &full, 20 * SAMPLES);
     double expected = 0.0, found = 0.0, half = 3.0 * tan(0.15);
     for (int y = 0; y < HEIGHT; y++) {
         for (int x = 0; x < WIDTH; x++) {
@@ -282,17 +258,17 @@ static void a_point_light_throws_caustics(void **unused) {
                    image = (px + 2.5) * (px + 2.5) + py * py + 1.0;
             expected +=
                 0.5 / SL_PI * 2.0 * (1.0 / (real * sqrt(real)) + 0.8 / (image * sqrt(image))) / PIXELS;
-            found += (double)p->planes[0][y * WIDTH + x] / PIXELS;
+            found += (double)p.plane[0][0][y * WIDTH + x] / PIXELS;
         }
     }
     print_message("mean radiance %.6f, expected %.6f\n", found, expected);
     assert_true(fabs(found / expected - 1.0) < 0.005);
-    picture *direct = render_path(scene, &full, 16);
+    trace_picture direct = render_path(scene, &full, 16);
     double lost = 0.0;
-    for (int i = 0; i < PIXELS; i++) lost += (double)direct->planes[0][i] / PIXELS;
+    for (int i = 0; i < PIXELS; i++) lost += (double)direct.plane[0][0][i] / PIXELS;
     assert_true(lost < 0.99 * expected);
-    free(p);
-    free(direct);
+    trace_picture_free(&p);
+    trace_picture_free(&direct);
     sl_scene_destroy(scene);
 }
 

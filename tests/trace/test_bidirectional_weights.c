@@ -16,12 +16,6 @@
 #include "trace/bidirectional/subpath.h"
 #include "trace_scenes.h"
 
-static sl_transport transport_of(const char *name) {
-    sl_transport transport;
-    assert_true(sl_transport_named(name, &transport));
-    return transport;
-}
-
 /* ---- a scene and what makes its paths -------------------------------------------------------- */
 
 typedef struct world {
@@ -73,46 +67,6 @@ static void walk_both(world *w, uint32_t packet, uint64_t key[SL_PACKET], uint32
     }
     sl_walk_from_lights(&w->maker, SL_PACKET, key, index, light, &w->counters);
     sl_walk_from_eye(&w->maker, SL_PACKET, c->eye, direction, pdf, key, index, eye, &w->counters);
-}
-
-/* Diffuse, glossy and mirror surfaces, shading normals off their facets; which lights, bit by bit: lamp,
- * point, spot, distant, sky. */
-static sl_scene *scene_lit_by(unsigned lights, bool mirrors) {
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0),
-             glossy = trace_mesh_material(&mesh, 0.2f, 0.5f, 10, 0, 0);
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
-             lamp = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 9.0f);
-    mesh.materials[lamp].emission_two_sided = lights >> 5 & 1;
-    trace_mesh_quad(&mesh, sl_v3(-3, -1.2f, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0), wall);
-    trace_mesh_quad(&mesh, sl_v3(-3, -0.7f, -3.5f), sl_v3(6, 0, 0), sl_v3(0, 4, 0),
-                    mirrors ? mirror : glossy);
-    trace_mesh_sphere(&mesh, sl_v3(0.4f, 0, 0), 0.8f, 8, 0.2f, false, glossy);
-    if (mirrors) trace_mesh_sphere(&mesh, sl_v3(-1.4f, 0, 0.5f), 0.5f, 8, 0.0f, false, mirror);
-    if (lights & 1) trace_mesh_quad(&mesh, sl_v3(-1.5f, 2.5f, -1.5f), sl_v3(3, 0, 0), sl_v3(0, 0, 3), lamp);
-    if (lights & 2) {
-        mesh.lights[mesh.light_count++] =
-            (sl_light){.type = SL_LIGHT_POINT, .position = {2, 2, 2}, .intensity = {9, 8, 7}};
-    }
-    if (lights & 4) {
-        mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT,
-                                                     .position = {-2, 2, 2},
-                                                     .direction = {0.6f, -0.64f, -0.48f},
-                                                     .intensity = {30, 20, 10},
-                                                     .cos_inner = 0.95f,
-                                                     .cos_outer = 0.7f};
-    }
-    if (lights & 8) {
-        mesh.lights[mesh.light_count++] =
-            (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, -0.6f, -0.8f}, .intensity = {1, 2, 3}};
-    }
-    static float texels[3 * 8 * 4];
-    for (int i = 0; i < 3 * 8 * 4; i++) texels[i] = 0.2f + 0.1f * (float)(i / 3 % 5);
-    sl_environment sky = {.present = true, .width = 8, .height = 4, .texels = texels};
-    if (lights & 16) mesh.environment = &sky;
-    mesh.has_camera = true;
-    assert_true(sl_camera_look_at(&mesh.camera, sl_v3(1, 1, 4), sl_v3(0, 0.1f, 0), sl_v3(0, 1, 0), 0.9f));
-    return trace_mesh_build(&mesh);
 }
 
 /* ---- densities from the vertices alone ------------------------------------------------------- */
@@ -289,7 +243,7 @@ static void the_shares_of_all_ways_are_those_of_their_densities_and_sum_to_one(v
     sl_transport full = transport_of("full");
     static const unsigned lights[] = {1, 2, 4, 8, 16, 33, 63};
     for (unsigned i = 0; i < 7; i++) {
-        world *w = open_world(scene_lit_by(lights[i], true), &full);
+        world *w = open_world(trace_scene_lit_by(lights[i], true), &full);
         tally so_far = {0};
         for (uint32_t packet = 0; packet < 150; packet++) {
             uint64_t key[SL_PACKET];

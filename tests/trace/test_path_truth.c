@@ -17,12 +17,6 @@ typedef struct measurement {
     double mean, error;
 } measurement;
 
-static sl_transport transport_of(const char *name) {
-    sl_transport transport;
-    assert_true(sl_transport_named(name, &transport));
-    return transport;
-}
-
 static measurement measure(const sl_scene *scene, sl_transport transport, sl_vec3 origin, sl_vec3 direction,
                            unsigned samples) {
     sl_tracer *tracer;

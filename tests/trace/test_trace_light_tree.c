@@ -82,10 +82,6 @@ static void what_cannot_shine_on_the_receiver_is_not_chosen(void **state) {
     sl_scene_destroy(scene);
 }
 
-typedef struct estimate {
-    double mean, deviation;
-} estimate;
-
 /* Positions that are not finite, on a lamp's own corner, and within its plane: a choice or none, never a NaN.
  */
 static void odd_places_are_survived(void **state) {
