@@ -26,7 +26,7 @@ step 'address and undefined-behaviour sanitizers' build_and_test build/debug CON
     $(find tests -name 'test_*.c' | sort | sed 's|.*/||;s|\.c$||' | grep -v '_reference$\|_truth$\|_gradients$\|_draw_lists$')
 step 'inputs that fuzzing found or began with' sh -c 'make -s -j"$1" CONFIG=debug BUILD=build/debug fuzz-targets && tests/fuzz/replay.sh build/debug' sh "$jobs"
 step 'thread sanitizer' build_and_test build/tsan-clang 'CONFIG=tsan CC=clang' \
-    test_base_parts test_raster_determinism test_gather_determinism test_splatting_determinism test_path_determinism test_shading_cache_windows test_shading_cache_live test_threads
+    test_base_parts test_raster_plain test_gather_determinism test_splatting_determinism test_path_determinism test_shading_cache_windows test_shading_cache_live test_threads
 step 'as a library: installed, in C and C++, documented' tests/library.sh build
 step 'in Python: installed by pip, tested by pytest' tests/python.sh build
 step 'hard cases: every method' build/softlux check-numerics

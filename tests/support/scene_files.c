@@ -8,9 +8,9 @@
 static char folder[64];
 
 const char *scene_file_path(const char *name) {
-    static char paths[16][256];
+    static char paths[64][256];
     static int next;
-    char *path = paths[next++ % 16];
+    char *path = paths[next++ % 64];
     if (!folder[0]) {
         strcpy(folder, "/tmp/softlux-test-XXXXXX");
         if (!mkdtemp(folder)) abort();
