@@ -121,36 +121,36 @@ bool sl_bicubic_has_area(const sl_bicubic *b) {
 
 /* ---- its triangles --------------------------------------------------------------------------- */
 
-sl_bicubic_cell sl_bicubic_cell_of(const sl_scene *scene, const sl_bicubic *b, uint32_t triangle) {
+static uint32_t number_in_grid(const sl_bicubic *b, uint32_t column, uint32_t row, uint32_t half) {
+    return 2 * (row * (uint32_t)b->steps + column) + half;
+}
+
+/* Returns where in the whole grid a triangle of the scene stands. */
+static uint32_t number_of(const sl_scene *scene, const sl_bicubic *b, uint32_t triangle) {
     uint32_t side = (uint32_t)b->steps + 1;
-    uint32_t at[3], column = side, row = side;
+    uint32_t at[3], column = side, row = side, half = 1;
     for (int c = 0; c < 3; c++) {
         at[c] = scene->vertex[c][triangle] - b->first_vertex;
         column = at[c] % side < column ? at[c] % side : column;
         row = at[c] / side < row ? at[c] / side : row;
     }
-    int half = 1;
     for (int c = 0; c < 3; c++) {
         if (at[c] == row * side + column + 1) half = 0;
     }
-    return (sl_bicubic_cell){(int)column, (int)row, half};
-}
-
-static uint32_t number_of(const sl_bicubic *b, sl_bicubic_cell cell) {
-    return 2 * ((uint32_t)cell.row * (uint32_t)b->steps + (uint32_t)cell.column) + (uint32_t)cell.half;
+    return number_in_grid(b, column, row, half);
 }
 
 /* They stand in order, so the one of a cell is at most as many places early as triangles are missing. */
 uint32_t sl_bicubic_triangle(const sl_scene *scene, const sl_bicubic *b, int column, int row, int half) {
-    uint32_t wanted = number_of(b, (sl_bicubic_cell){column, row, half});
+    uint32_t wanted = number_in_grid(b, (uint32_t)column, (uint32_t)row, (uint32_t)half);
     if (b->triangle_count == 2u * (uint32_t)b->steps * (uint32_t)b->steps) return b->first_triangle + wanted;
     uint32_t low = 0, high = b->triangle_count < wanted + 1 ? b->triangle_count : wanted + 1;
     while (low < high) { /* the first whose number is not below the wanted one */
         uint32_t middle = low + (high - low) / 2;
-        if (number_of(b, sl_bicubic_cell_of(scene, b, b->first_triangle + middle)) < wanted) low = middle + 1;
+        if (number_of(scene, b, b->first_triangle + middle) < wanted) low = middle + 1;
         else high = middle;
     }
     if (low >= b->triangle_count) return SL_NO_INDEX;
     uint32_t found = b->first_triangle + low;
-    return number_of(b, sl_bicubic_cell_of(scene, b, found)) == wanted ? found : SL_NO_INDEX;
+    return number_of(scene, b, found) == wanted ? found : SL_NO_INDEX;
 }

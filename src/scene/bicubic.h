@@ -20,10 +20,5 @@ bool sl_bicubic_has_area(const sl_bicubic *surface);
 /* The scene triangle of a cell: half 0 has (+1, 0) for a corner, half 1 (0, +1). SL_NO_INDEX where it has no
  * area. */
 uint32_t sl_bicubic_triangle(const sl_scene *scene, const sl_bicubic *surface, int column, int row, int half);
-/* The cell and half of one of its triangles. */
-typedef struct sl_bicubic_cell {
-    int column, row, half;
-} sl_bicubic_cell;
-sl_bicubic_cell sl_bicubic_cell_of(const sl_scene *scene, const sl_bicubic *surface, uint32_t triangle);
 
 #endif
