@@ -141,7 +141,6 @@ typedef struct gather_error {
     double hemisphere;  /* the same without the light samples' noise */
     double to_mean;     /* sqrt(mean (E-A)(E-B)) / mean r */
     double bias;        /* mean (E-r)/r */
-    double excluded;    /* share of values below a thousandth of the mean */
 } gather_error;
 
 static double root(double square, double count) {
@@ -166,7 +165,6 @@ static gather_error errors_of(const world *w, size_t points, const float *first,
     e.hemisphere = root(hemisphere, used);
     e.to_mean = root(absolute, all) / w->mean;
     e.bias = used > 0.0 ? bias / used : 0.0;
-    e.excluded = 1.0 - used / all;
     return e;
 }
 

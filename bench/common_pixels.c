@@ -40,11 +40,7 @@ static bool sees_surface(const sl_scene *scene, const sl_tracer *tracer, const s
 /* The rasterizer snaps vertices to 1/256 of a pixel: on an edge, or where surfaces coincide, it may see
  * another triangle than the ray, which is no error of the method. What it sees of the scene's camera: */
 static sl_gbuffer *draw(const sl_scene *scene, int width, int height) {
-    const sl_camera *c = &scene->camera;
-    sl_frame frame = {c->right, c->up, sl_neg(c->back)};
-    float top = (float)sl_tan(0.5 * (double)c->vertical_fov), right = top * (float)width / (float)height;
-    sl_view view =
-        sl_view_pyramid(&frame, c->eye, -right, right, -top, top, width, height, 1e-5f * scene->scale);
+    const sl_view view = sl_view_scene(scene, width, height);
     sl_raster *raster;
     sl_gbuffer *gbuffer = NULL;
     sl_counters counters = {{0}};

@@ -114,7 +114,6 @@ static sl_status read_value(const sl_option *o, const char *text, sl_error *erro
     case SL_OPTION_COUNT: return sl_value_count(text, o->minimum, o->maximum, o->value, error);
     case SL_OPTION_CHOICE: return sl_value_choice(text, o->choices, o->value, error);
     case SL_OPTION_SIZE: return sl_value_size(text, 32768, o->value, error);
-    case SL_OPTION_BYTES: return sl_value_bytes(text, o->minimum, o->maximum, o->value, error);
     case SL_OPTION_VECTOR: return sl_value_vector(text, o->value, error);
     }
     return SL_OK;

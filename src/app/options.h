@@ -15,7 +15,6 @@ typedef enum sl_option_kind {
     SL_OPTION_REAL,    /* double *, finite, within [minimum, maximum] */
     SL_OPTION_COUNT,   /* uint64_t *, decimal, within [minimum, maximum] */
     SL_OPTION_CHOICE,  /* int *: the number of the choice */
-    SL_OPTION_BYTES,   /* uint64_t *: 512M, 2G, 900000000; within [minimum, maximum] */
     SL_OPTION_SIZE,    /* int[2]: WxH, each 1 to 32768 */
     SL_OPTION_VECTOR   /* double[3]: X,Y,Z, finite */
 } sl_option_kind;
