@@ -214,7 +214,7 @@ BEGIN { print "mtllib none.mtl"
 echo '{"softlux": 1, "meshes": [{"file": "window.obj"}], "environment": {"radiance": [10, 11, 13]}, "materials": {"white": {"diffuse": 0.75},
     "wood": {"diffuse": [0.5, 0.3, 0.15]}}, "camera": {"eye": [1, 1.5, 4.7], "target": [2.5, 1, 1], "fov_deg": 65}}' >"$folder/window.json"
 # Where it gives up, finer settings did not help, and what it says of them is so.
-expect 1 'not within 15 %.*at most 2[0-9.]* %, and with finer settings at least 9[0-9] % of the error was left' render "$folder/window.json" -s 20x20 --filter centre --bounces 1 -m splatting --error 15% --quiet --json -o "$folder/w.exr"
+expect 1 'not within 15 %.*at most (19|2[0-9])[0-9.]* %, and with finer settings at least 9[0-9] % of the error was left' render "$folder/window.json" -s 20x20 --filter centre --bounces 1 -m splatting --error 15% --quiet --json -o "$folder/w.exr"
 awk "BEGIN { most = 2 * $(number picture) + 3e6; exit !($(number probes) < 1.1 * most && $(number all_pictures) < most) }" ||
     { echo '--error takes longer than twice the picture and a second:'; cat "$folder/out"; bad=1; }
 expect 0 '' render "$folder/window.json" -s 20x20 --filter centre --bounces 1 -m path --transport matched:splatting --spp 1024 --quiet -o "$folder/r.exr"
