@@ -4,8 +4,8 @@ softlux (docs/python.md) and nothing else.
 
     python3 examples/error_over_time.py [SCENE [OUT.svg [WIDTHxHEIGHT [SAMPLES]]]]
 
-Each method is held against its own light paths, traced with so many samples a pixel: what is left is the
-method's error, not the difference between what methods leave out.
+Both are held against the light paths that splatting computes, traced with so many samples a pixel: what is
+left is error, not what a method leaves out.
 """
 import sys
 import time
@@ -17,20 +17,17 @@ METHODS = {"splatting": "#c0392b", "path": "#2460a7"}
 WIDTH, HEIGHT, MARGIN = 640, 400, 60
 
 
-def errors_over_time(scene, method, size, samples):
+def errors_over_time(scene, settings, reference):
     """Seconds and relative squared error after each batch, without the share of the reference's own noise."""
-    common = {"size": size, "filter": "centre", "bounces": 1}
-    reference = softlux.render(scene, common, method="path", transport=f"matched:{method}", spp=samples)
-    transport = {"transport": "matched:splatting"} if method == "path" else {}
-    at_work = softlux.Method(scene, common, method=method, seed=1, **transport)
+    method = softlux.Method(scene, settings, seed=1)
     seconds, points = 0.0, []
     begin = time.perf_counter()
-    for progress in at_work:
+    for progress in method:
         seconds += time.perf_counter() - begin
-        told = softlux.compare(at_work.resolve(), reference)
+        told = softlux.compare(method.resolve(), reference)
         error = told.rel_mse - told.rel_mse_noise
         points.append((seconds, error))
-        print(f"{method:12} {seconds:8.3f} s  {100 * progress.fraction:3.0f} %  relative MSE {error:.6f}")
+        print(f"{settings['method']:12} {seconds:8.3f} s  {100 * progress.fraction:3.0f} %  relative MSE {error:.6f}")
         begin = time.perf_counter()  # what looking takes does not count
     return [(x, y) for x, y in points if x > 0 and y > 0]
 
@@ -67,7 +64,9 @@ def drawing(curves):
 
 def main(path="scenes/cornell.json", out="error.svg", size="100x100", samples="256"):
     scene = softlux.Scene.load(path)
-    curves = {method: errors_over_time(scene, method, size, samples) for method in METHODS}
+    settings = {"size": size, "filter": "centre", "bounces": 1, "transport": "matched:splatting"}
+    reference = softlux.render(scene, settings, method="path", spp=samples)
+    curves = {name: errors_over_time(scene, {**settings, "method": name}, reference) for name in METHODS}
     with open(out, "w", encoding="utf-8") as file:
         file.write(drawing(curves))
     print(out)

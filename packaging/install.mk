@@ -7,7 +7,8 @@ MANDIR ?= $(PREFIX)/share/man
 DOCDIR ?= $(PREFIX)/share/doc/softlux
 DESTDIR ?=
 # Programs are stripped; the libraries keep what a debugger asks for.
-INSTALL_PROGRAM ?= install -s -m 755
+INSTALL ?= install
+INSTALL_PROGRAM ?= $(INSTALL) -s -m 755
 
 VERSION := $(shell sed -n 's/^.define SL_VERSION "\(.*\)"/\1/p' include/softlux.h)
 MAJOR := $(firstword $(subst ., ,$(VERSION)))
