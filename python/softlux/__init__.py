@@ -293,6 +293,10 @@ class Scene:
         """A number that is equal for equal scenes."""
         return lib.sl_scene_hash(self._handle)
 
+    def write(self, path):
+        """Writes the scene as it stands: NAME.json, and beside it meshes, textures and sky."""
+        _call(lib.sl_scene_write, self._handle, os.fsencode(path))
+
     def set_time(self, seconds):
         """Moves everything to its keyframes at a time; returns what has changed, for Method.edit()."""
         changes = ffi.new("unsigned *")
@@ -303,6 +307,121 @@ class Scene:
         """Looks from eye to target, fov in radians; returns what has changed, for Method.edit()."""
         _call(lib.sl_scene_set_camera, self._handle, _vector(eye), _vector(target), _vector(up), fov)
         return lib.SL_CHANGED_CAMERA
+
+
+# ---- scenes from arrays ----
+
+
+def _array(name, values, type_name, *shape):
+    """Values as C takes them; a side of None is of any length."""
+    values = numpy.asarray(values)
+    if type_name == "uint32_t" and values.dtype.kind not in "iu":
+        raise UsageError(f"{name}: expected whole numbers, got {values.dtype}")
+    if values.ndim != len(shape) or any(s not in (None, n) for s, n in zip(shape, values.shape)):
+        raise UsageError(f"{name}: expected an array of {shape}, got {values.shape}")
+    return numpy.ascontiguousarray(values, dtype=type_name.removesuffix("_t"))
+
+
+def _struct(type_name, fields):
+    """A struct of what is given, and all that it points to."""
+    struct, types, kept = ffi.new(type_name + " *"), dict(ffi.typeof(type_name).fields), []
+    struct.size = ffi.sizeof(type_name)
+    for name, value in fields.items():
+        if name not in types or name == "size":
+            raise UsageError(f"unknown {name}; expected some of {', '.join(list(types)[1:])}")
+        if value is None:
+            continue
+        kind = types[name].type
+        if kind.kind == "pointer":
+            value = ffi.new("char[]", value.encode()) if isinstance(value, str) else \
+                ffi.from_buffer(kind.item.cname + "[]", value)
+            kept.append(value)
+        setattr(struct, name, [float(v) for v in value] if kind.kind == "array" else value)
+    return struct, kept
+
+
+class SceneBuilder:
+    """Makes a scene from arrays by the rules for scene files. What is added is told apart by the numbers that
+    come back; 0 is none. Fields are those of the header's structs, sl_material_data and so on."""
+
+    def __init__(self):
+        self._handle = _made("sl_scene_builder", lib.sl_scene_builder_destroy, lib.sl_scene_builder_create)
+        self._borrowed = []
+
+    def _add(self, function, type_name, **fields):
+        struct, kept = _struct(type_name, fields)
+        if fields.get("borrowed"):
+            self._borrowed.append(kept)
+        number = ffi.new("uint32_t *")
+        _call(function, self._handle, struct, number)
+        return number[0]
+
+    def texture(self, values, name=None):
+        """Rows of texels, row 0 at the top: uint8 as sRGB files have them, or floats in linear light."""
+        values = numpy.asarray(values)
+        values = values[:, :, numpy.newaxis] if values.ndim == 2 else values
+        kind, field = ("uint8_t", "srgb") if values.dtype == numpy.uint8 else ("float32", "linear")
+        values = _array("texture", values, kind, None, None, None)
+        return self._add(lib.sl_scene_builder_texture, "sl_texture_data", name=name, width=values.shape[1],
+                         height=values.shape[0], channels=values.shape[2], **{field: values})
+
+    def material(self, **fields):
+        """A surface: diffuse, specular, exponent, mirror, emission, two_sided, texture, alpha, bump, ..."""
+        return self._add(lib.sl_scene_builder_material, "sl_material_data", **fields)
+
+    def mesh(self, positions, indices, *, normals=None, texture_coordinates=None, material=0, materials=None,
+             name=None, borrowed=False):
+        """Triangles, which are not seen until they are placed. borrowed: the arrays are not copied, and must
+        not be changed until the scene is built."""
+        positions = _array("positions", positions, "float32", None, 3)
+        indices = _array("indices", indices, "uint32_t", None, 3)
+        vertices, triangles = len(positions), len(indices)
+        if normals is not None:
+            normals = _array("normals", normals, "float32", vertices, 3)
+        if texture_coordinates is not None:
+            texture_coordinates = _array("texture_coordinates", texture_coordinates, "float32", vertices, 2)
+        if materials is not None:
+            materials = _array("materials", materials, "uint32_t", triangles)
+        return self._add(lib.sl_scene_builder_mesh, "sl_mesh_data", name=name, vertex_count=vertices,
+                         positions=positions, normals=normals, texture_coordinates=texture_coordinates,
+                         triangle_count=triangles, indices=indices, materials=materials, material=material,
+                         borrowed=borrowed)
+
+    def instance(self, mesh, transform=None, material=0, name=None):
+        """Places a mesh; transform: a matrix of 4 x 4 for columns of coordinates."""
+        if transform is not None:
+            transform = _array("transform", numpy.transpose(transform), "float64", 4, 4)
+        struct, _kept = _struct("sl_instance_data", {"mesh": mesh, "transform": transform,
+                                                     "material": material, "name": name})
+        _call(lib.sl_scene_builder_instance, self._handle, struct)
+
+    def light(self, kind, **fields):
+        """A "point", "spot", "directional" or "quad": position, direction, edge1, edge2, strength, ..."""
+        struct, _kept = _struct("sl_light_data", {"type": _choice("SL_LIGHT_", kind), **fields})
+        _call(lib.sl_scene_builder_light, self._handle, struct)
+
+    def environment(self, radiance):
+        """A sky: R, G, B all around, or rows of R, G, B by latitude and longitude, the top one first."""
+        radiance = numpy.asarray(radiance)
+        radiance = _array("radiance", radiance, "float32", *(None,) * (radiance.ndim - 1), 3)
+        height, width = radiance.shape[:2] if radiance.ndim == 3 else (0, 0)
+        _call(lib.sl_scene_builder_environment, self._handle, width, height,
+              ffi.from_buffer("float[]", radiance))
+
+    def camera(self, eye, target, up, fov):
+        """Looks from eye to target, fov in radians."""
+        _call(lib.sl_scene_builder_camera, self._handle, _vector(eye), _vector(target), _vector(up), fov)
+
+    def film(self, width, height):
+        """The picture's size, where no option says another."""
+        _call(lib.sl_scene_builder_film, self._handle, width, height)
+
+    def build(self):
+        """The Scene; the builder takes no more then."""
+        try:
+            return Scene(_made("sl_scene", lib.sl_scene_destroy, lib.sl_scene_builder_build, self._handle))
+        finally:
+            self._borrowed.clear()
 
 
 # ---- settings ----

@@ -107,6 +107,60 @@ def test_a_scene_tells_of_itself_and_moves():
     assert softlux.Scene.load(ROOM, eye=(0.5, 0.5, 0.9), fov=1).hash != softlux.Scene.load(ROOM).hash
 
 
+BOX = numpy.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=numpy.float32)
+SIDES = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6],
+         [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+
+
+def test_a_scene_from_arrays_is_the_one_of_files(tmp_path):
+    lines = [f"v {x} {y} {z}\n" for x, y, z in BOX] + [f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in SIDES]
+    (tmp_path / "box.obj").write_text("".join(lines))
+    (tmp_path / "box.json").write_text("""{"softlux": 1, "film": {"width": 16, "height": 12},
+        "materials": {"red": {"diffuse": [0.75, 0.25, 0.125]}},
+        "meshes": [{"file": "box.obj", "material": "red",
+                    "transform": [2, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0.5, 0, 0, 1]}],
+        "environment": {"radiance": [0.5, 0.5, 1]},
+        "lights": [{"type": "point", "position": [0, 3, 1], "intensity": [9, 9, 9]}],
+        "camera": {"eye": [0, 2, 6], "target": [0, 0, 0], "up": [0, 1, 0], "fov_deg": 45}}""")
+    builder = softlux.SceneBuilder()
+    red = builder.material(diffuse=(0.75, 0.25, 0.125), name="red")
+    box = builder.mesh(BOX, SIDES, material=red, borrowed=True)
+    builder.instance(box, [[2, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    builder.environment((0.5, 0.5, 1))
+    builder.light("point", position=(0, 3, 1), strength=(9, 9, 9))
+    builder.camera((0, 2, 6), (0, 0, 0), (0, 1, 0), numpy.radians(45))
+    builder.film(16, 12)
+    scene = builder.build()
+    file = softlux.Scene.load(tmp_path / "box.json")
+    assert scene.film == file.film == (16, 12) and scene.triangles == file.triangles == 12
+    options = {"quality": "draft", "method": "path", "spp": 2}
+    scene.write(tmp_path / "written.json")
+    for same in (file, softlux.Scene.load(tmp_path / "written.json")):
+        assert softlux.compare(softlux.render(scene, options), softlux.render(same, options)).identical
+    with pytest.raises(softlux.UsageError):
+        builder.build()
+
+
+def test_what_a_scene_cannot_be_made_of_is_refused():
+    builder = softlux.SceneBuilder()
+    assert builder.texture(numpy.zeros((2, 3, 3), dtype=numpy.uint8)) == 1
+    assert builder.texture(numpy.full((4, 4), 0.5)) == 2
+    for wrong, arrays in (("positions", (BOX[:, :2], SIDES)), ("indices", (BOX, [[0.5, 1, 2]])),
+                          ("indices", (BOX, [0, 1, 2]))):
+        with pytest.raises(softlux.UsageError, match=wrong):
+            builder.mesh(*arrays)
+    with pytest.raises(softlux.UsageError, match="normals: .*8"):
+        builder.mesh(BOX, SIDES, normals=BOX[:3])
+    with pytest.raises(softlux.InputError, match="chair.*99"):
+        builder.mesh(BOX, [[0, 1, 99]], name="chair")
+    with pytest.raises(softlux.UsageError, match="unknown colour; .*diffuse"):
+        builder.material(colour=(1, 0, 0))
+    with pytest.raises(softlux.InputError):
+        builder.material(diffuse=(2, 0, 0))
+    with pytest.raises(softlux.UsageError, match="unknown lamp"):
+        builder.light("lamp")
+
+
 def test_options_are_those_of_the_one_table():
     names = [option.name for option in softlux.options()]
     assert {"size", "quality", "light-octree.depth"} <= set(names) and all(o.help for o in softlux.options())
