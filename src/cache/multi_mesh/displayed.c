@@ -33,14 +33,15 @@ void sl_displayed_destroy(sl_displayed *d) {
     sl_patches_destroy(d->mesh);
     sl_free(d->first);
     sl_free(d->order);
-    sl_free(d->heap);
-    sl_free(d->heap_place);
+    sl_free(d->root);
+    sl_free(d->highest);
     sl_free(d);
 }
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {
-    return sizeof *d + sl_patches_memory_bytes(d->mesh)
-           + (d->patch_capacity + d->order_capacity + 2 * d->heap_capacity) * sizeof(uint32_t);
+    return sizeof *d + sl_patches_memory_bytes(d->mesh) +
+           (d->patch_capacity + d->order_capacity + d->leaves_room) * sizeof(uint32_t) +
+           2 * d->leaves_room * sizeof *d->highest;
 }
 
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
@@ -115,13 +116,14 @@ static sl_status reserve(sl_displayed *d, sl_error *error) {
         d->order_capacity = d->order ? pixels : 0;
         if (!d->order) return sl_fail_memory(error, "displayed mesh");
     }
-    if (entries > d->heap_capacity || !d->heap) {
-        sl_free(d->heap);
-        sl_free(d->heap_place);
-        d->heap = sl_allocate(entries, sizeof *d->heap);
-        d->heap_place = sl_allocate(entries, sizeof *d->heap_place);
-        d->heap_capacity = d->heap && d->heap_place ? entries : 0;
-        if (!d->heap || !d->heap_place) return sl_fail_memory(error, "displayed mesh");
+    for (d->leaves = 1; d->leaves < entries;) d->leaves *= 2;
+    if (d->leaves > d->leaves_room) {
+        sl_free(d->root);
+        sl_free(d->highest);
+        d->root = sl_allocate_unset(d->leaves, sizeof *d->root);
+        d->highest = sl_allocate_unset(2 * d->leaves, sizeof *d->highest);
+        d->leaves_room = d->root && d->highest ? d->leaves : 0;
+        if (!d->leaves_room) return sl_fail_memory(error, "displayed mesh");
     }
     return SL_OK;
 }
@@ -133,7 +135,7 @@ static void forget_view(sl_displayed *d) {
         node->priority = 0.0f;
         node->flags &= ~(uint32_t)(SL_NODE_TAKEN | SL_PATCH_DIRTY | SL_NODE_SMALL);
     }
-    d->heap_count = 0;
+    d->root_count = 0;
     d->chain_entry = SL_NO_INDEX;
     d->dirty_all = true;
     d->corners_asked = false;
@@ -147,9 +149,9 @@ sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels,
     d->pixels = pixels;
     sl_status status = reserve(d, error);
     for (size_t e = 0; status == SL_OK && e < pixels->face_count; e++) {
-        d->heap_place[e] = want(context, pixels->face[e].face) ? 0 : SL_NO_INDEX;
-        if (!sl_displayed_wants(d, e)) continue;
-        sl_patches_root(d->mesh, pixels->face[e].face, &status, error);
+        bool wanted = want(context, pixels->face[e].face);
+        d->root[e] = wanted ? sl_patches_root(d->mesh, pixels->face[e].face, &status, error) : SL_NO_INDEX;
+        d->root_count += wanted;
     }
     if (status == SL_OK) status = sl_displayed_grow(d, error);
     if (status != SL_OK) {
@@ -157,7 +159,7 @@ sl_status sl_displayed_see(sl_displayed *d, const sl_visible_pixels *pixels,
         return status;
     }
     sl_parallel_for(d->settings.threads, pixels->face_count, see_root, d);
-    sl_displayed_heap_build(d);
+    sl_displayed_rank(d);
     return SL_OK;
 }
 
@@ -166,9 +168,8 @@ size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, size_t room) {
     size_t count = 0;
     for (size_t e = 0; d->pixels && e < d->pixels->face_count && count < room; e++) {
         if (!sl_displayed_wants(d, e)) continue;
-        uint32_t root = sl_displayed_root(d, e);
         for (int c = 0; c < 3 && count < room; c++) {
-            uint32_t v = sl_patch_corner(d->mesh, root, c);
+            uint32_t v = sl_patch_corner(d->mesh, d->root[e], c);
             if (sl_mesh_state(d->mesh, v) != SL_VERTEX_UNKNOWN) continue;
             sl_mesh_set_state(d->mesh, v, SL_VERTEX_REQUESTED);
             vertex[count++] = v;
@@ -191,7 +192,7 @@ void sl_displayed_put(sl_displayed *d, uint32_t vertex, sl_rgb value, bool valid
 void sl_displayed_restart(sl_displayed *d) {
     sl_patches_clear(d->mesh);
     d->pixels = NULL;
-    d->heap_count = 0;
+    d->root_count = 0;
     d->dirty_all = d->corners_asked = false;
     d->chain_entry = SL_NO_INDEX;
 }

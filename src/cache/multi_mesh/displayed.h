@@ -2,15 +2,16 @@
  * show which leaf, which leaf matters most, when a leaf is fine enough, and redraws what has changed.
  *
  *   displayed.c    visible pixels down the quadtrees (pass 1); Gouraud: a leaf's pixels (pass 3)
- *   priorities.c   the size criterion; P = n_px (delta + delta_0), maxima up to the roots; the heap over
- * these, or the paper's random chain refine.c       the test of a leaf and its edges, split, undo probes.c
- * leaves whose edges agree, and yet something lies between them
+ *   priorities.c   the size criterion; P = n_px (delta + delta_0), maxima up to the roots and above these; or
+ *                  the paper's random chain
+ *   refine.c       the test of a leaf and its edges, split, undo
+ *   probes.c       leaves whose edges agree, and yet something lies between them
  *
  * One step of refinement:
  *   leaf = sl_displayed_take(mesh)          the one that matters most; it is marked as taken
  *   sl_displayed_request(mesh, leaf, ...)   vertices whose values its test wants: corners, then the middles
- * of untested edges; the caller samples them and puts their values sl_displayed_commit(mesh, leaf) tests
- * edges; splits, closes or collapses
+ *                                           of untested edges; the caller samples them, puts their values
+ *   sl_displayed_commit(mesh, leaf)         tests edges; splits, closes or collapses
  *
  * A leaf that is closed then, and larger than the finest that the size criterion knows, is taken once more:
  *   sl_is_unprobed(mesh, leaf)              it is to be probed instead: the caller looks at pixels of it
@@ -68,9 +69,11 @@ typedef struct sl_displayed {
     uint32_t *first;              /* by node: where its own begin in `order` */
     size_t order_capacity, patch_capacity;
     /* selection */
-    uint32_t *heap;               /* entries of pixels->face, highest priority on top, lower face on a tie */
-    uint32_t *heap_place;         /* by entry; SL_NO_INDEX: the component does not want it */
-    size_t heap_count, heap_capacity;
+    uint32_t *root;               /* by entry of pixels->face: its patch; SL_NO_INDEX: not wanted here */
+    size_t root_count;            /* that are wanted */
+    /* the roots' priorities from `leaves` on, a power of two; before them the larger one of two: [1] of all */
+    float *highest;
+    size_t leaves, leaves_room;
     uint32_t chain_entry;         /* the chain's current root */
     uint64_t chain_draws;
     bool dirty_all;               /* all leaves are to be drawn, not those with SL_PATCH_DIRTY alone */
@@ -174,10 +177,7 @@ void sl_displayed_hand_down(sl_displayed *d, const sl_patch_place *place);
 /* Room for what goes with nodes, after the mesh has grown. */
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error);
 static inline bool sl_displayed_wants(const sl_displayed *d, size_t entry) {
-    return d->heap_place[entry] != SL_NO_INDEX;
-}
-static inline uint32_t sl_displayed_root(const sl_displayed *d, size_t entry) {
-    return sl_patches_find_root(d->mesh, d->pixels->face[entry].face);
+    return d->root[entry] != SL_NO_INDEX;
 }
 
 /* ---- priorities.c ---- */
@@ -252,8 +252,9 @@ bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_patch_place
 
 /* ---- priorities.c: selection ---- */
 
-void sl_displayed_heap_build(sl_displayed *d);
-void sl_displayed_heap_update(sl_displayed *d, uint32_t entry);
+/* Ranks all roots by their priorities, or one whose priority has changed. */
+void sl_displayed_rank(sl_displayed *d);
+void sl_displayed_rank_root(sl_displayed *d, uint32_t entry);
 
 /* A leaf's vertices or those on its edges have changed: it is drawn again. */
 static inline void sl_displayed_mark(sl_displayed *d, uint32_t leaf) {

@@ -190,7 +190,7 @@ void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
     const sl_displayed *d = s->part[part];
     const sl_visible_pixels *pixels = s->visible;
     for (size_t e = 0; e < pixels->face_count; e++) {
-        float priority = sl_displayed_wants(d, e) ? d->mesh->patch[sl_displayed_root(d, e)].priority : 0.0f;
+        float priority = sl_displayed_wants(d, e) ? d->mesh->patch[d->root[e]].priority : 0.0f;
         for (uint32_t i = 0; i < pixels->face[e].count; i++)
             plane[pixels->pixel[pixels->face[e].first + i]] = priority;
     }

@@ -90,7 +90,7 @@ static inline const sl_material *sl_face_material(const sl_scene *scene, uint32_
 
 sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error);
 sl_status sl_multi_mesh_resolve(void *state, sl_image **image, sl_error *error);
-static inline bool sl_is_in_view(const sl_displayed *part) { return part && part->heap_count > 0; }
+static inline bool sl_is_in_view(const sl_displayed *part) { return part && part->root_count > 0; }
 
 /* ---- state.c ---- */
 

@@ -126,7 +126,7 @@ void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node) {
         mesh->patch[n].priority = most;
     }
     uint32_t entry = d->pixels->entry_of_face[face];
-    if (entry != SL_NO_INDEX && sl_displayed_wants(d, entry)) sl_displayed_heap_update(d, entry);
+    if (entry != SL_NO_INDEX && sl_displayed_wants(d, entry)) sl_displayed_rank_root(d, entry);
 }
 
 float sl_displayed_prioritise_below(sl_displayed *d, const sl_patch_place *place) {
@@ -153,66 +153,46 @@ static void prioritise_root(void *context, size_t entry, unsigned worker) {
 void sl_displayed_prioritise(sl_displayed *d) {
     if (!d->pixels) return;
     sl_parallel_for(d->settings.threads, d->pixels->face_count, prioritise_root, d);
-    sl_displayed_heap_build(d);
+    sl_displayed_rank(d);
     d->dirty_all |= d->corners_asked;
     d->corners_asked = false;
 }
 
-/* Which leaf is served next. A binary heap over the roots in view has the one of highest priority on top, and
- * the leaf is found by following the largest of the children's priorities. Or the paper's chain: it stays at
- * a root and moves to another, drawn at random, if that one has more. The chain chooses worse than the heap
- * at first, when quick pictures matter most; it is the paper's way, and cheaper per step only where thousands
- * of roots are in view. */
+/* Which leaf is served next. Of the roots in view that of highest priority, found as the leaf below it is: by
+ * following the larger one of two maxima. Or the paper's chain: it stays at a root and moves to another, drawn
+ * at random, if that one has more. The chain chooses worse than the heap at first, when quick pictures matter
+ * most; it is the paper's way, and cheaper per step only where thousands of roots are in view. */
 
 /* ---- the heap ---- */
 
-static float priority_of(const sl_displayed *d, uint32_t entry) {
-    return d->mesh->patch[sl_displayed_root(d, entry)].priority;
+static float priority_of(const sl_displayed *d, uint32_t entry) { return d->highest[d->leaves + entry]; }
+
+static void raise_at(sl_displayed *d, size_t at) {
+    float a = d->highest[2 * at], b = d->highest[2 * at + 1];
+    d->highest[at] = a > b ? a : b;
 }
 
-/* Entries are in the order of faces. */
-static bool comes_first(const sl_displayed *d, uint32_t a, uint32_t b) {
-    float pa = priority_of(d, a), pb = priority_of(d, b);
-    return pa > pb || (pa == pb && a < b);
-}
-
-static void put(sl_displayed *d, size_t at, uint32_t entry) {
-    d->heap[at] = entry;
-    d->heap_place[entry] = (uint32_t)at;
-}
-
-static void sink(sl_displayed *d, size_t at) {
-    uint32_t entry = d->heap[at];
-    for (size_t child; (child = 2 * at + 1) < d->heap_count; at = child) {
-        if (child + 1 < d->heap_count && comes_first(d, d->heap[child + 1], d->heap[child])) child++;
-        if (!comes_first(d, d->heap[child], entry)) break;
-        put(d, at, d->heap[child]);
+void sl_displayed_rank(sl_displayed *d) {
+    for (size_t e = 0; e < d->leaves; e++) {
+        bool wanted = e < d->pixels->face_count && sl_displayed_wants(d, e);
+        d->highest[d->leaves + e] = wanted ? d->mesh->patch[d->root[e]].priority : 0.0f;
     }
-    put(d, at, entry);
+    for (size_t at = d->leaves; at-- > 1;) raise_at(d, at);
 }
 
-static void rise(sl_displayed *d, size_t at) {
-    uint32_t entry = d->heap[at];
-    for (; at > 0 && comes_first(d, entry, d->heap[(at - 1) / 2]); at = (at - 1) / 2)
-        put(d, at, d->heap[(at - 1) / 2]);
-    put(d, at, entry);
+void sl_displayed_rank_root(sl_displayed *d, uint32_t entry) {
+    size_t at = d->leaves + entry;
+    d->highest[at] = d->mesh->patch[d->root[entry]].priority;
+    while (at /= 2) raise_at(d, at);
 }
 
-void sl_displayed_heap_build(sl_displayed *d) {
-    d->heap_count = 0;
-    for (uint32_t e = 0; e < d->pixels->face_count; e++) {
-        if (sl_displayed_wants(d, e)) put(d, d->heap_count++, e);
-    }
-    for (size_t at = d->heap_count / 2; at-- > 0;) sink(d, at);
-}
+float sl_displayed_priority(const sl_displayed *d) { return d->root_count ? d->highest[1] : 0.0f; }
 
-void sl_displayed_heap_update(sl_displayed *d, uint32_t entry) {
-    rise(d, d->heap_place[entry]);
-    sink(d, d->heap_place[entry]);
-}
-
-float sl_displayed_priority(const sl_displayed *d) {
-    return d->heap_count ? priority_of(d, d->heap[0]) : 0.0f;
+/* The first of equals. */
+static uint32_t highest_entry(const sl_displayed *d) {
+    size_t at = 1;
+    while (at < d->leaves) at = 2 * at + (d->highest[2 * at] < d->highest[2 * at + 1]);
+    return (uint32_t)(at - d->leaves);
 }
 
 /* ---- the paper's chain ---- */
@@ -220,19 +200,19 @@ float sl_displayed_priority(const sl_displayed *d) {
 static uint32_t random_entry(sl_displayed *d) {
     uint64_t bits =
         sl_random_bits(sl_random_key(d->settings.seed, (uint64_t)d->settings.component), d->chain_draws++);
-    return d->heap[(size_t)(bits * d->heap_count >> 32)];
+    return (uint32_t)(bits * d->pixels->face_count >> 32);
 }
 
 /* Each step draws one root and moves there if its priority is higher. Where nothing is left at the current
  * one it goes on drawing; after as many failures as twice the number of roots it looks at all of them. */
 static uint32_t next_of_chain(sl_displayed *d) {
-    uint32_t current = d->chain_entry == SL_NO_INDEX ? d->heap[0] : d->chain_entry;
+    uint32_t current = d->chain_entry == SL_NO_INDEX ? highest_entry(d) : d->chain_entry;
     size_t failures = 0;
     do {
         uint32_t drawn = random_entry(d);
         if (priority_of(d, drawn) > priority_of(d, current)) current = drawn;
-    } while (priority_of(d, current) <= 0.0f && ++failures < 2 * d->heap_count);
-    return d->chain_entry = priority_of(d, current) > 0.0f ? current : d->heap[0];
+    } while (priority_of(d, current) <= 0.0f && ++failures < 2 * d->pixels->face_count);
+    return d->chain_entry = priority_of(d, current) > 0.0f ? current : highest_entry(d);
 }
 
 /* ---- what both share ---- */
@@ -253,7 +233,7 @@ static sl_patch_place best_leaf(const sl_displayed *d, uint32_t face) {
 sl_patch_place sl_displayed_take(sl_displayed *d) {
     sl_patch_place none = {.patch = SL_NO_INDEX, .root = SL_NO_INDEX};
     if (!(sl_displayed_priority(d) > 0.0f)) return none;
-    uint32_t entry = d->settings.selection == SL_SELECT_CHAIN ? next_of_chain(d) : d->heap[0];
+    uint32_t entry = d->settings.selection == SL_SELECT_CHAIN ? next_of_chain(d) : highest_entry(d);
     sl_patch_place leaf = best_leaf(d, d->pixels->face[entry].face);
     d->mesh->patch[leaf.patch].flags |= SL_NODE_TAKEN;
     d->mesh->patch[leaf.patch].priority = 0.0f;

@@ -103,7 +103,7 @@ static void the_first_image_samples_the_corners_of_faces_in_view_and_no_more(voi
     assert_non_null(is_corner);
     for (size_t e = 0; e < r.pixels->face_count; e++) {
         for (int c = 0; c < 3; c++) {
-            uint8_t *corner = &is_corner[sl_patch_corner(r.mesh->mesh, sl_displayed_root(r.mesh, e), c)];
+            uint8_t *corner = &is_corner[sl_patch_corner(r.mesh->mesh, r.mesh->root[e], c)];
             corners += !*corner;
             *corner = 1;
         }

@@ -69,7 +69,7 @@ static void a_leaf_that_is_taken_is_not_taken_twice(void **state) {
         assert_true(r.mesh->mesh->patch[leaf.patch].flags & SL_NODE_TAKEN);
         assert_true(sl_displayed_priority(r.mesh) <= last);
         last = sl_displayed_priority(r.mesh);
-        assert_true(taken < r.mesh->heap_count);
+        assert_true(taken < r.mesh->root_count);
     }
     assert_true(taken > 100);
     assert_priorities(r.mesh);
