@@ -7,21 +7,17 @@
 
 /* ---- a pixel's vertices ---- */
 
-/* Where a pixel's face was sorted: its entry and the pixel's place in the view's arrays. False: the mesh does
- * not show there. */
+/* Finds where a pixel was sorted: its face, and its place in the view's arrays. False: the mesh does not show
+ * there. */
 static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel, uint32_t *face,
                        size_t *at) {
     const sl_visible_pixels *p = d->pixels;
-    for (uint32_t side = 0; side < 2 && id[pixel] != SL_NO_INDEX; side++) {
-        uint32_t entry = p->entry_of_face[2 * id[pixel] + side];
-        if (entry == SL_NO_INDEX || !sl_displayed_wants(d, entry)) continue;
-        const sl_visible_face *f = &p->face[entry];
-        for (*at = f->first; *at < (size_t)f->first + f->count; ++*at) {
-            *face = f->face;
-            if (p->pixel[*at] == pixel) return true;
-        }
-    }
-    return false;
+    if (id[pixel] == SL_NO_INDEX) return false;
+    *face = sl_face_seen(d->mesh->primitives->scene, id[pixel], p->view.origin);
+    uint32_t entry = p->entry_of_face[*face];
+    if (!sl_displayed_wants(d, entry)) return false;
+    for (*at = p->face[entry].first; p->pixel[*at] != pixel;) ++*at;
+    return true;
 }
 
 /* The mean of the known corners stands in for one that is of no use. */

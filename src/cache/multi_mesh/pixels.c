@@ -7,11 +7,11 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "scene/surface_rules.h"
+#include "cache/patches/primitives.h"
 
 typedef struct sort_job {
     const sl_scene *scene;
-    const sl_view *view;
+    sl_vec3 eye;
     const uint32_t *id;
     size_t pixels;
     float *weight[2];          /* by pixel of the screen: of the triangle's corners 1 and 2, */
@@ -20,39 +20,17 @@ typedef struct sort_job {
     sl_visible_pixels *out;
 } sort_job;
 
-/* ---- what a pixel shows ---------------------------------------------------------------------- */
-
-/* Returns the side that sl_scene_surface() has. */
-static uint32_t side_of(const sort_job *j, uint32_t triangle, float w1, float w2) {
-    const sl_scene *s = j->scene;
-    sl_vec3 a = sl_scene_position(s, s->vertex[0][triangle]),
-            b = sl_scene_position(s, s->vertex[1][triangle]),
-            c = sl_scene_position(s, s->vertex[2][triangle]);
-    sl_vec3 p = sl_v3(sl_interpolate(a.x, b.x - a.x, c.x - a.x, w1, w2),
-                      sl_interpolate(a.y, b.y - a.y, c.y - a.y, w1, w2),
-                      sl_interpolate(a.z, b.z - a.z, c.z - a.z, w1, w2));
-    return sl_side_seen(sl_scene_geometric_normal(s, triangle), sl_sub(j->view->origin, p)) < 0.0f;
-}
-
-static void look_at_row(void *context, size_t row, unsigned worker) {
-    (void)worker;
-    const sort_job *j = context;
-    size_t width = (size_t)j->view->width;
-    for (size_t i = row * width; i < (row + 1) * width; i++) {
-        bool shows = j->id[i] != SL_NO_INDEX;
-        j->face[i] = shows ? 2 * j->id[i] + side_of(j, j->id[i], j->weight[0][i], j->weight[1][i])
-                           : SL_NO_INDEX;
-    }
-}
-
 /* ---- the sort -------------------------------------------------------------------------------- */
 
-/* Lists faces in view with their counts. */
+/* Lists faces in view with their counts, and their pixels. */
 static sl_status list_faces(sort_job *j, sl_error *error) {
     sl_visible_pixels *out = j->out;
     size_t faces = 2 * j->scene->triangle_count, visible = 0;
-    for (size_t i = 0; i < j->pixels; i++)
-        if (j->face[i] != SL_NO_INDEX) visible += j->next[j->face[i]]++ == 0;
+    for (size_t i = 0; i < j->pixels; i++) {
+        bool again = i > 0 && j->id[i] == j->id[i - 1], none = j->id[i] == SL_NO_INDEX;
+        j->face[i] = again ? j->face[i - 1] : none ? SL_NO_INDEX : sl_face_seen(j->scene, j->id[i], j->eye);
+        if (!none) visible += j->next[j->face[i]]++ == 0;
+    }
     out->face = sl_allocate(visible, sizeof *out->face);
     if (!out->face) return sl_fail_memory(error, "visible sizes");
     uint32_t first = 0;
@@ -97,13 +75,12 @@ static void corner_places(const void *context, uint32_t triangle, float *value) 
     memcpy(value, places, sizeof places);
 }
 
-static sl_status sort(sort_job *j, const sl_raster *raster, unsigned threads, sl_counters *counters,
-                      sl_error *error) {
+static sl_status sort(sort_job *j, const sl_raster *raster, const sl_view *view, unsigned threads,
+                      sl_counters *counters, sl_error *error) {
     if (!allocate(j)) return sl_fail_memory(error, "visible pixels");
     const sl_gouraud_pass pass = {.channels = 2, .corners = corner_places, .out = j->weight[0]};
     j->weight[1] = j->weight[0] + j->pixels;
-    sl_raster_gouraud(raster, j->view, threads, j->id, &pass, counters);
-    sl_parallel_for(threads, (size_t)j->view->height, look_at_row, j);
+    sl_raster_gouraud(raster, view, threads, j->id, &pass, counters);
     return list_faces(j, error);
 }
 
@@ -116,11 +93,11 @@ sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster,
     out->height = view->height;
     out->view = *view;
     sort_job job = {.scene = scene,
-                    .view = view,
+                    .eye = view->origin,
                     .id = id,
                     .pixels = (size_t)view->width * (size_t)view->height,
                     .out = out};
-    sl_status status = sort(&job, raster, sl_thread_count(threads), counters, error);
+    sl_status status = sort(&job, raster, view, sl_thread_count(threads), counters, error);
     void *const work[] = {job.weight[0], job.face, job.next};
     for (size_t i = 0; i < sizeof work / sizeof work[0]; i++) sl_free(work[i]);
     if (status == SL_OK) *pixels = out;

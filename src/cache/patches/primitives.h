@@ -16,6 +16,7 @@
 #include "cache/light/light_sample.h"
 #include "cache/patches/solids.h"
 #include "scene/scene.h"
+#include "scene/surface_rules.h"
 
 enum { SL_PATCH_DEPTH_MAX = 14, SL_PATCH_DYADIC = 1 << SL_PATCH_DEPTH_MAX };
 
@@ -86,6 +87,11 @@ static inline bool sl_material_has_lobe(const sl_material *material) {
 static inline sl_vec3 sl_face_normal(const sl_scene *scene, uint32_t face) {
     sl_vec3 n = sl_scene_geometric_normal(scene, face / 2);
     return face & 1u ? sl_neg(n) : n;
+}
+/* Returns the face of a triangle that an eye sees. */
+static inline uint32_t sl_face_seen(const sl_scene *scene, uint32_t triangle, sl_vec3 eye) {
+    sl_vec3 to_eye = sl_sub(eye, sl_scene_position(scene, scene->vertex[0][triangle]));
+    return 2 * triangle + (sl_side_seen(sl_scene_geometric_normal(scene, triangle), to_eye) < 0.0f);
 }
 /* Tells whether a triangle has no area to speak of (below 1e-12 of the scene's scale squared; NaN has none):
  * it receives nothing, and hides light all the same. */

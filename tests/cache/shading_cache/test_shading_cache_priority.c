@@ -283,21 +283,6 @@ static void a_large_leaf_of_one_colour_counts_by_the_root_of_its_area_and_the_me
     assert_true(leaves[3].priority == -1.0f);
 }
 
-static void neither_the_size_of_a_picture_nor_its_contrast_changes_what_large_leaves_count_among_others(
-    void **state) {
-    (void)state;
-    sl_leaf_priority leaves[3] = {{.pixels = 500, .priority = 3.0f},
-                                  {.pixels = 40, .priority = 60.0f},
-                                  {.pixels = 3, .priority = 9.0f}},
-                     other[3];
-    for (int i = 0; i < 3; i++)
-        other[i] = (sl_leaf_priority){.pixels = 4 * leaves[i].pixels, .priority = 2.0f * leaves[i].priority};
-    sl_priorities_raise(3, leaves, 10000);
-    sl_priorities_raise(3, other, 40000);
-    assert_true(leaves[0].priority > 10.0f && leaves[1].priority == 60.0f);
-    for (int i = 0; i < 3; i++) assert_true(fabsf(other[i].priority - 2.0f * leaves[i].priority) < 1e-4f);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_are_those_of_the_s_curve),
@@ -316,8 +301,6 @@ int main(void) {
         cmocka_unit_test(leaves_never_evaluated_come_first_and_leave_the_others_as_they_are),
         cmocka_unit_test(priorities_that_are_no_numbers_harm_nothing),
         cmocka_unit_test(a_large_leaf_of_one_colour_counts_by_the_root_of_its_area_and_the_mean_of_the_rest),
-        cmocka_unit_test(
-            neither_the_size_of_a_picture_nor_its_contrast_changes_what_large_leaves_count_among_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

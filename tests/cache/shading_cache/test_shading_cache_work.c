@@ -113,24 +113,6 @@ static void corners_from_before_an_edit_are_shaded_again_before_anything_is_spli
     hierarchy_discard(&h);
 }
 
-static void one_place_splits_its_patch_and_asks_for_the_new_corners_of_the_child_that_it_is_in(void **state) {
-    (void)state;
-    sl_camera camera = camera_above(30);
-    sl_work_settings settings = usual();
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    uint32_t patch = want_root(&h, 0);
-    evaluate_all(&h, 1.0f, 1);
-    work(&h, &settings, &camera, 1, &(sl_chosen_place){patch, 0.9f, 0.2f});
-    assert_int_equal(out.splits, 1);
-    assert_int_equal(out.count, 3);
-    uint32_t child = h.patches->patch[patch].child + 1, wanted = 0;
-    for (int c = 0; c < 4; c++) {
-        uint32_t vertex = sl_patch_corner(h.patches, child, c);
-        if (vertex != sl_patch_corner(h.patches, patch, 1)) assert_int_equal(out.vertex[wanted++], vertex);
-    }
-    hierarchy_discard(&h);
-}
-
 static void sixteen_places_give_two_levels_in_one_update_and_no_number_more_than_three(void **state) {
     (void)state;
     static const int side[] = {1, 2, 4, 8, 16}, depth[] = {1, 1, 2, 3, 3};
@@ -396,7 +378,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_patch_never_evaluated_gets_its_corners_and_stays_whole),
         cmocka_unit_test(corners_from_before_an_edit_are_shaded_again_before_anything_is_split),
-        cmocka_unit_test(one_place_splits_its_patch_and_asks_for_the_new_corners_of_the_child_that_it_is_in),
         cmocka_unit_test(sixteen_places_give_two_levels_in_one_update_and_no_number_more_than_three),
         cmocka_unit_test(
             patches_are_handled_in_their_order_and_vertices_are_asked_for_once),
