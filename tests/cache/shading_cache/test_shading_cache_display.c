@@ -199,34 +199,6 @@ static void a_frame_is_what_evaluation_pixel_by_pixel_gives(void **state) {
     }
 }
 
-static void the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_once(void **state) {
-    (void)state;
-    static id_picture ids;
-    hierarchy h = hierarchy_of(room(false), 0);
-    sl_display *display = display_of(&h, W, H, guess);
-    uint32_t at = PIXELS / 4 + W / 2, before = SL_NO_INDEX;
-    for (uint32_t update = 1; update <= 6; update++) {
-        change_at_random(&h, sl_random_key(3, update), update, 300);
-        build_display(display, &h);
-        map_ids(display, 1, &ids);
-        for (uint32_t i = 0; i < PIXELS; i++) {
-            uint32_t leaf = SL_NO_INDEX;
-            if (ids.root[i] != SL_NO_INDEX)
-                leaf = sl_patch_locate(h.patches, ids.root[i], (double)ids.u[i], (double)ids.v[i]).patch;
-            assert_int_equal(ids.patch[i], leaf);
-        }
-        assert_int_not_equal(ids.root[at], SL_NO_INDEX);
-        if (ids.patch[at] == SL_NO_INDEX) want_root(&h, ids.root[at]);
-        else split(&h, ids.patch[at]);
-        build_display(display, &h);
-        map_ids(display, 1, &ids);
-        assert_int_not_equal(ids.patch[at], before);
-        before = ids.patch[at];
-    }
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
-}
-
 /* ---- before any sample ----------------------------------------------------------------------- */
 
 static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(void **state) {
@@ -428,7 +400,6 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_is_what_evaluation_pixel_by_pixel_gives),
-        cmocka_unit_test(the_id_map_names_the_leaf_that_holds_the_point_and_new_children_at_once),
         cmocka_unit_test(silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess),
         cmocka_unit_test(a_split_without_samples_is_not_seen),
         cmocka_unit_test(colours_meet_along_edges_between_coarse_and_fine_leaves),
