@@ -71,7 +71,7 @@ typedef struct sl_displayed {
     /* selection */
     uint32_t *root;               /* by entry of pixels->face: its patch; SL_NO_INDEX: not wanted here */
     size_t root_count;            /* that are wanted */
-    /* the roots' priorities from `leaves` on, a power of two; before them the larger one of two: [1] of all */
+    /* the roots' priorities from `leaves` on, a power of two; before them the larger one of two each */
     float *highest;
     size_t leaves, leaves_room;
     uint32_t chain_entry;         /* the chain's current root */

@@ -31,7 +31,8 @@ static sl_vertex_shares known_shares(const sl_patches *mesh, const sl_mesh_fan *
         bool itself = from > 2 || known[from];
         if (itself) sl_share_add(&shares, fan->vertex[from], all.weight[i]);
         for (int c = 0; c < 3 && !itself; c++)
-            if (known[c]) sl_share_add(&shares, fan->vertex[c], all.weight[i] / (known[0] + known[1] + known[2]));
+            if (known[c])
+                sl_share_add(&shares, fan->vertex[c], all.weight[i] / (known[0] + known[1] + known[2]));
     }
     return shares;
 }

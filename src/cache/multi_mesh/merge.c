@@ -5,13 +5,10 @@
 #include "base/math.h"
 #include "base/parallel.h"
 #include "cache/frame/picture_value.h"
-#include "image/unset.h"
 
 #include <string.h>
 
 /* ---- image pass 2 ---- */
-
-static const float *const no_planes[3] = {NULL, NULL, NULL};
 
 typedef struct resolving {
     const sl_scene *scene;
@@ -100,7 +97,7 @@ double sl_materials_glossy_share(const sl_materials_seen *m) {
 
 /* ---- image pass 4 ---- */
 
-enum { PICTURE = 0, DIRECT = 3, SPECULAR = 6, INDIRECT = 9, EMISSION = 12, KD = 15, KS = 18, CHANNELS = 21 };
+enum { PICTURE, DIRECT, SPECULAR, INDIRECT, EMISSION, KD, KS, LAYERS, CHANNELS = 3 * LAYERS };
 
 static const char *const channel_names[CHANNELS] = {
     "R",          "G",          "B",          "direct.R",   "direct.G",   "direct.B",   "specular.R",
@@ -112,56 +109,42 @@ typedef struct merging {
     float *out;
 } merging;
 
-static const float *const *planes_or_none(float *const planes[3]) {
-    return planes[0] ? (const float *const *)planes : no_planes;
+/* out = a b scale; black, as it is, where there is no a or b. */
+static void product(const float *a, const float *b, float scale, size_t from, size_t count, float *out) {
+    for (size_t i = 0; a && b && i < count; i++)
+        out[i] = sl_picture_value(a[from + i] * (b[from + i] * scale));
 }
 
-/* out = a b scale, or black where there is no a or b. */
-static void product(const float *a, const float *b, float scale, size_t count, float *out) {
-    if (!a || !b) {
-        memset(out, 0, count * sizeof *out);
-        return;
-    }
-    for (size_t i = 0; i < count; i++) out[i] = sl_picture_value(a[i] * (b[i] * scale));
+static void copy(const float *plane, size_t from, size_t count, float *to) {
+    if (plane) memcpy(to, plane + from, count * sizeof *to);
 }
-
-static void copy(const float *from, size_t count, float *to) {
-    if (from) memcpy(to, from, count * sizeof *to);
-    else memset(to, 0, count * sizeof *to);
-}
-
-static const float *part(const float *plane, size_t offset) { return plane ? plane + offset : NULL; }
 
 static void merge_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const merging *c = context;
     const sl_merge *m = c->merge;
-    size_t width = (size_t)m->materials->width, height = (size_t)m->materials->height,
-           pixels = width * height;
-    size_t from = row * width, to = (height - 1 - row) * width;
-    const float *const *specular = planes_or_none(m->materials->specular), *const *emission = planes_or_none(
-                                                                               m->materials->emission);
+    size_t width = (size_t)m->materials->width, height = (size_t)m->materials->height;
+    size_t from = row * width, to = (height - 1 - row) * width, pixels = width * height;
     for (size_t k = 0; k < 3; k++) {
-        const float *kd = m->materials->diffuse[k] + from, *ks = part(specular[k], from);
-        float *direct = c->out + (DIRECT + k) * pixels + to,
-              *highlight = c->out + (SPECULAR + k) * pixels + to;
-        float *indirect = c->out + (INDIRECT + k) * pixels + to,
-              *lamp = c->out + (EMISSION + k) * pixels + to;
-        float *picture = c->out + (PICTURE + k) * pixels + to;
-        product(kd, part(m->direct_diffuse[k], from), 1.0f, width, direct);
-        product(ks, part(m->direct_specular[k], from), 1.0f, width, highlight);
-        product(kd, part(m->indirect[k], from), (float)(1.0 / SL_PI), width, indirect);
-        copy(part(emission[k], from), width, lamp);
-        copy(kd, width, c->out + (KD + k) * pixels + to);
-        copy(ks, width, c->out + (KS + k) * pixels + to);
+        const float *kd = m->materials->diffuse[k], *ks = m->materials->specular[k];
+        float *layer[LAYERS];
+        for (size_t i = 0; i < LAYERS; i++) layer[i] = c->out + (3 * i + k) * pixels + to;
+        float *direct = layer[DIRECT], *highlight = layer[SPECULAR],
+              *indirect = layer[INDIRECT], *lamp = layer[EMISSION], *picture = layer[PICTURE];
+        product(kd, m->direct_diffuse[k], 1.0f, from, width, direct);
+        product(ks, m->direct_specular[k], 1.0f, from, width, highlight);
+        product(kd, m->indirect[k], (float)(1.0 / SL_PI), from, width, indirect);
+        copy(m->materials->emission[k], from, width, lamp);
+        copy(kd, from, width, layer[KD]);
+        copy(ks, from, width, layer[KS]);
         for (size_t i = 0; i < width; i++)
             picture[i] = sl_picture_value(((direct[i] + highlight[i]) + indirect[i]) + lamp[i]);
     }
 }
 
 sl_status sl_merge_picture(const sl_merge *merge, sl_image **image, sl_error *error) {
-    sl_status status = sl_image_create_unset(merge->materials->width, merge->materials->height, CHANNELS,
-                                             channel_names, image, error);
+    sl_status status = sl_image_create(merge->materials->width, merge->materials->height, CHANNELS,
+                                       channel_names, image, error);
     if (status != SL_OK) return status;
     merging c = {merge, (*image)->planes};
     sl_parallel_for(merge->threads, (size_t)merge->materials->height, merge_row, &c);

@@ -159,9 +159,9 @@ void sl_displayed_prioritise(sl_displayed *d) {
 }
 
 /* Which leaf is served next. Of the roots in view that of highest priority, found as the leaf below it is: by
- * following the larger one of two maxima. Or the paper's chain: it stays at a root and moves to another, drawn
- * at random, if that one has more. The chain chooses worse than the heap at first, when quick pictures matter
- * most; it is the paper's way, and cheaper per step only where thousands of roots are in view. */
+ * following the larger one of two maxima. Or the paper's chain: it stays at a root and moves to another,
+ * drawn at random, if that one has more. The chain chooses worse than the heap at first, when quick pictures
+ * matter most; it is the paper's way, and cheaper per step only where thousands of roots are in view. */
 
 /* ---- the heap ---- */
 

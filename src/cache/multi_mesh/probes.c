@@ -5,8 +5,8 @@
  * six pixels lies between four such pixels. Where it says something else, n x n rays tell by how much, and
  * whether an eye could tell.
  *
- * Nothing is asked where corners are in the penumbra: that their edges know. What is asked depends on the view and on what the meshes know, and is forgotten at once.
- */
+ * Nothing is asked where corners are in the penumbra: that their edges know. What is asked depends on the
+ * view and on what the meshes know, and is forgotten at once. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include <math.h>
@@ -105,7 +105,8 @@ static bool differs(const probed_leaf *leaf, size_t light, const float share[3],
 
 static bool is_probe(const probed_leaf *leaf, uint32_t i) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
-    uint32_t at = pixels->pixel[sl_displayed_pixel(leaf->d, leaf->place->patch, i)], width = (uint32_t)pixels->width;
+    uint32_t at = pixels->pixel[sl_displayed_pixel(leaf->d, leaf->place->patch, i)],
+             width = (uint32_t)pixels->width;
     return at % width % SPACING == SPACING / 2 && at / width % SPACING == SPACING / 2;
 }
 

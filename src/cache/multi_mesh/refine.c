@@ -1,8 +1,8 @@
 /* The test of a leaf. Each edge's middle is sampled and compared, at the final pixel, with the mean of its
- * ends (sl_mesh_test_edge()): a difference that an eye can tell splits the edge, and with it the leaf; else the edge
- * is closed, its halves included. A leaf above the size criterion is split whatever its edges say, so that
- * small features are found. What was split for its size in vain is undone: four closed leaves under a parent
- * whose own edges are closed go, and the parent stays closed until it is twice as large on the screen.
+ * ends (sl_mesh_test_edge()): a difference that an eye can tell splits the edge, and with it the leaf; else
+ * the edge is closed, its halves included. A leaf above the size criterion is split whatever its edges say,
+ * so that small features are found. What was split for its size in vain is undone: four closed leaves under a
+ * parent whose own edges are closed go, and the parent stays closed until it is twice as large on the screen.
  *
  * A leaf is split only when the middles of all its edges have been sampled, so every corner but the roots'
  * has a value. */

@@ -38,8 +38,8 @@ typedef struct sl_fan_spoke {
     uint16_t edge, along;
 } sl_fan_spoke;
 
-/* Gives the ends of the piece of the edge on which a place lies; returns how far along the piece it is. Spokes
- * are in order around the leaf. */
+/* Gives the ends of the piece of the edge on which a place lies; returns how far along the piece it is.
+ * Spokes are in order around the leaf. */
 static inline float sl_fan_piece(int corners, const uint32_t *corner, size_t count, const sl_fan_spoke *spoke,
                                  const sl_fan_place *place, uint32_t end[2]) {
     const int32_t whole_edge = SL_PATCH_DYADIC;

@@ -56,11 +56,12 @@ static inline uint32_t sl_mesh_find_middle(const sl_patches *mesh, const sl_patc
 /* Cuts a leaf in four. Children's edges are untested, but halves of closed ones are closed. */
 sl_status sl_mesh_split(sl_patches *mesh, const sl_patch_place *place, sl_error *error);
 
-/* The test of an edge: `differs` tells whether an eye can tell the value at a point of a face from the mean of
- * what lies on either side of it. It is asked of the middle of the edge and its ends, and of the middles of
- * the edge's parts that have a value already since someone on the other side asked for it: an edge is tested
- * once, for both its sides. Otherwise a large leaf beside a small shadow would draw the shadow's vertex on its
- * edge as a spike to its own centre. Where one of the three is INVALID light ends somewhere along the edge. */
+/* The test of an edge: `differs` tells whether an eye can tell the value at a point of a face from the mean
+ * of what lies on either side of it. It is asked of the middle of the edge and its ends, and of the middles
+ * of the edge's parts that have a value already since someone on the other side asked for it: an edge is
+ * tested once, for both its sides. Otherwise a large leaf beside a small shadow would draw the shadow's
+ * vertex on its edge as a spike to its own centre. Where one of the three is INVALID light ends somewhere
+ * along the edge. */
 typedef struct sl_edge_test {
     bool (*differs)(const void *context, uint32_t face, float w1, float w2, const float *mean,
                     const float *value);
@@ -108,7 +109,8 @@ enum { SL_FAN_LEVELS = 6, SL_FAN_VERTICES = 3 + 3 * ((1 << SL_FAN_LEVELS) - 1) }
 typedef struct sl_mesh_fan {
     int channels;
     size_t count;                          /* spokes */
-    /* the leaf's corners, then what hangs on its edges and is known: spokes name these by their number here */
+    /* the leaf's corners, then what hangs on its edges and is known: spokes name these by their number here
+     */
     uint32_t vertex[SL_FAN_VERTICES];
     float value[SL_FAN_VERTICES][3];
     sl_fan_spoke spoke[SL_FAN_VERTICES - 3];

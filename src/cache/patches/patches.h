@@ -267,10 +267,10 @@ void sl_patches_touch(sl_patches *patches, sl_root_place place);
 sl_screen_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place,
                                   const sl_view *view);
 
-/* Returns where a vertex is shaded: on its root's border it is moved inwards by 1/256 of the way to the middle,
- * as in the crease between two walls it would see half of what is behind the other. nudge: 1 to SL_NUDGES
- * where it lies inside other geometry: moved by 1, by 5 and by 20 % of the largest patches that have it for a
- * corner. */
+/* Returns where a vertex is shaded: on its root's border it is moved inwards by 1/256 of the way to the
+ * middle, as in the crease between two walls it would see half of what is behind the other. nudge: 1 to
+ * SL_NUDGES where it lies inside other geometry: moved by 1, by 5 and by 20 % of the largest patches that
+ * have it for a corner. */
 enum { SL_NUDGES = 3 };
 sl_root_place sl_vertex_nudged(const sl_patches *patches, uint32_t vertex, int nudge);
 /* Marks a vertex as without light of its own: it was asked for, and inside other geometry, or no number came.

@@ -55,10 +55,10 @@ void sl_primitives_destroy(sl_primitives *primitives);
 size_t sl_primitives_memory_bytes(const sl_primitives *primitives);
 
 /* Gives a point of a root, as the scene stands now (objects move; their points move with them): normals are
- * unit, on the root's side, the limit where a parameter line collapses to a point; its triangle is SL_NO_INDEX
- * on corners and edges of triangles. u and v in 1/SL_PATCH_DYADIC.
- * Points lie on the scene's triangles, which rays meet, also those of bicubic patches; the normal is then the
- * surface's own. The surface itself: sl_bicubic_at() in scene/bicubic.h. */
+ * unit, on the root's side, the limit where a parameter line collapses to a point; its triangle is
+ * SL_NO_INDEX on corners and edges of triangles. u and v in 1/SL_PATCH_DYADIC. Points lie on the scene's
+ * triangles, which rays meet, also those of bicubic patches; the normal is then the surface's own. The
+ * surface itself: sl_bicubic_at() in scene/bicubic.h. */
 void sl_root_point_at(const sl_primitives *primitives, uint32_t root, uint32_t u, uint32_t v,
                       sl_lit_point *point);
 /* the same one, alone */

@@ -8,8 +8,6 @@
 #include "base/parallel.h"
 #include "cache/shading_cache/state.h"
 
-enum { LEAVES_A_TASK = 1024 };
-
 /* ---- choices ---- */
 
 static uint32_t most_of(const sl_selection *s, uint32_t leaf) {
@@ -191,17 +189,15 @@ typedef struct leaf_task {
     sl_leaf_visit *visit;
 } leaf_task;
 
-static void visit_some(void *context, size_t task, unsigned worker) {
+static void visit_one(void *context, size_t leaf, unsigned worker) {
     (void)worker;
     const leaf_task *t = context;
-    size_t begin = task * LEAVES_A_TASK, end = begin + LEAVES_A_TASK;
-    for (size_t i = begin; i < end && i < t->state->leaf_count; i++) t->visit(t->state, &t->state->leaf[i]);
+    t->visit(t->state, &t->state->leaf[leaf]);
 }
 
 void sl_shading_each_leaf(sl_shading_state *s, sl_leaf_visit *visit) {
     leaf_task task = {s, visit};
-    sl_parallel_for(s->settings.threads, (s->leaf_count + LEAVES_A_TASK - 1) / LEAVES_A_TASK, visit_some,
-                    &task);
+    sl_parallel_for(s->settings.threads, s->leaf_count, visit_one, &task);
 }
 
 /* ---- finished leaves ---- */
