@@ -1,5 +1,6 @@
 /* The film: a pixel is the mean over its square. */
 #include "rendering.h"
+#include "scene/scene.h"
 #include "scene_files.h"
 
 #include <setjmp.h>
@@ -269,6 +270,131 @@ static void a_film_follows_edits(void **state) {
 }
 
 /* A picture of one pixel is the mean of one of many. */
+/* ---- hard cases ---- */
+
+/* An edge through the centres of a row of pixels covers half of each. */
+static void edges_along_pixel_centres_are_half_seen(void **state) {
+    (void)state;
+    enum { SIDE = 16 };
+    const double pixel = 2.0 / SIDE;
+    sl_scene *scene = shining_quad(9.0 * pixel, 7.0 * pixel, 0.0);
+    for (int m = 0; m < METHODS; m++) {
+        const sl_settings settings = on_film(methods[m], SIDE, 64);
+        sl_image *image = render(scene, &settings, NULL);
+        const float *red = sl_image_channel(image, "R");
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const double x = fabs(i % SIDE + 0.5 - SIDE / 2), y = fabs(i / SIDE + 0.5 - SIDE / 2);
+            const double expected = (x < 4.0   ? 1.0
+                                     : x < 5.0 ? 0.5
+                                               : 0.0) *
+                                    (y < 3.0   ? 1.0
+                                     : y < 4.0 ? 0.5
+                                               : 0.0);
+            if (fabs((double)red[i] - expected) > 0.02)
+                fail_msg("%s: %g, not %g", methods[m], red[i], expected);
+        }
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
+/* Wherever it lies among the pixels, no light of a lamp as large as one is lost. */
+static void a_lamp_of_a_pixel_shines_whole_wherever_it_is(void **state) {
+    (void)state;
+    enum { SIDE = 16, PLACES = 20 };
+    const double pixel = 2.0 / SIDE;
+    for (int place = 0; place < PLACES; place++) {
+        sl_scene *scene = shining_quad(pixel, pixel, 0.0);
+        const float x = (float)(pixel * 0.37 * place), y = (float)(pixel * 0.11 * place);
+        sl_settings settings = on_film("splatting", SIDE, 64);
+        double sum = 0.0;
+        scene->camera.eye = sl_v3(-0.3f * x, -0.5f * y, 0.0f);
+        sl_image *image = render(scene, &settings, NULL);
+        for (int i = 0; i < SIDE * SIDE; i++) sum += (double)sl_image_channel(image, "R")[i];
+        if (fabs(sum - 1.0) > 0.03) fail_msg("place %d: %g of a pixel", place, sum);
+        sl_image_destroy(image);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void a_film_may_be_a_pixel_wide_or_high(void **state) {
+    (void)state;
+    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
+    for (int m = 0; m < METHODS; m++) {
+        for (int wide = 0; wide < 2; wide++) {
+            sl_settings settings = on_film(methods[m], 1, 64);
+            if (wide) settings.width = 31;
+            else settings.height = 31;
+            sl_image *image = render(scene, &settings, NULL);
+            double sum = 0.0;
+            for (int i = 0; i < 31; i++) sum += (double)sl_image_channel(image, "R")[i];
+            assert_true(isfinite(sum) && sum > 0.0 && sum <= 31.0);
+            sl_image_destroy(image);
+        }
+    }
+    sl_scene_destroy(scene);
+}
+
+/* The camera turns by an eighth of a pixel a frame: an edge moves on as evenly, it neither jumps nor crawls.
+ */
+static void edges_do_not_crawl_when_the_camera_moves(void **state) {
+    (void)state;
+    enum { SIDE = 24, FRAMES = 9 };
+    const float eighth = 0.25f / SIDE;
+    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
+    const sl_settings settings = on_film("splatting", SIDE, 64);
+    float before[SIDE * SIDE];
+    double largest = 0.0;
+    for (int frame = 0; frame < FRAMES; frame++) {
+        scene->camera.eye.x = eighth * (float)frame;
+        sl_image *image = render(scene, &settings, NULL);
+        const float *red = sl_image_channel(image, "R");
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            if (frame) largest = fmax(largest, fabs((double)(red[i] - before[i])));
+            before[i] = red[i];
+        }
+        sl_image_destroy(image);
+    }
+    print_message("largest step of a pixel between frames: %.3f\n", largest);
+    assert_true(largest > 0.08 && largest < 0.125 + 0.05);
+    sl_scene_destroy(scene);
+}
+
+/* Leaves: a mask whose holes are a quarter of it, each some hundredths of a pixel wide. */
+static void a_lamp_behind_leaves_shines_through_their_holes(void **state) {
+    (void)state;
+    enum { SIDE = 16, TEXELS = 64 };
+    sl_image *mask;
+    sl_scene *scene;
+    sl_error error;
+    assert_int_equal(sl_image_create(TEXELS, TEXELS, 1, NULL, &mask, &error), SL_OK);
+    for (int i = 0; i < TEXELS * TEXELS; i++)
+        mask->planes[i] = i % TEXELS < TEXELS / 2 && i / TEXELS < TEXELS / 2 ? 0.0f : 1.0f;
+    scene_file_text("holes.png", "");
+    assert_int_equal(sl_image_write(mask, scene_file_path("holes.png"), &error), SL_OK);
+    sl_image_destroy(mask);
+    scene_file_text("leaves.mtl",
+                    "newmtl leaf\nKd 0 0 0\nmap_d holes.png\nnewmtl lamp\nKd 0 0 0\nKe 1 1 1\n");
+    scene_file_text(
+        "leaves.obj",
+        "mtllib leaves.mtl\nv -9 -9 -2\nv 9 -9 -2\nv 9 9 -2\nv -9 9 -2\nv -9 -9 -1\nv 9 -9 -1\nv 9 9 "
+        "-1\nv -9 9 -1\nvt 0 0\nvt 777 0\nvt 777 777\nvt 0 777\nusemtl lamp\nf 1/1 2/2 3/3 4/4\nusemtl "
+        "leaf\nf 5/1 6/2 7/3 8/4\n");
+    const char *path =
+        scene_file_text("leaves.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"leaves.obj\"}], "
+                                       "\"camera\": {\"eye\": [0, 0, 0], \"target\": [0, 0, -1], "
+                                       "\"fov_deg\": 90}}");
+    if (sl_scene_load(path, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    const sl_settings settings = on_film("splatting", SIDE, 64);
+    sl_image *image = render(scene, &settings, NULL);
+    double sum = 0.0;
+    for (int i = 0; i < SIDE * SIDE; i++) sum += (double)sl_image_channel(image, "R")[i] / (SIDE * SIDE);
+    print_message("%.4f of the lamp\n", sum);
+    assert_true(fabs(sum - 0.25) < 0.02);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 static void a_picture_may_have_one_pixel(void **state) {
     (void)state;
     sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
@@ -309,6 +435,11 @@ int main(void) {
         cmocka_unit_test(samples_lie_where_they_matter),
         cmocka_unit_test(the_bits_do_not_depend_on_threads),
         cmocka_unit_test(a_film_follows_edits),
+        cmocka_unit_test(edges_along_pixel_centres_are_half_seen),
+        cmocka_unit_test(a_lamp_of_a_pixel_shines_whole_wherever_it_is),
+        cmocka_unit_test(a_film_may_be_a_pixel_wide_or_high),
+        cmocka_unit_test(edges_do_not_crawl_when_the_camera_moves),
+        cmocka_unit_test(a_lamp_behind_leaves_shines_through_their_holes),
         cmocka_unit_test(a_picture_may_have_one_pixel),
         cmocka_unit_test(a_pixel_of_a_film_is_not_explained),
     };
