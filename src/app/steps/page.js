@@ -178,6 +178,21 @@ function addReference(article, run) {
   }
 }
 
+function addFilm(article, run) {
+  const section = make("section", article, {class: "reference"});
+  make("h3", section, {text: "A pixel as a mean"});
+  make("p", section, {
+    text: "Above a pixel is what its centre shows. Rendered without --filter centre it is the mean over its square, " +
+        "from sub-frames that the hardware draws beside the centres: four of everything, then more where edges " +
+        "are or light differs. The brighter a pixel of the map, the more samples it has."
+  });
+  for (const [name, data] of [["means over pixels", run.film.picture], ["samples", run.film.samples]]) {
+    const figure = make("figure", section);
+    frame(figure, name, data, run.width, run.height);
+    make("figcaption", figure, {text: name});
+  }
+}
+
 function addArticle(main, run, number) {
   const article = make("article", main, {"data-article": number});
   make("h2", article, {text: run.narrative.method});
@@ -185,6 +200,7 @@ function addArticle(main, run, number) {
   make("p", article, {html: prose(run.narrative.introduction)});
   addPlayer(article, run, number);
   run.steps.forEach((step, i) => addStep(article, run, step, i));
+  addFilm(article, run);
   addReference(article, run);
   const details = make("details", article);
   make("summary", details, {text: "The plan: what this scene needs, and what it does not"});

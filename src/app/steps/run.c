@@ -52,7 +52,8 @@ static void add_error(cJSON *to, const char *name, double rel_rmse) {
     else cJSON_AddNullToObject(to, name);
 }
 
-static void add_reference(cJSON *run, const sl_steps_options *o, const sl_image *picture, const sl_image *reference) {
+static void add_reference(cJSON *run, const sl_steps_options *o, const sl_image *picture,
+                          const sl_image *reference) {
     sl_image *difference = NULL;
     sl_bench_error e;
     sl_error ignored;
@@ -63,6 +64,37 @@ static void add_reference(cJSON *run, const sl_steps_options *o, const sl_image 
     add_error(told, "noise", e.noise);
     cJSON_AddNumberToObject(told, "samples", o->reference_samples);
     sl_image_destroy(difference);
+}
+
+/* ---- the film ---- */
+
+/* Makes a map of the layer `samples`: a quarter brighter with every doubling of the pilot's four. */
+static sl_status map_samples(const sl_image *picture, sl_image **map, sl_error *error) {
+    const size_t pixels = (size_t)picture->width * (size_t)picture->height;
+    const float *samples = sl_image_channel(picture, "samples");
+    sl_status status = sl_image_create(picture->width, picture->height, 3, NULL, map, error);
+    for (size_t i = 0; status == SL_OK && i < 3 * pixels; i++)
+        (*map)->planes[i] = samples ? fminf(0.02f * samples[i % pixels] / 4.0f, 1.0f) : 0.0f;
+    return status;
+}
+
+/* Makes the picture once more, its pixels means over their squares. */
+static sl_status add_film(cJSON *run, const sl_scene *scene, const sl_steps_options *o, sl_error *error) {
+    sl_settings settings = o->settings;
+    sl_image *picture = NULL, *map = NULL;
+    settings.filter = SL_FILTER_BOX;
+    settings.observer = NULL;
+    tell(o, "the film", 0.0);
+    sl_status status = sl_picture_make(scene, &settings, HUGE_VAL, &picture, error);
+    if (status == SL_OK) status = map_samples(picture, &map, error);
+    if (status == SL_OK) {
+        cJSON *film = cJSON_AddObjectToObject(run, "film");
+        add_text(film, "picture", sl_picture_text(picture, true));
+        add_text(film, "samples", sl_picture_text(map, true));
+    }
+    sl_image_destroy(picture);
+    sl_image_destroy(map);
+    return status;
 }
 
 /* ---- what each layer is worth ---- */
@@ -94,14 +126,16 @@ static void add_layers(cJSON *run, sl_image *picture, const sl_image *reference)
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char red[SL_CHANNEL_NAME_MAX];
         snprintf(red, sizeof red, "%s.R", names[i]);
-        if (sl_image_channel(picture, red)) add_error(layers, names[i], error_without(picture, names[i], reference));
+        if (sl_image_channel(picture, red))
+            add_error(layers, names[i], error_without(picture, names[i], reference));
     }
 }
 
 /* ---- the method ---- */
 
 static sl_status snap(cJSON *snapshots, sl_recording *recording, sl_method *method,
-                      const sl_progress *progress, const sl_image *reference, sl_image **picture, sl_error *error) {
+                      const sl_progress *progress, const sl_image *reference, sl_image **picture,
+                      sl_error *error) {
     sl_image_destroy(*picture);
     *picture = NULL;
     sl_recording_interrupt(recording, sl_method_counters(method));
@@ -182,6 +216,7 @@ sl_status sl_steps_run(const sl_scene *scene, const sl_steps_options *o, cJSON *
     if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &plan, error);
     if (status == SL_OK && o->reference_samples) status = trace_reference(scene, o, &reference, error);
     if (status == SL_OK) status = watch(scene, o, run, &recording, reference, error);
+    if (status == SL_OK) status = add_film(run, scene, o, error);
     add_text(run, "plan", plan);
     sl_recording_clear(&recording);
     sl_image_destroy(reference);

@@ -171,15 +171,17 @@ double sl_film_share(const sl_film *f) {
 
 bool sl_film_has_picture(const sl_film *f) { return f->sums != NULL; }
 
-/* Makes a black picture of the same channels, with the metadata. */
-static sl_status make_like(const sl_image *picture, sl_image **like, sl_error *error) {
+/* Makes a black picture of the same channels, and one more where it is named, with the metadata. */
+static sl_status make_like(const sl_image *picture, const char *more, sl_image **like, sl_error *error) {
     enum { MOST = 64 };
     const char *names[MOST] = {NULL};
-    if (picture->channels > MOST)
-        return sl_fail(error, SL_ERROR_USAGE, "a film of %d channels: %d at most", picture->channels, MOST);
+    if (picture->channels >= MOST)
+        return sl_fail(error, SL_ERROR_USAGE, "a film of %d channels: %d at most", picture->channels,
+                       MOST - 1);
     for (int c = 0; c < picture->channels; c++) names[c] = picture->channel_name[c];
-    sl_status status =
-        sl_image_create(picture->width, picture->height, picture->channels, names, like, error);
+    if (more) names[picture->channels] = more;
+    sl_status status = sl_image_create(picture->width, picture->height, picture->channels + (more != NULL),
+                                       names, like, error);
     for (size_t i = 0; status == SL_OK && i < picture->metadata_count; i++)
         status = sl_image_set_metadata(*like, picture->metadata[i].key, picture->metadata[i].value, error);
     if (status == SL_OK) return SL_OK;
@@ -269,7 +271,7 @@ sl_status sl_film_add(sl_film *f, const sl_raster *raster, const sl_image *pictu
     sl_status status = know_edges(f, raster, error);
     if (!picture) f->asked++;
     if (!picture || status != SL_OK) return status;
-    status = f->sums ? SL_OK : make_like(picture, &f->sums, error);
+    status = f->sums ? SL_OK : make_like(picture, NULL, &f->sums, error);
     if (status != SL_OK) return status;
     if (f->drawn < PILOT) note_contrast(f, picture);
     add_samples(f, picture);
@@ -280,13 +282,15 @@ sl_status sl_film_add(sl_film *f, const sl_raster *raster, const sl_image *pictu
 }
 
 sl_status sl_film_develop(const sl_film *f, sl_image **image, sl_error *error) {
-    sl_status status = make_like(f->sums, image, error);
-    const size_t pixels = pixels_of(f);
+    const size_t pixels = pixels_of(f), channels = (size_t)f->sums->channels;
+    const bool layers = channels > 3;
+    sl_status status = make_like(f->sums, layers ? "samples" : NULL, image, error);
     for (size_t i = 0; status == SL_OK && i < pixels; i++) {
         const size_t at = image_place(f, i);
         const unsigned drawn = f->drawn <= PILOT ? f->drawn : smaller(f->drawn, f->count[i]),
                        count = f->drawn > PILOT && f->edge[i] ? drawn - PILOT : drawn;
-        for (size_t c = 0; c < (size_t)f->sums->channels; c++)
+        if (layers) (*image)->planes[channels * pixels + at] = (float)count;
+        for (size_t c = 0; c < channels; c++)
             (*image)->planes[c * pixels + at] =
                 sl_picture_value(f->sums->planes[c * pixels + at] / (float)count);
     }

@@ -33,8 +33,8 @@ const sl_counters *sl_film_counters(sl_film *film, const sl_counters *of_method)
 double sl_film_share(const sl_film *film);
 /* False: no sub-frame is there. */
 bool sl_film_has_picture(const sl_film *film);
-/* The mean of the samples that are there, of every channel, with the first sub-frame's metadata. The caller
- * destroys it. */
+/* The mean of the samples that are there, of every channel, with the first sub-frame's metadata; where there
+ * are layers, one more tells how many samples each pixel is the mean of. The caller destroys it. */
 sl_status sl_film_develop(const sl_film *film, sl_image **image, sl_error *error);
 size_t sl_film_bytes(const sl_film *film);
 /* An upper estimate of that, and of what its making takes besides, before anything is there. */
