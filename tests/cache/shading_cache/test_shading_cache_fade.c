@@ -58,24 +58,9 @@ static void after_k_updates_1_minus_beta_to_the_k_is_left(void **state) {
     end(&s);
 }
 
-static void what_has_another_value_by_then_keeps_it(void **state) {
-    (void)state;
-    scene_with_middle s = begin();
-    evaluate(&s.h, s.middle, 20.0f, 3);
-    sl_fades_go_on(&s.fades, s.h.patches, beta);
-    assert_true(shown(&s) == 20.0f && s.fades.count == 0);
-    end(&s);
-    s = begin();
-    sl_patch_drop_children(s.h.patches, sl_patches_find_root(s.h.patches, 0)); /* the vertex is gone */
-    sl_fades_go_on(&s.fades, s.h.patches, beta);
-    assert_int_equal(s.fades.count, 0);
-    end(&s);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(after_k_updates_1_minus_beta_to_the_k_is_left),
-        cmocka_unit_test(what_has_another_value_by_then_keeps_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -224,38 +224,6 @@ static sl_live_state frames_until_a_change_shows(sl_live *live, uint64_t changes
     return state;
 }
 
-/* The move shows at once; what it does to the light is late by the frames that are drawn while samples are
- * held up, and is the first of the moves' that wait. */
-static void frames_tell_how_late_the_light_is_that_a_move_has_changed(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(ball);
-    sl_settings settings = show_settings();
-    settings.shading_cache.updates = 500;
-    open_gate(true);
-    sl_live *live = start(scene, &settings);
-    assert_int_equal(frames_until_done(live, NULL).changes_shown, 0);
-    assert_int_equal(sl_live_move(live, 0.5, NULL), SL_OK); /* nothing but where the ball is */
-    assert_int_equal(frames_until_done(live, NULL).changes_shown, 0);
-    open_gate(false);
-    light_becomes(4.0f * (float)SL_PI);
-    assert_int_equal(sl_live_move(live, 1.0, NULL), SL_OK);
-    wait_until_samples_are_held_up();
-    for (int i = 0; i < 5; i++) {
-        assert_int_equal(sl_live_move(live, 1.0 + 0.1 * i, NULL), SL_OK);
-        assert_int_equal(frame_of(live, NULL).changes_shown, 0);
-    }
-    open_gate(true);
-    sl_live_state shown = frames_until_a_change_shows(live, 1);
-    assert_true(shown.change_seconds == 1.0 && shown.change_frames >= 5);
-    shown = frames_until_done(live, NULL);
-    sl_counters counters;
-    sl_live_stop(live, &counters);
-    light_becomes(2.0f * (float)SL_PI);
-    assert_int_equal(counters.value[SL_COUNT_CHANGES_SHOWN], shown.changes_shown);
-    assert_true(counters.value[SL_COUNT_UPDATES_TO_SHOW] >= shown.changes_shown && shown.changes_shown <= 2);
-    sl_scene_destroy(scene);
-}
-
 /* ---- moves that wait ------------------------------------------------------------------------- */
 
 /* Two boards on a wall; one moves in the first second, the other in the next. */
@@ -448,28 +416,10 @@ static void a_show_can_be_stopped_at_any_time_and_leaves_nothing_running(void **
     sl_scene_destroy(scene);
 }
 
-static void what_cannot_be_shown_is_refused_and_leaves_nothing(void **state) {
-    (void)state;
-    sl_scene *scene = load_scene(ball);
-    sl_settings settings = show_settings();
-    sl_live *live;
-    sl_error error;
-    settings.method = "no such method";
-    assert_int_equal(sl_live_start(scene, &settings, &live, &error), SL_ERROR_USAGE);
-    assert_null(live);
-    settings = show_settings();
-    settings.shading_cache.hold_levels = 256.0;
-    assert_int_equal(sl_live_start(scene, &settings, &live, &error), SL_ERROR_USAGE);
-    assert_null(live);
-    assert_non_null(strstr(error.message, "hold"));
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_keep_coming_while_samples_are_held_up),
         cmocka_unit_test(samples_catch_up_where_things_are_now_and_then_rest),
-        cmocka_unit_test(frames_tell_how_late_the_light_is_that_a_move_has_changed),
         cmocka_unit_test(
             of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is),
         cmocka_unit_test(
@@ -477,7 +427,6 @@ int main(void) {
         cmocka_unit_test(a_camera_of_ones_own_stays_whatever_moves),
         cmocka_unit_test(motion_waits_for_the_quality_that_it_is_held_for),
         cmocka_unit_test(a_show_can_be_stopped_at_any_time_and_leaves_nothing_running),
-        cmocka_unit_test(what_cannot_be_shown_is_refused_and_leaves_nothing),
     };
     if (!sl_monitor_open(&gate)) return 1;
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
