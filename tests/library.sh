@@ -35,6 +35,7 @@ cp "$lib/libsoftlux.a" "$folder/archive"
 {
     gcc -std=c11 $strict examples/golden_image_test.c -o "$folder/c" $shared
     g++ -std=c++11 -x c++ $strict examples/golden_image_test.c -o "$folder/c++" $shared
+    gcc -std=c11 $strict examples/build_scene.c -o "$folder/build_scene" $shared
     g++ -std=c++11 $strict examples/render.cpp -o "$folder/render" $shared
     gcc -std=c11 $strict examples/golden_image_test.c -o "$folder/static" $(pkg-config --static --cflags --libs softlux | sed "s|-L$lib|-L$folder/archive|")
 }
@@ -52,6 +53,9 @@ export SOFTLUX_IMPORTER="$folder$prefix/libexec/softlux-import"
 for program in c c++ static; do "$folder/$program" scenes/cornell.json "$folder/golden.exr" | grep -q identical; done
 "$folder/render" scenes/cornell.json "$folder/render.exr" size=64x64 quality=draft >/dev/null
 "$build/softlux" compare "$folder/render.exr" "$folder/golden.exr" --identical >/dev/null
+"$folder/build_scene" "$folder/built.json" "$folder/built.exr"
+"$build/softlux" render "$folder/built.json" -q draft -o "$folder/read.exr" --quiet
+"$build/softlux" compare "$folder/built.exr" "$folder/read.exr" --identical >/dev/null
 if "$folder/render" scenes/cornell.json "$folder/render.exr" no-such=1 2>"$folder/out"; then exit 1; fi
 grep -qx 'unknown option no-such' "$folder/out"
 if "$folder/c" scenes/two-rooms.json "$folder/golden.exr" >"$folder/out"; then

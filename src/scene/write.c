@@ -3,6 +3,7 @@
  */
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -150,8 +151,24 @@ static void put_file(writer *w, const char *suffix) {
     sl_free(path);
 }
 
+/* As few digits as read back to the same float. */
+static void put_number(text *t, float value) {
+    char number[32];
+    for (int digits = 6; digits <= 9; digits++) {
+        sl_print(number, sizeof number, "%.*g", digits, (double)value);
+        if ((float)strtod(number, NULL) == value) break;
+    }
+    put(t, "%s", number);
+}
+
 static void put_vector(text *t, const char *key, float x, float y, float z) {
-    put(t, "\"%s\": [%.9g, %.9g, %.9g]", key, (double)x, (double)y, (double)z);
+    const float v[3] = {x, y, z};
+    put(t, "\"%s\": [", key);
+    for (int i = 0; i < 3; i++) {
+        if (i) put(t, ", ");
+        put_number(t, v[i]);
+    }
+    put(t, "]");
 }
 static void put_rgb(text *t, const char *key, sl_rgb c) { put_vector(t, key, c.r, c.g, c.b); }
 static void put_vec3(text *t, const char *key, sl_vec3 v) { put_vector(t, key, v.x, v.y, v.z); }
@@ -326,13 +343,17 @@ static void put_material(writer *w, const sl_material *m) {
         put(t, ", ");
         put_rgb(t, "specular", m->specular);
     }
-    put(t, ", \"exponent\": %.9g, ", (double)m->exponent);
+    put(t, ", \"exponent\": ");
+    put_number(t, m->exponent);
+    put(t, ", ");
     put_rgb(t, "emission", m->emission);
     put(t, ", \"two_sided\": %s", m->emission_two_sided ? "true" : "false");
     put_texture(w, "texture", m->texture);
     put_texture(w, "alpha", m->alpha_texture);
     put_texture(w, "bump", m->height_map ? m->height_map - 1 : SL_NO_INDEX);
-    put(t, ", \"bump_depth\": %.9g}", (double)m->bump_depth);
+    put(t, ", \"bump_depth\": ");
+    put_number(t, m->bump_depth);
+    put(t, "}");
 }
 
 static bool is_used(const sl_scene *s, size_t material) {
@@ -438,8 +459,11 @@ static void put_view(writer *w) {
     put_vec3(t, "eye", c->eye);
     put(t, ", \"frame\": [");
     const sl_vec3 axes[] = {c->right, c->up, c->back};
-    for (int i = 0; i < 3; i++)
-        put(t, "%s%.9g, %.9g, %.9g", i ? ", " : "", (double)axes[i].x, (double)axes[i].y, (double)axes[i].z);
+    for (int i = 0; i < 9; i++) {
+        const sl_vec3 v = axes[i / 3];
+        if (i) put(t, ", ");
+        put_number(t, i % 3 == 0 ? v.x : i % 3 == 1 ? v.y : v.z);
+    }
     put(t, "], \"fov_deg\": %.17g},\n", (double)c->vertical_fov / sl_radians(1.0));
     put(t, "  \"film\": {\"width\": %d, \"height\": %d}\n}\n", w->scene->film_width, w->scene->film_height);
 }
@@ -467,7 +491,9 @@ sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_error *erro
     writer w = {.scene = scene, .base = sl_string_copy(path), .error = error};
     if (!w.base) return sl_fail_memory(error, path);
     w.base[length - 5] = 0;
+    void *before = sl_c_locale_begin();
     sl_status status = write_all(&w);
+    sl_c_locale_end(before);
     sl_strings_free(w.materials, scene->material_count);
     sl_strings_free(w.objects, scene->object_count);
     sl_free(w.json.bytes);

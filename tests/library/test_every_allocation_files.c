@@ -118,10 +118,10 @@ static void build_scene(const fault_case *c, fault_outcome *o) {
     sl_scene_builder_destroy(builder);
 }
 
-static sl_scene *written; /* of a child */
+static sl_scene *loaded; /* of a child */
 
 static void load_to_write(const fault_case *c) {
-    if (sl_scene_load(c->what, &written, NULL) != SL_OK) _exit(1);
+    if (sl_scene_load(c->what, &loaded, NULL) != SL_OK) _exit(1);
 }
 
 /* What is written is read where memory does not end. */
@@ -130,7 +130,7 @@ static void write_scene(const fault_case *c, fault_outcome *o) {
     sl_scene *again = NULL;
     (void)c;
     remove(path);
-    o->status = sl_scene_write(written, path, &o->error);
+    o->status = sl_scene_write(loaded, path, &o->error);
     atomic_store(&window_open, false);
     const bool there = access(path, F_OK) == 0;
     if (there != (o->status == SL_OK)) o->status = SL_OK, o->hash = 1;

@@ -487,6 +487,11 @@ static void scene_file_mistakes_are_told_by_line(void **state) {
          ":2: expected the camera's 'eye' apart from its 'target'"},
         {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"fov_deg\": 180}}",
          ":2: expected 'fov_deg' from 0.01 to 179, got 180"},
+        {"{\"softlux\": 1, " MESH ", \"camera\": {\"eye\": [0,0,1],\n\"frame\": [1,0,0,0,1,0,0,0,-1]}}",
+         ":2: expected 'frame' to be three unit vectors"},
+        {"{\"softlux\": 1, " MESH
+         ", \"camera\": {\"eye\": [0,0,1], \"target\": [0,0,0],\n\"frame\": [1,0,0,0,1,0,0,0,1]}}",
+         ":2: expected no 'target', 'up' or 'keyframes' beside 'frame'"},
         {"{\"softlux\": 1, " MESH ",\n\"film\": {\"width\": 1.5, \"height\": 5}}",
          ":2: expected 'width' and 'height' to be whole numbers"},
         {"{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\", \"keyframes\": [\n{\"time\": 1},\n{\"time\": "
