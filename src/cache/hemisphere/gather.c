@@ -69,10 +69,11 @@ static sl_status make_light(sl_gather *gather, unsigned threads, sl_counters *co
 
 static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
     sl_gather_settings *s = &gather->settings;
-    sl_status status = s->colours ? sl_known_colours_create(gather->scene, s->colours,
-                                                            2.0 * (double)gather->half_tangent / s->size,
-                                                            &gather->colours, error)
-                                  : make_light(gather, threads, counters, error);
+    double pixel = 2.0 * (double)gather->half_tangent / s->size;
+    if (s->colours) gather->colours = *s->colours;
+    sl_status status = s->colours
+                           ? sl_gather_sky_create(&gather->scene->environment, pixel, &gather->sky, error)
+                           : make_light(gather, threads, counters, error);
     if (status != SL_OK) return status;
     status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border,
                                      !s->colours, &gather->tables, error);
@@ -113,7 +114,7 @@ void sl_gather_destroy(sl_gather *gather) {
     sl_gather_tables_destroy(gather->tables);
     sl_projection_destroy(gather->projection);
     sl_shadow_maps_destroy(gather->own_maps);
-    sl_known_colours_destroy(gather->colours);
+    sl_texture_image_destroy(gather->sky);
     sl_light_sides_release(&gather->sides);
     sl_free(gather->strength);
     sl_light_sampler_destroy(gather->sampler);
@@ -126,7 +127,7 @@ size_t sl_gather_memory_bytes(const sl_gather *gather) {
     return sizeof *gather + sl_gather_tables_bytes(gather->tables) +
            (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
            (gather->projection ? sl_projection_bytes(gather->projection) : 0) +
-           (gather->colours ? sl_known_colours_bytes(gather->colours) : 0) +
+           sl_gather_sky_memory_bytes(gather->sky) +
            gather->sides.count * (sizeof *gather->sides.polygon + (SL_SIDE_VALUES + 3) * sizeof(float));
 }
 
@@ -165,24 +166,25 @@ static bool allocate_slots(const sl_gather *gather, sl_gather_scratch *s) {
     s->slots_max = t->used + (more ? (size_t)(gather->settings.more_rays * (float)t->used) : 0);
     size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded,
            stride = lead + (slots + 15) / 16 * 16;
-    s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
     s->texel = sl_allocate(slots, sizeof *s->texel);
-    if (!allocate_planes(s, lead, stride) || !s->pixels || !s->texel) return false;
-    for (size_t i = 0; i < t->cells; i++) s->pixels[i] = (uint32_t)i;
+    if (!allocate_planes(s, lead, stride) || !s->texel) return false;
     for (size_t k = 0; k < t->used; k++) s->slot_cell[k] = t->order[k];
     return !gather->sources || sl_light_scratch_create(gather, slots, &s->light, NULL) == SL_OK;
 }
 
-/* Of known colours: the picture, the same times weights, halves of that, and what is left. */
+/* Of known colours: the picture, where it shows which triangle, the picture times weights, halves of that,
+ * and what is left. */
 static bool allocate_coloured(sl_gather_scratch *s, size_t cells) {
-    float *block = sl_allocate(7 * cells + 3 * SL_GATHER_REDUCED * SL_GATHER_REDUCED, sizeof *block);
+    float *block = sl_allocate(9 * cells + 3 * SL_GATHER_REDUCED * SL_GATHER_REDUCED, sizeof *block);
     s->block = block;
     s->cell_id = s->ids = sl_allocate(cells, sizeof *s->ids);
     if (!block || !s->ids) return false;
     s->planes = (sl_gather_planes){.r = block, .g = block + cells, .b = block + 2 * cells};
-    s->weighted = block + 3 * cells;
-    s->halved = block + 6 * cells;
-    s->reduced = block + 7 * cells;
+    s->cell_w1 = block + 3 * cells;
+    s->cell_w2 = block + 4 * cells;
+    s->weighted = block + 5 * cells;
+    s->halved = block + 8 * cells;
+    s->reduced = block + 9 * cells;
     return true;
 }
 
@@ -192,8 +194,10 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     sl_gather_scratch *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, "a gather's buffers");
     s->gather = gather;
-    bool room = gather->colours ? allocate_coloured(s, t->cells) : allocate_slots(gather, s);
-    sl_status status = room ? SL_OK : sl_fail_memory(error, "a gather's buffers");
+    s->pixels = sl_allocate(t->cells, sizeof(uint32_t));
+    for (size_t i = 0; s->pixels && i < t->cells; i++) s->pixels[i] = (uint32_t)i;
+    bool room = gather->colours.face ? allocate_coloured(s, t->cells) : allocate_slots(gather, s);
+    sl_status status = room && s->pixels ? SL_OK : sl_fail_memory(error, "a gather's buffers");
     if (status == SL_OK && t->kind != SL_GATHER_RAYS)
         status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
     if (status != SL_OK) {
@@ -241,11 +245,8 @@ sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *poi
     sl_gather_view view = sl_gather_view_of(gather, point, scratch);
     scratch->slots = gather->tables->used;
     for (size_t k = 0; k < scratch->slots; k++) scratch->slot_share[k] = 1.0f;
-    switch (gather->settings.kind) {
-    case SL_GATHER_PLANE: sl_gather_see_plane(&view, counters); break;
-    case SL_GATHER_HEMICUBE: sl_gather_see_hemicube(&view, counters); break;
-    default: sl_gather_see_rays(&view, counters); break;
-    }
+    if (gather->settings.kind == SL_GATHER_RAYS) sl_gather_see_rays(&view, counters);
+    else sl_gather_see_raster(&view, counters);
     return view;
 }
 

@@ -45,7 +45,8 @@ struct sl_gather {
     sl_gather_kernels kernels;
     sl_projection *projection;   /* onto hemispherical harmonics, or NULL */
     sl_isa isa;
-    sl_known_colours *colours;   /* in place of all that follows, or NULL */
+    sl_lattice_colours colours;  /* known colours, in place of all that follows, or NULL */
+    sl_texture_image *sky;       /* beside them: an environment that is a picture, or NULL */
 
     const sl_shadow_maps *maps;  /* direct light by shadow maps, or NULL */
     sl_shadow_maps *own_maps;    /* the same, where nobody gave them; or NULL */
@@ -113,9 +114,9 @@ sl_gather_view sl_gather_view_of(const sl_gather *gather, const sl_gather_point 
 /* Visibility alone, by the instrument chosen. */
 sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point,
                              sl_gather_scratch *scratch, sl_counters *counters);
-void sl_gather_see_triangles(const sl_gather_view *view, sl_counters *counters); /* ids of the plane */
-void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters);
-void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters);
+void sl_gather_see_raster(const sl_gather_view *view, sl_counters *counters);
+/* Draws the plane: ids and weights of the cells; and 1 / depth, or NULL. */
+void sl_gather_draw_plane(const sl_gather_view *view, float *depth, sl_counters *counters);
 void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
 /* More rays where radiance varies; the first ones are there, lit by all that needs no samples (more_rays.c).
  */

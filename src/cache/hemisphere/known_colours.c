@@ -1,57 +1,6 @@
 #include "cache/hemisphere/gather_internal.h"
 
-#include <string.h>
-
 #include "base/counters.h"
-#include "base/error.h"
-#include "base/memory.h"
-
-/* ---- what belongs to the scene --------------------------------------------------------------- */
-
-static void fill_triangles(const sl_scene *s, float *triangle) {
-    for (size_t t = 0; t < s->triangle_count; t++) {
-        sl_vec3 p[3];
-        for (int k = 0; k < 3; k++) p[k] = sl_scene_position(s, s->vertex[k][t]);
-        p[1] = sl_sub(p[1], p[0]);
-        p[2] = sl_sub(p[2], p[0]);
-        memcpy(triangle + t * SL_COLOURED_FLOATS, p, sizeof p);
-    }
-}
-
-sl_status sl_known_colours_create(const sl_scene *scene, const sl_lattice_colours *lattice, double pixel,
-                                  sl_known_colours **out, sl_error *error) {
-    *out = NULL;
-    /* kernels index floats by int32_t */
-    if (scene->triangle_count >= (size_t)INT32_MAX / SL_COLOURED_FLOATS)
-        return sl_fail(error, SL_ERROR_RESOURCES, "gather: too many triangles");
-    sl_known_colours *c = sl_allocate(1, sizeof *c);
-    if (!c) return sl_fail_memory(error, "the gather");
-    *c = (sl_known_colours){.lattice = *lattice, .triangle_count = (uint32_t)scene->triangle_count};
-    c->triangle = sl_allocate(scene->triangle_count + 1, SL_COLOURED_FLOATS * sizeof *c->triangle);
-    sl_status status = c->triangle ? sl_gather_sky_create(&scene->environment, pixel, &c->sky, error)
-                                   : sl_fail_memory(error, "the gather");
-    if (status != SL_OK) {
-        sl_known_colours_destroy(c);
-        return status;
-    }
-    fill_triangles(scene, c->triangle);
-    *out = c;
-    return SL_OK;
-}
-
-void sl_known_colours_destroy(sl_known_colours *c) {
-    if (!c) return;
-    sl_free(c->triangle);
-    sl_gather_sky_destroy(c->sky);
-    sl_free(c);
-}
-
-size_t sl_known_colours_bytes(const sl_known_colours *c) {
-    return sizeof *c + sl_gather_sky_memory_bytes(c->sky) +
-           ((size_t)c->triangle_count + 1) * SL_COLOURED_FLOATS * sizeof(float);
-}
-
-/* ---- one gather ------------------------------------------------------------------------------ */
 
 /* Rooms have edges along the axes, and so has the frame of a wall's normal. Then a whole row of pixels comes
  * to show something else at once as the point moves (with 128 x 128 pixels a step of 4 % of all its light,
@@ -82,21 +31,24 @@ sl_rgb sl_gather_known_colours(const sl_gather *gather, const sl_gather_point *p
     const sl_gather_tables *t = gather->tables;
     sl_gather_view view = sl_gather_view_of(gather, point, s);
     view.frame = sl_known_colours_frame(view.frame.z);
-    sl_gather_see_triangles(&view, counters);
+    sl_gather_draw_plane(&view, NULL, counters);
     sl_colour_pixels pixels = {.width = t->width,
                                .height = t->height,
                                .id = s->cell_id,
+                               .w1 = s->cell_w1,
+                               .w2 = s->cell_w2,
                                .x = t->direction_x,
                                .y = t->direction_y,
                                .frame = view.frame,
                                .eye = view.eye,
                                .horizon = sl_normalize_or(point->geometric_normal, view.frame.z),
-                               .colours = gather->colours,
+                               .scene = gather->scene,
+                               .lattice = gather->colours,
                                .weight = t->weight,
                                .radiance = {s->planes.r, s->planes.g, s->planes.b}};
     for (size_t k = 0; k < 3; k++) pixels.weighted[k] = s->weighted + k * t->cells;
     SL_KERNEL_OF(gather->isa, sl_colour_pixels_shade)(&pixels);
-    sl_gather_sky_add(pixels.colours->sky, &pixels);
+    sl_gather_sky_add(gather->sky, &pixels);
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, t->cells);
     double sum[3];
     add_up(s, t->size, counters, sum);

@@ -2,15 +2,14 @@
  * and adds them up on the hardware, times a weight texture; nothing is lit, and emitters are black (their
  * light is direct light), but the environment is not.
  *
- *   known_colours.c           what belongs to the scene, and one gather
+ *   known_colours.c           one gather
  *   known_colours_kernels.c   a picture's pixels: colours between the vertices of a lattice, times weights
  *   gather_sky.c              ... and where they show an environment that is a picture */
 #ifndef SL_CACHE_KNOWN_COLOURS_H
 #define SL_CACHE_KNOWN_COLOURS_H
 
 #include "base/isa.h"
-#include "base/vec.h"
-#include "scene/scene.h"
+#include "raster/textures/textures.h"
 
 /* Colours on faces: face 2 t is the front of triangle t, 2 t + 1 its back, and two more are the background.
  * Each is cut into n^2 small triangles, n rows of them, which are numbered from `first`. */
@@ -44,33 +43,17 @@ sl_frame sl_known_colours_frame(sl_vec3 normal);
 
 /* ---- between the parts ---- */
 
-/* of a triangle: its corner 0, edges from there to corners 1 and 2; three to spare */
-enum { SL_COLOURED_FLOATS = 12 };
-
-typedef struct sl_gather_sky sl_gather_sky;
-typedef struct sl_known_colours {
-    sl_lattice_colours lattice;
-    uint32_t triangle_count;
-    /* by scene triangle, SL_COLOURED_FLOATS each; then one more, all 0, for the background */
-    float *triangle;
-    sl_gather_sky *sky; /* NULL: no environment, or a constant one */
-} sl_known_colours;
-
-/* pixel: the widest one's angle. The scene must outlive it. */
-sl_status sl_known_colours_create(const sl_scene *scene, const sl_lattice_colours *lattice, double pixel,
-                                  sl_known_colours **colours, sl_error *error);
-void sl_known_colours_destroy(sl_known_colours *colours);
-size_t sl_known_colours_bytes(const sl_known_colours *colours);
-
 /* A picture: the pixel in column i and row j looks along x[i] frame.x + y[j width] frame.y + frame.z. */
 typedef struct sl_colour_pixels {
     int width, height;             /* width is a multiple of four */
     const uint32_t *id;            /* SL_NO_INDEX: background */
+    const float *w1, *w2;          /* where in its triangle: sl_raster_barycentrics() */
     const float *x, *y;
     sl_frame frame;
     sl_vec3 eye;
     sl_vec3 horizon;               /* geometric normal: what lies below its plane is black */
-    const sl_known_colours *colours;
+    const sl_scene *scene;
+    sl_lattice_colours lattice;
     const float *weight;
     float *radiance[3];            /* planes: the picture */
     float *weighted[3];            /* ... times weights */
@@ -79,11 +62,12 @@ typedef struct sl_colour_pixels {
 typedef void sl_colour_pixels_kernel(const sl_colour_pixels *pixels);
 SL_KERNEL_VARIANTS(sl_colour_pixels_kernel, sl_colour_pixels_shade);
 
-sl_status sl_gather_sky_create(const sl_environment *environment, double pixel, sl_gather_sky **sky,
+/* Leaves NULL where there is no environment, or a constant one, which is a face. pixel: the widest one's
+ * angle. */
+sl_status sl_gather_sky_create(const sl_environment *environment, double pixel, sl_texture_image **sky,
                                sl_error *error);
-void sl_gather_sky_destroy(sl_gather_sky *sky);
-size_t sl_gather_sky_memory_bytes(const sl_gather_sky *sky);
+size_t sl_gather_sky_memory_bytes(const sl_texture_image *sky);
 /* Gives radiance, plain and weighted, of pixels that show nothing. */
-void sl_gather_sky_add(const sl_gather_sky *sky, const sl_colour_pixels *pixels);
+void sl_gather_sky_add(const sl_texture_image *sky, const sl_colour_pixels *pixels);
 
 #endif

@@ -26,60 +26,50 @@ static void hits_of_cells(const sl_gather_view *view) {
     }
 }
 
-static sl_view render_plane(const sl_gather_view *view, float *depth, sl_counters *counters) {
+typedef struct drawn {
+    uint32_t *id;
+    float *depth, *w1, *w2;
+} drawn;
+
+static void draw(const sl_gather_view *view, sl_view *pyramid, const drawn *to, sl_counters *counters) {
+    const sl_raster *raster = view->gather->raster;
+    sl_target target = {
+        .width = pyramid->width, .height = pyramid->height, .id = to->id, .depth = to->depth};
+    pyramid->skip_triangle = view->point->triangle;
+    sl_raster_id_small(raster, pyramid, &target, view->scratch->raster, counters);
+    sl_raster_barycentrics(raster, pyramid, (size_t)target.width * (size_t)target.height,
+                           view->scratch->pixels, to->id, to->w1, to->w2);
+}
+
+void sl_gather_draw_plane(const sl_gather_view *view, float *depth, sl_counters *counters) {
+    const sl_gather_scratch *s = view->scratch;
     const sl_gather *gather = view->gather;
+    const drawn cells = {s->cell_id, depth, s->cell_w1, s->cell_w2};
     int n = gather->tables->size;
     float t = gather->half_tangent;
     sl_view pyramid = sl_view_pyramid(&view->frame, view->eye, -t, t, -t, t, n, n, sl_gather_near(gather));
-    pyramid.skip_triangle = view->point->triangle;
-    sl_target target = {.width = n, .height = n, .id = view->scratch->cell_id, .depth = depth};
-    sl_raster_id_small(gather->raster, &pyramid, &target, view->scratch->raster, counters);
-    return pyramid;
+    draw(view, &pyramid, &cells, counters);
 }
 
-void sl_gather_see_triangles(const sl_gather_view *view, sl_counters *counters) {
-    render_plane(view, NULL, counters);
-}
-
-void sl_gather_see_plane(const sl_gather_view *view, sl_counters *counters) {
-    const sl_gather *gather = view->gather;
-    const sl_gather_scratch *s = view->scratch;
-    sl_view pyramid = render_plane(view, s->cell_depth, counters);
-    sl_raster_barycentrics(gather->raster, &pyramid, gather->tables->cells, s->pixels, s->cell_id, s->cell_w1,
-                           s->cell_w2);
-    /* radiance and depth of the paper's pixel */
-    sl_count(counters, SL_COUNT_BYTES_READ_BACK, 16 * gather->tables->cells);
-    hits_of_cells(view);
-}
-
-/* ---- the hemicube ---- */
-
-/* Where a face's lower left pixel lies in the picture, in half sizes. */
+/* Where a hemicube's face has its lower left pixel in the picture, in half sizes. */
 typedef struct place {
     int column, row;
 } place;
 
 static const place places[5] = {{1, 1}, {3, 1}, {0, 1}, {1, 3}, {1, 0}};
 
-static void render_face(const sl_gather_view *view, int face, sl_counters *counters) {
+static void draw_face(const sl_gather_view *view, int face, sl_counters *counters) {
     const sl_gather *gather = view->gather;
-    sl_gather_scratch *s = view->scratch;
-    const place *f = &places[face];
-    int half = gather->tables->size / 2;
-    sl_view pyramid =
-        sl_view_hemicube_face(&view->frame, view->eye, face, gather->tables->size, sl_gather_near(gather));
-    int width = pyramid.width, height = pyramid.height;
-    pyramid.skip_triangle = view->point->triangle;
-    sl_target target = {.width = width, .height = height, .id = s->target_id, .depth = s->target_depth};
-    sl_raster_id_small(gather->raster, &pyramid, &target, s->raster, counters);
-    size_t count = (size_t)width * (size_t)height;
-    sl_raster_barycentrics(gather->raster, &pyramid, count, s->pixels, s->target_id, s->target_w1,
-                           s->target_w2);
-    sl_count(counters, SL_COUNT_BYTES_READ_BACK, 16 * count);
-    for (int y = 0; y < height; y++) {
-        size_t from = (size_t)y * (size_t)width;
-        size_t to = (size_t)(f->row * half + y) * (size_t)gather->tables->width + (size_t)(f->column * half);
-        for (int x = 0; x < width; x++, from++, to++) {
+    const sl_gather_scratch *s = view->scratch;
+    const drawn target = {s->target_id, s->target_depth, s->target_w1, s->target_w2};
+    int size = gather->tables->size, column = places[face].column * (size / 2);
+    sl_view pyramid = sl_view_hemicube_face(&view->frame, view->eye, face, size, sl_gather_near(gather));
+    draw(view, &pyramid, &target, counters);
+    for (int y = 0; y < pyramid.height; y++) {
+        size_t from = (size_t)y * (size_t)pyramid.width;
+        size_t to =
+            (size_t)(places[face].row * (size / 2) + y) * (size_t)gather->tables->width + (size_t)column;
+        for (int x = 0; x < pyramid.width; x++, from++, to++) {
             s->cell_id[to] = s->target_id[from];
             s->cell_depth[to] = s->target_depth[from];
             s->cell_w1[to] = s->target_w1[from];
@@ -88,7 +78,11 @@ static void render_face(const sl_gather_view *view, int face, sl_counters *count
     }
 }
 
-void sl_gather_see_hemicube(const sl_gather_view *view, sl_counters *counters) {
-    for (int i = 0; i < 5; i++) render_face(view, i, counters);
+void sl_gather_see_raster(const sl_gather_view *view, sl_counters *counters) {
+    const sl_gather_tables *t = view->gather->tables;
+    if (t->kind == SL_GATHER_PLANE) sl_gather_draw_plane(view, view->scratch->cell_depth, counters);
+    else for (int i = 0; i < 5; i++) draw_face(view, i, counters);
+    /* radiance and depth of the paper's pixel */
+    sl_count(counters, SL_COUNT_BYTES_READ_BACK, 16 * t->used);
     hits_of_cells(view);
 }

@@ -7,6 +7,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/octahedral.h"
 #include "base/parallel.h"
 #include "base/random.h"
 #include "trace/bsdf.h"
@@ -22,8 +23,7 @@ static const float survival_max = 0.99f, adjoint_max = 32.0f;
 
 /* ---- directions in 32 bits ---- */
 
-/* The sphere is projected to an octahedron, whose lower half is folded over the upper one's square (Meyer et
- * al. 2010). 65,534 steps instead of 65,535 make the axes exact. */
+/* 65,534 steps instead of 65,535 make the axes exact. */
 static const float octahedral_steps = 32767.0f;
 
 static uint32_t octahedral_step(float v) {
@@ -32,26 +32,15 @@ static uint32_t octahedral_step(float v) {
 }
 
 uint32_t sl_octahedral_encode(sl_vec3 unit) {
-    float size = fabsf(unit.x) + fabsf(unit.y) + fabsf(unit.z);
-    if (!(size > 0.0f) || !(size <= FLT_MAX)) return octahedral_step(0.0f) << 16 | octahedral_step(0.0f);
-    float u = unit.x / size, v = unit.y / size;
-    if (unit.z < 0.0f) {
-        float folded = copysignf(1.0f - fabsf(v), u);
-        v = copysignf(1.0f - fabsf(u), v);
-        u = folded;
-    }
+    float size = fabsf(unit.x) + fabsf(unit.y) + fabsf(unit.z), u = 0.0f, v = 0.0f;
+    if (size > 0.0f && size <= FLT_MAX) sl_octahedral_place(unit, &u, &v);
     return octahedral_step(u) << 16 | octahedral_step(v);
 }
 
 sl_vec3 sl_octahedral_decode(uint32_t code) {
     float u = (float)(code >> 16) / octahedral_steps - 1.0f,
           v = (float)(code & 0xffffu) / octahedral_steps - 1.0f;
-    sl_vec3 d = sl_v3(u, v, 1.0f - fabsf(u) - fabsf(v));
-    if (d.z < 0.0f) {
-        d.x = copysignf(1.0f - fabsf(v), u);
-        d.y = copysignf(1.0f - fabsf(u), v);
-    }
-    return sl_normalize_or(d, sl_v3(0.0f, 0.0f, 1.0f));
+    return sl_normalize_or(sl_octahedral_point(u, v), sl_v3(0.0f, 0.0f, 1.0f));
 }
 
 /* ---- one chunk ------------------------------------------------------------------------------- */
