@@ -1,25 +1,19 @@
-/* 2D textures: filtering, MIP chains, levels of detail. */
+/* 2D textures: filtering; halving for MIP levels. */
 #include "raster_support.h"
 #include "base/math.h"
 #include "raster/textures/textures.h"
 
-static sl_texture_image *new_image(int width, int height, bool mip) {
-    sl_texture_image *image = NULL;
-    assert_int_equal(sl_texture_image_create(width, height, mip, &image, NULL), SL_OK);
-    return image;
-}
-
 /* Texels in [0,1), different in every channel. */
 static sl_texture_image *random_image(int width, int height, uint64_t seed) {
-    sl_texture_image *image = new_image(width, height, true);
+    sl_texture_image *image = NULL;
+    assert_int_equal(sl_texture_image_create(width, height, &image, NULL), SL_OK);
     uint64_t key = sl_random_key(seed, 0);
     for (size_t i = 0; i < 4 * (size_t)width * (size_t)height; i++) image->texels[i] = sl_random_unit(key, i);
-    sl_texture_image_build(image, 1);
     return image;
 }
 
-static const float *texel_of(const sl_texture_image *image, int level, int x, int y) {
-    return image->texels + 4 * (image->first[level] + y * image->width[level] + x);
+static const float *texel_of(const sl_texture_image *image, int x, int y) {
+    return image->texels + 4 * (y * image->width + x);
 }
 
 static void assert_near(double a, double b, double tolerance) {
@@ -34,24 +28,23 @@ static const float odd_values[] = {0.0f,       -0.0f,   1.0f,     -1.0f,        
                                    -1e30f,     3.4e38f, INFINITY, -INFINITY,      NAN};
 enum { ODD = sizeof odd_values / sizeof *odd_values };
 
-static void sample(const sl_texture_image *image, float s, float t, float lod, float rgba[4]) {
-    sl_texture_sample_many(image, 1, &s, &t, &lod, (float *const[4]){&rgba[0], &rgba[1], &rgba[2], &rgba[3]});
+static void sample(const sl_texture_image *image, float s, float t, float rgba[4]) {
+    sl_texture_sample_many(image, 1, &s, &t, (float *const[4]){&rgba[0], &rgba[1], &rgba[2], &rgba[3]});
 }
 
 static void any_coordinate_gives_a_texel_of_the_texture(void **state) {
     (void)state;
     sl_texture_image *image = random_image(5, 3, 9);
-    for (int i = 0; i < ODD * ODD * ODD; i++) {
+    for (int i = 0; i < ODD * ODD; i++) {
         float rgba[4];
-        sample(image, odd_values[i % ODD], odd_values[i / ODD % ODD], odd_values[i / ODD / ODD],
-                          rgba);
+        sample(image, odd_values[i % ODD], odd_values[i / ODD], rgba);
         for (int c = 0; c < 4; c++) assert_true(rgba[c] >= 0.0f && rgba[c] <= 1.0f);
     }
     float rgba[4];
-    sample(image, INFINITY, -INFINITY, 0.0f, rgba);
-    assert_memory_equal(rgba, texel_of(image, 0, 4, 0), sizeof rgba);
-    sample(image, NAN, 3e38f, 0.0f, rgba);
-    assert_memory_equal(rgba, texel_of(image, 0, 0, 2), sizeof rgba);
+    sample(image, INFINITY, -INFINITY, rgba);
+    assert_memory_equal(rgba, texel_of(image, 4, 0), sizeof rgba);
+    sample(image, NAN, 3e38f, rgba);
+    assert_memory_equal(rgba, texel_of(image, 0, 2), sizeof rgba);
     sl_texture_image_destroy(image);
 }
 
@@ -68,7 +61,7 @@ static void the_result_is_exact_filtering_rounded_once(void **state) {
         for (uint64_t i = 0; i < 20000; i++) {
             float s = random_between(key, 2 * i, -0.2f, 1.2f),
                   t = random_between(key, 2 * i + 1, -0.2f, 1.2f), rgba[4];
-            sample(image, s, t, 0.0f, rgba);
+            sample(image, s, t, rgba);
             long double u = within(s) * w - 0.5L, v = within(t) * h - 0.5L;
             int x = (int)floorl(u), y = (int)floorl(v);
             long double fu = u - x, fv = v - y;
@@ -76,7 +69,7 @@ static void the_result_is_exact_filtering_rounded_once(void **state) {
                 long double sum = 0.0L;
                 for (int n = 0; n < 4; n++) {
                     const float *texel =
-                        texel_of(image, 0, clamped(x + (n & 1), w), clamped(y + (n >> 1), h));
+                        texel_of(image, clamped(x + (n & 1), w), clamped(y + (n >> 1), h));
                     sum += (n & 1 ? fu : 1 - fu) * (n >> 1 ? fv : 1 - fv) * (long double)texel[c];
                 }
                 assert_near((double)rgba[c], (double)sum, 0x1.00001p-25 + 1e-13); /* half an ulp below 1 */
@@ -86,81 +79,53 @@ static void the_result_is_exact_filtering_rounded_once(void **state) {
     }
 }
 
-/* ---- MIP chains ---- */
+/* ---- halving ---- */
 
-static double mean_of_level(const sl_texture_image *image, int level, int channel) {
+static double mean_of(const float *texels, int width, int height, int channel) {
     double sum = 0.0;
-    size_t texels = (size_t)image->width[level] * (size_t)image->height[level];
-    for (size_t i = 0; i < texels; i++)
-        sum += (double)image->texels[4 * ((size_t)image->first[level] + i) + (size_t)channel];
-    return sum / (double)texels;
+    for (int i = 0; i < width * height; i++) sum += (double)texels[4 * i + channel];
+    return sum / (width * height);
 }
 
-static void every_level_has_the_mean_of_the_picture_whatever_its_size(void **state) {
+static void half_a_picture_has_its_mean_whatever_its_size(void **state) {
     (void)state;
     const int sizes[][2] = {{64, 64}, {256, 16}, {37, 81}, {1, 100}, {255, 3}, {640, 480}, {127, 127}};
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
-        sl_texture_image *image = random_image(sizes[k][0], sizes[k][1], k);
-        int larger = sizes[k][0] > sizes[k][1] ? sizes[k][0] : sizes[k][1], levels = 1;
-        while (larger >> levels) levels++;
-        assert_int_equal(image->levels, levels);
-        for (int l = 0; l < levels; l++) {
-            assert_int_equal(image->width[l], sizes[k][0] >> l > 1 ? sizes[k][0] >> l : 1);
-            assert_int_equal(image->height[l], sizes[k][1] >> l > 1 ? sizes[k][1] >> l : 1);
-            for (int c = 0; c < 4; c++)
-                assert_near(mean_of_level(image, l, c), mean_of_level(image, 0, c), 3e-7);
-        }
+        int w = sizes[k][0], h = sizes[k][1], width = sl_half_size(w), height = sl_half_size(h);
+        sl_texture_image *image = random_image(w, h, k), *half = random_image(width, height, 0);
+        sl_mip_halve(image->texels, w, h, (size_t)w, half->texels, (size_t)width, 1);
+        for (int c = 0; c < 4; c++)
+            assert_near(mean_of(half->texels, width, height, c), mean_of(image->texels, w, h, c), 3e-7);
         sl_texture_image_destroy(image);
+        sl_texture_image_destroy(half);
     }
-}
-
-static void the_level_read_follows_the_level_of_detail(void **state) {
-    (void)state;
-    sl_texture_image *image = new_image(8, 8, true);
-    for (int l = 0; l < 4; l++) {
-        int texels = image->width[l] * image->height[l];
-        for (int i = 0; i < texels; i++) image->texels[4 * (image->first[l] + i)] = (float)l;
-    }
-    const struct {
-        float lod, level;
-    } cases[] = {{-5.0f, 0},       {0.0f, 0}, {0.25f, 0.25f}, {0.5f, 0.5f},  {1.5f, 1.5f}, {2.0f, 2},
-                 {2.625f, 2.625f}, {3.0f, 3}, {9.0f, 3},      {INFINITY, 3}, {NAN, 0}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        float rgba[4];
-        sample(image, 0.3f, 0.6f, cases[i].lod, rgba);
-        assert_true(rgba[0] == cases[i].level);
-    }
-    sl_texture_image_destroy(image);
 }
 
 static void impossible_sizes_are_refused(void **state) {
     (void)state;
     sl_texture_image *image;
-    assert_int_equal(sl_texture_image_create(0, 4, true, &image, NULL), SL_ERROR_USAGE);
-    assert_int_equal(sl_texture_image_create(4, 16385, true, &image, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_texture_image_create(0, 4, &image, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_texture_image_create(4, 16385, &image, NULL), SL_ERROR_USAGE);
     assert_null(image);
 }
 
 static void lookups_have_the_same_bits_on_every_instruction_set(void **state) {
     (void)state;
     enum { COUNT = 1000 };
-    static float s[COUNT], t[COUNT], lod[COUNT], out[3][4][COUNT];
+    static float s[COUNT], t[COUNT], out[3][4][COUNT];
     uint64_t key = sl_random_key(11, 0);
     for (uint64_t i = 0; i < COUNT; i++) {
-        s[i] = random_between(key, 3 * i, -2, 2);
-        t[i] = random_between(key, 3 * i + 1, -2, 2);
-        /* whole blocks without blending too */
-        lod[i] = i % 200 < 100 ? random_between(key, 3 * i + 2, -3, 8) : -1.0f;
+        s[i] = random_between(key, 2 * i, -2, 2);
+        t[i] = random_between(key, 2 * i + 1, -2, 2);
         if (i % 10 == 0) s[i] = odd_values[i / 10 % ODD];
         if (i % 10 == 1) t[i] = odd_values[i / 10 % ODD];
-        if (i % 10 == 2) lod[i] = odd_values[i / 10 % ODD];
     }
     const char *isas[] = {"baseline", "avx2", "avx512"};
     for (int k = 0; k < 3; k++) {
         assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
         sl_texture_image *image = random_image(61, 23, 12);
         unsetenv("SOFTLUX_ISA");
-        sl_texture_sample_many(image, COUNT - 3, s, t, lod,
+        sl_texture_sample_many(image, COUNT - 3, s, t,
                                (float *const[4]){out[k][0], out[k][1], out[k][2], out[k][3]});
         assert_memory_equal(out[k], out[0], sizeof out[0]);
         sl_texture_image_destroy(image);
@@ -171,8 +136,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_coordinate_gives_a_texel_of_the_texture),
         cmocka_unit_test(the_result_is_exact_filtering_rounded_once),
-        cmocka_unit_test(every_level_has_the_mean_of_the_picture_whatever_its_size),
-        cmocka_unit_test(the_level_read_follows_the_level_of_detail),
+        cmocka_unit_test(half_a_picture_has_its_mean_whatever_its_size),
         cmocka_unit_test(impossible_sizes_are_refused),
         cmocka_unit_test(lookups_have_the_same_bits_on_every_instruction_set),
     };

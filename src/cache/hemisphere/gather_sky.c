@@ -37,7 +37,7 @@ sl_status sl_gather_sky_create(const sl_environment *environment, double pixel, 
     double texels = sqrt(4.0 * SL_PI) / (1.4 * pixel);
     int size = texels < TEXELS_MAX ? (int)texels + 1 : TEXELS_MAX,
         samples = environment->width / (2 * size) + 1;
-    sl_status status = sl_texture_image_create(size, size, false, sky, error);
+    sl_status status = sl_texture_image_create(size, size, sky, error);
     for (int i = 0; status == SL_OK && i < size * size; i++)
         average_texel(environment, size, i % size, i / size, samples < SAMPLES_MAX ? samples : SAMPLES_MAX,
                       (*sky)->texels + 4 * i);
@@ -45,7 +45,7 @@ sl_status sl_gather_sky_create(const sl_environment *environment, double pixel, 
 }
 
 size_t sl_gather_sky_memory_bytes(const sl_texture_image *sky) {
-    return sky ? sizeof *sky + (size_t)sky->width[0] * (size_t)sky->height[0] * 4 * sizeof(float) : 0;
+    return sky ? sizeof *sky + (size_t)sky->width * (size_t)sky->height * 4 * sizeof(float) : 0;
 }
 
 /* ---- looking up ------------------------------------------------------------------------------ */
@@ -57,7 +57,7 @@ typedef struct batch {
 } batch;
 
 static void flush(const sl_texture_image *sky, const sl_colour_pixels *p, batch *b) {
-    sl_texture_sample_many(sky, b->count, b->s, b->t, NULL,
+    sl_texture_sample_many(sky, b->count, b->s, b->t,
                            (float *const[4]){b->rgb[0], b->rgb[1], b->rgb[2], NULL});
     for (int c = 0; c < 3; c++) {
         for (size_t k = 0; k < b->count; k++) {

@@ -61,12 +61,6 @@ static void halve_rows(void *context, size_t index, unsigned worker) {
     }
 }
 
-int sl_mip_levels(int width, int height) {
-    int levels = 1;
-    for (int n = width > height ? width : height; n > 1; n /= 2) levels++;
-    return levels;
-}
-
 void sl_mip_halve(const float *from, int width, int height, size_t from_stride, float *to, size_t to_stride,
                   unsigned threads) {
     halving h = {from, to, width, height, from_stride, to_stride};

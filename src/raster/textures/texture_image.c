@@ -1,10 +1,9 @@
-/* 2D textures: memory and MIP chain; 3D textures of bytes. */
+/* 2D textures: memory, and lookups in blocks; 3D textures of bytes. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "raster/textures/textures.h"
 
-sl_status sl_texture_image_create(int width, int height, bool mip, sl_texture_image **image,
-                                  sl_error *error) {
+sl_status sl_texture_image_create(int width, int height, sl_texture_image **image, sl_error *error) {
     *image = NULL;
     if (width < 1 || height < 1 || width > SL_TEXTURE_SIZE_MAX || height > SL_TEXTURE_SIZE_MAX) {
         return sl_fail(error, SL_ERROR_USAGE, "a texture of %d x %d texels: from 1 to %d each way", width,
@@ -12,16 +11,8 @@ sl_status sl_texture_image_create(int width, int height, bool mip, sl_texture_im
     }
     sl_texture_image *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "a texture");
-    *m = (sl_texture_image){.levels = mip ? sl_mip_levels(width, height) : 1,
-                            .kernels = sl_texture_kernels_best()};
-    int32_t texels = 0; /* less than 2^29 */
-    for (int l = 0; l < m->levels; l++) {
-        m->width[l] = l == 0 ? width : sl_half_size(m->width[l - 1]);
-        m->height[l] = l == 0 ? height : sl_half_size(m->height[l - 1]);
-        m->first[l] = texels;
-        texels += m->width[l] * m->height[l];
-    }
-    m->texels = sl_allocate((size_t)texels, 4 * sizeof *m->texels);
+    *m = (sl_texture_image){width, height, sl_allocate((size_t)width * (size_t)height, 4 * sizeof *m->texels),
+                            SL_KERNEL_OF(sl_isa_best(), sl_texture_sample)};
     if (!m->texels) {
         sl_texture_image_destroy(m);
         return sl_fail_memory(error, "a texture");
@@ -36,11 +27,12 @@ void sl_texture_image_destroy(sl_texture_image *image) {
     sl_free(image);
 }
 
-void sl_texture_image_build(sl_texture_image *image, unsigned threads) {
-    for (int l = 0; l + 1 < image->levels; l++) {
-        sl_mip_halve(image->texels + 4 * (size_t)image->first[l], image->width[l], image->height[l],
-                     (size_t)image->width[l], image->texels + 4 * (size_t)image->first[l + 1],
-                     (size_t)image->width[l + 1], threads);
+void sl_texture_sample_many(const sl_texture_image *image, size_t count, const float *s, const float *t,
+                            float *const plane[4]) {
+    for (size_t i = 0; i < count; i += SL_TEXTURE_BLOCK) {
+        float *out[4];
+        for (int c = 0; c < 4; c++) out[c] = plane[c] ? plane[c] + i : NULL;
+        image->sample(image, count - i < SL_TEXTURE_BLOCK ? count - i : SL_TEXTURE_BLOCK, s + i, t + i, out);
     }
 }
 

@@ -112,7 +112,7 @@ static void fill(stage *s, sl_atlas_side side, shader *shade, void *context) {
     sl_atlas_canvas *c = s->canvas;
     float *rgb = sl_allocate(3 * c->count, sizeof *rgb);
     if (!c->side[side])
-        assert_int_equal(sl_texture_image_create(s->atlas->size, s->atlas->size, false, &c->side[side], NULL),
+        assert_int_equal(sl_texture_image_create(s->atlas->size, s->atlas->size, &c->side[side], NULL),
                          SL_OK);
     shade(context, 0, c->count, c->triangle, c->w1, c->w2, rgb, rgb + c->count, rgb + 2 * c->count);
     for (size_t i = 0; i < c->count; i++) {

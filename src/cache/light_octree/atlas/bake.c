@@ -102,8 +102,8 @@ sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_sc
     const sl_octree_points points = {canvas->count, find_texel, put_texel, &b};
     sl_status status = SL_OK;
     if (!canvas->side[side])
-        status = sl_texture_image_create(canvas->atlas->size, canvas->atlas->size, false,
-                                         &canvas->side[side], error);
+        status = sl_texture_image_create(canvas->atlas->size, canvas->atlas->size, &canvas->side[side],
+                                         error);
     if (status == SL_OK) status = sl_octree_shade(shading, &points, threads, counters, error);
     canvas->filled[side] = status == SL_OK;
     return status;
@@ -136,7 +136,7 @@ static void look_up(const application *a, look_ups *l) {
     float irradiance[3][LOOK_UPS];
     float *const plane[4] = {irradiance[0], irradiance[1], irradiance[2], NULL};
     if (l->count == 0) return;
-    sl_texture_sample_many(a->canvas->side[l->side], l->count, l->s, l->t, NULL, plane);
+    sl_texture_sample_many(a->canvas->side[l->side], l->count, l->s, l->t, plane);
     for (int k = 0; k < 3; k++) {
         for (size_t n = 0; n < l->count; n++)
             a->out[k][l->pixel[n]] = kd[k][l->pixel[n]] * (float)(1.0 / SL_PI) * irradiance[k][n];
