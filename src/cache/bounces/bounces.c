@@ -16,7 +16,7 @@ enum { ORIGINS = 1600, CHECKS = 64, CHECK_GENERATION = 100 };
 /* Few look-ups of visible gathers shall miss the records; those of second-level gathers matter less, and
  * deeper generations of probes mostly look from corners into the same corners. */
 enum { GENERATIONS = 2 };
-static const double few_uncovered[GENERATIONS] = {0.01, 0.03};
+static const double few_uncovered[GENERATIONS] = {0.015, 0.04};
 /* Nor more records than that, of a place full of small things. */
 static const size_t most_records[GENERATIONS] = {4000, 5000};
 /* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere.

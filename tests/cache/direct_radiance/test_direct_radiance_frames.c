@@ -210,39 +210,6 @@ static void without_light_there_is_one_pass(void **state) {
     assert_int_equal(c.value[SL_COUNT_MAP_PHOTONS], 0);
 }
 
-/* ---- hard cases ---- */
-
-static void odd_lights_leave_no_hole_in_the_picture(void **state) {
-    (void)state;
-    const char *const lights[] = {
-        /* on the floor */
-        "{\"type\": \"point\", \"position\": [0, 0, 0.5], \"intensity\": [1, 1, 1]}",
-        /* all but */
-        "{\"type\": \"point\", \"position\": [0, 1e-7, 0.5], \"intensity\": [1, 1, 1]}",
-        /* in the board */
-        "{\"type\": \"point\", \"position\": [0.5, 0.5, 0], \"intensity\": [1, 1, 1]}",
-        "{\"type\": \"point\", \"position\": [0, 2, 1], \"intensity\": [0, 0, 0]}",
-        "{\"type\": \"directional\", \"direction\": [0, -1, -0.5], \"irradiance\": [2, 2, 2]}",
-        /* in the floor */
-        "{\"type\": \"quad\", \"corner\": [-0.1, 0, -0.1], \"edge1\": [0.2, 0, 0], \"edge2\": [0, 0, 0.2], "
-        "\"radiance\": [9, 9, 9]}",
-    };
-    for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
-        char json[1024];
-        snprintf(json, sizeof json, two_lights, lights[k], "", "");
-        sl_scene *scene = scene_from_text(json, step_obj);
-        for (int weight = SL_WEIGHT_FLUX; weight <= SL_WEIGHT_BOX; weight++) {
-            sl_settings settings = radiance_settings(24);
-            settings.radiance_map.weight = (sl_photon_weight)weight;
-            settings.radiance_map.samples = 1 + weight;
-            sl_image *image = render(scene, &settings, NULL);
-            assert_sound_picture(image, lights[k]);
-            sl_image_destroy(image);
-        }
-        sl_scene_destroy(scene);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_picture_is_emission_and_direct_and_indirect_light),
@@ -251,7 +218,6 @@ int main(void) {
         cmocka_unit_test(frame_k_alone_is_frame_k_of_the_series),
         cmocka_unit_test(a_new_camera_keeps_what_the_lights_see),
         cmocka_unit_test(without_light_there_is_one_pass),
-        cmocka_unit_test(odd_lights_leave_no_hole_in_the_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -127,22 +127,6 @@ static void in_a_convex_room_all_reflected_flux_arrives_once(void **state) {
     }
 }
 
-/* A wall across the room receives on both sides, and so does what lies behind it: light arrives twice and
- * more. With visibility it does not, and there is no report of it. */
-static void a_wall_across_the_room_makes_light_arrive_again(void **state) {
-    (void)state;
-    trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 1.3f));
-    trace_mesh_quad(&mesh, sl_v3(0, 0, 2.5f), sl_v3(4, 0, 0), sl_v3(0, 3, 0), 0);
-    sl_scene *scene = trace_mesh_build(&mesh);
-    sl_settings s = settings_with(SL_WEIGHT_PLAIN, 8);
-    double received = told(scene, &s, "softlux.flux_received");
-    print_message("behind a wall: %.3f\n", received);
-    assert_true(received > 1.1 && received < 2.0);
-    s.radiance_map.visibility = SL_VISIBILITY_RAYS;
-    assert_true(isnan(told(scene, &s, "softlux.flux_received")));
-    sl_scene_destroy(scene);
-}
-
 static void light_through_walls_is_warned_of(void **state) {
     (void)state;
     sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
@@ -190,7 +174,6 @@ int main(void) {
         cmocka_unit_test(a_plan_tells_of_light_through_walls),
         cmocka_unit_test(a_picture_tells_how_much_of_the_flux_its_map_holds),
         cmocka_unit_test(in_a_convex_room_all_reflected_flux_arrives_once),
-        cmocka_unit_test(a_wall_across_the_room_makes_light_arrive_again),
         cmocka_unit_test(light_through_walls_is_warned_of),
         cmocka_unit_test(a_sky_that_lights_nothing_is_warned_of),
         cmocka_unit_test(weight_15_warns_where_the_scene_is_ten_times_the_lights_way),
