@@ -57,7 +57,7 @@ static void explain_light(explaining *e, int corner, int set, int number, double
                                 .kind = cells.lobes == SL_LOBES_NONE
                                             ? "voxel: irradiance"
                                             : "directional light of a voxel: irradiance perpendicular to it",
-                                .index = (uint64_t)(one->light - e->texture->unpacked),
+                                .index = (uint64_t)(one->light - e->texture->light),
                                 .placed = true,
                                 .position = {at.x, at.y, at.z},
                                 .weight = weight};

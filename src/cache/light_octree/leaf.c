@@ -8,17 +8,17 @@
 
 /* ---- Photons: the k nearest to the centroid of the voxel's surfaces, in a flat ellipsoid ---- */
 
-sl_photon_query sl_voxel_query(const sl_voxel_lights *lights, sl_vec3 centre, sl_vec3 normal, double radius) {
-    const sl_voxel_light_options *o = &lights->options;
+sl_photon_query sl_voxel_query(const sl_voxel_lights *lights, sl_vec3 centre, sl_vec3 normal) {
+    const sl_light_octree_settings *o = &lights->options;
     bool has_normal = sl_dot(normal, normal) > 0.0f, by_side = has_normal && lights->by_side;
     return (sl_photon_query){.centre = centre,
                              .normal = normal,
                              .flatness = has_normal ? o->flatness : 1.0,
-                             .radius = radius,
-                             .minimum = 1e-3 * radius,
+                             .radius = lights->radius,
+                             .minimum = 1e-3 * lights->radius,
                              .cos_acceptance = by_side ? lights->cos_acceptance : -1.0,
                              .both_sides = by_side,
-                             .neighbours = o->neighbours};
+                             .neighbours = (size_t)o->neighbours};
 }
 
 /* Takes the photons of one side, in order of their ids, and their places on the ellipsoid's disc; a caustic's
@@ -32,7 +32,7 @@ static void take_side(const sl_voxel_lights *lights, const sl_photon_query *quer
         sl_vec3 n = sl_octahedral_decode(p->normal);
         bool behind = query->both_sides && sl_dot(n, query->normal) < 0.0f;
         if (behind != back) continue;
-        sl_lobe_photons_add(&w->photons, sl_octahedral_decode(p->direction), n, p->flux);
+        sl_lobe_photons_add(&gather->side[back], sl_octahedral_decode(p->direction), n, p->flux);
         sl_vec3 place = sl_sub(sl_v3(p->position[0], p->position[1], p->position[2]), query->centre);
         gather->mean_place = sl_addd(gather->mean_place, sl_to_double(place));
         gather->mean_normal = sl_addd(gather->mean_normal, sl_scaled(sl_to_double(n), behind ? -1.0 : 1.0));
@@ -45,12 +45,10 @@ static void take_side(const sl_voxel_lights *lights, const sl_photon_query *quer
 
 static void take_photons(const sl_voxel_lights *lights, const sl_photon_query *query, sl_voxel_worker *w,
                          sl_voxel_gather *gather) {
-    w->photons.count = 0;
-    take_side(lights, query, false, w, gather);
-    size_t front = w->photons.count;
-    if (gather->taken < w->gathered.count) take_side(lights, query, true, w, gather);
-    gather->side[0] = sl_lobe_photons_from(&w->photons, 0, front);
-    gather->side[1] = sl_lobe_photons_from(&w->photons, front, w->photons.count - front);
+    for (int side = 0; side < 2; side++) {
+        gather->side[side] = sl_lobe_photons_in(&w->photons, side ? gather->side[0].count : 0);
+        if (gather->taken < w->gathered.count) take_side(lights, query, side, w, gather);
+    }
     double count = w->gathered.count > 0 ? (double)w->gathered.count : 1.0;
     gather->mean_place = sl_scaled(gather->mean_place, 1.0 / count);
 }
@@ -70,20 +68,36 @@ sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_lights *lights, const sl_
     return gather;
 }
 
-/* The map as a histogram: each voxel counts the photons that lie in it, as in the paper's figure 16a. Where a
- * voxel clips a sliver of a plane it counts few, and such voxels make bands; the k nearest about the centroid
- * do not know what a voxel clips. */
+/* The map as a histogram: each voxel counts the photons that lie in it, as in the paper's figure 16a, of the
+ * SL_NEIGHBOURS_MAX nearest to its middle. Where a voxel clips a sliver of a plane it counts few, and such
+ * voxels make bands; the k nearest about the centroid do not know what a voxel clips. */
 static sl_voxel_gather own_photons(const sl_voxel_lights *lights, const sl_voxel_set *set,
                                    const sl_photon_query *query, sl_voxel_worker *w) {
-    const sl_octree_leaf *leaf = &lights->octree->leaf[set->leaf];
-    uint32_t first = lights->own.first[set->leaf];
-    double voxel = sl_octree_voxel(lights->octree);
-    bool touched = !((double)leaf->area > 1e-6 * voxel * voxel); /* but by rounding nothing is in it */
-    w->gathered.count = touched ? 0 : lights->own.first[set->leaf + 1] - first;
-    for (size_t i = 0; i < w->gathered.count; i++) w->gathered.place[i] = lights->own.place[first + i];
+    const sl_octree *octree = lights->octree;
+    const sl_photon_list *list = sl_photon_tree_list(lights->tree);
+    const uint64_t morton = octree->leaf[set->leaf].morton;
+    double voxel = sl_octree_voxel(octree);
+    uint32_t cell[3];
+    sl_morton_decode(morton, cell);
+    sl_vec3d middle = sl_scaled(sl_v3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5), voxel);
+    bool touched = !((double)set->surface > 1e-6 * voxel * voxel); /* but by rounding nothing is in it */
+    sl_photon_tree_gather(lights->tree,
+                          &(sl_photon_query){.centre = sl_to_float(sl_addd(octree->origin, middle)),
+                                             .flatness = 1.0,
+                                             .radius = touched ? 0.0 : 0.87 * voxel,
+                                             .cos_acceptance = -1.0,
+                                             .neighbours = SL_NEIGHBOURS_MAX},
+                          &w->gathered);
+    size_t around = w->gathered.count;
+    w->gathered.count = 0;
+    for (size_t i = 0; i < around; i++) {
+        const float *p = list->photon[w->place[i]].position;
+        if (sl_octree_morton_at(octree, sl_v3(p[0], p[1], p[2])) == morton)
+            w->place[w->gathered.count++] = w->place[i];
+    }
     sl_voxel_gather gather = {.found = w->gathered.count, .kappa = 1.0};
     gather.ellipsoid = (sl_ellipsoid){sl_to_double(query->centre), sl_to_double(query->normal),
-                                      query->flatness, sqrt((double)leaf->area / SL_PI)};
+                                      query->flatness, sqrt((double)set->surface / SL_PI)};
     take_photons(lights, query, w, &gather);
     return gather;
 }
@@ -153,10 +167,10 @@ static int lights_of_front(const double irradiance[2], int lights) {
  * (d_j, c_j):
  *
  *     V_j = sum kappa Y(Phi_i) / (A max(n_i . omega_i, epsilon)) omega_i,   d_j = V_j / |V_j|,
- *     c_j = |V_j| sum Phi_i / sum Y(Phi_i)          (voxel_lobes.c; the clusters: cluster.c) */
+ *     c_j = |V_j| sum Phi_i / sum Y(Phi_i)          (voxel_lobes.c; the clusters: cluster_kernels.c) */
 static set_result make_lights(const sl_voxel_lights *lights, const sl_voxel_gather *gather,
                               sl_voxel_worker *w, const sl_voxel_set *set, sl_directional_light *light) {
-    const sl_voxel_light_options *o = &lights->options;
+    const sl_light_octree_settings *o = &lights->options;
     sl_voxel_area area = sl_voxel_areas(lights, gather, w);
     double both = luminance_of(&gather->side[0]) + luminance_of(&gather->side[1]), scale[2];
     set_result result = {.surface = area.all, .density = gather->kappa * both / area.all};
@@ -183,7 +197,6 @@ static void report_lights(sl_voxel_set *set, const set_result *result) {
     set->density = (float)result->density;
     set->irradiance = (float)(result->irradiance[0] + result->irradiance[1]);
     set->rms_angle = s->weight > 0.0 ? (float)(2.0 * sl_asin(0.5 * sqrt(s->cost / s->weight))) : 0.0f;
-    set->both_sides = result->irradiance[0] > 0.0 && result->irradiance[1] > 0.0;
     if (result->irradiance[1] > 0.0 && !(result->irradiance[0] > 0.0)) {
         set->normal = sl_neg(set->normal);
         set->height = -set->height;
@@ -191,13 +204,12 @@ static void report_lights(sl_voxel_set *set, const set_result *result) {
 }
 
 void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w) {
-    const sl_voxel_light_options *o = &lights->options;
+    const sl_light_octree_settings *o = &lights->options;
     sl_voxel_set *set = &lights->set[index];
     sl_directional_light *light = lights->light + index * (size_t)lights->texels;
     memset(light, 0, (size_t)lights->texels * sizeof *light);
-    set->done = true;
     if (!lights->tree) return;
-    sl_photon_query query = sl_voxel_query(lights, set->centroid, set->normal, o->radius);
+    sl_photon_query query = sl_voxel_query(lights, set->centroid, set->normal);
     /* where another set faces it, that side is its own */
     query.both_sides = query.both_sides && !set->opposed;
     sl_voxel_gather gather = o->own_photons ? own_photons(lights, set, &query, w)

@@ -86,12 +86,7 @@ static sl_status start_level(sl_octree_state *s, sl_error *error) {
     if (status != SL_OK) return status;
     sl_announce_pass(&s->announcer, "octree", "octree, K-means of its photons");
     s->leaf = 0;
-    s->radius = o->radius > 0.0 ? o->radius
-                                : sl_voxel_radius(s->next.octree, (size_t)o->neighbours,
-                                                  sl_photon_tree_list(s->tree)->count);
-    sl_voxel_light_options options = sl_octree_light_options(o, s->radius);
-    status = sl_voxel_lights_create(s->scene, s->next.octree, s->tree, &options, threads,
-                                    &s->next.lights, error);
+    status = sl_voxel_lights_create(s->scene, s->next.octree, s->tree, o, threads, &s->next.lights, error);
     if (status != SL_OK) sl_octree_forget_level(&s->next);
     else if (o->photons_at_pixels) show_level(s); /* no lights in between */
     else s->phase = SL_OCTREE_PHASE_LIGHTS;

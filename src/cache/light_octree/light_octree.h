@@ -8,8 +8,8 @@
  *   octree.c          the voxels, on geometry; triangle_cells.c
  *   leaf.c            a set of lights, step by step: photons, area, clusters, lights
  *   photon_area.c     the area of the triangles around, less what no photon met
- *   cluster.c         K-means on photons' directions; voxel_lobes.c: from clusters to lights
- *   voxel_lights.c    the lights of every voxel; voxel_sets.c: several sets in a voxel
+ *   cluster_kernels.c K-means on photons' directions; voxel_lobes.c: from clusters to lights
+ *   voxel_lights.c    the lights of every voxel; voxel_sets.c: what lies in a voxel, by normals
  *   voxel_texture.c   all of it in textures, as the hardware holds it
  *   shade.c           surface points lit from the octree
  *   pixels.c          which pixels go which way; the photon map shown as it is
@@ -111,7 +111,6 @@ typedef struct sl_octree_state {
     int depth;                  /* of the octree under way */
     int direct_row;
     size_t leaf;
-    double radius;
     sl_counters counters;
     sl_announcer announcer;
 } sl_octree_state;
@@ -130,8 +129,6 @@ sl_octree_shading sl_octree_state_shading(const sl_octree_state *s);
 
 /* The next step of the pass that is under way (light_octree.c). */
 sl_status sl_octree_step(sl_octree_state *s, sl_error *error);
-/* Of completed settings; radius: theirs, or that of the octree's density. */
-sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *settings, double radius);
 /* R, G, B = emission + direct + indirect, and each of the three alone, mirrors' reflectances included; top
  * row first (picture.c). */
 sl_status sl_octree_compose(const sl_octree_state *s, sl_image **image, sl_error *error);

@@ -1,5 +1,5 @@
-/* From a voxel's photons to its virtual directional lights: K-means on directions (cluster.c), and what each
- * cluster's colour means (voxel_lobes.c). */
+/* From a voxel's photons to its virtual directional lights: K-means on directions (cluster_kernels.c), and
+ * what each cluster's colour means (voxel_lobes.c). */
 #ifndef SL_CACHE_LIGHT_OCTREE_LIGHTS_H
 #define SL_CACHE_LIGHT_OCTREE_LIGHTS_H
 
@@ -24,43 +24,15 @@ typedef struct sl_clusters {
 } sl_clusters;
 
 /* Deterministic: first centre nearest to the mean, next ones by largest weighted distance, ties to the lower
- * index; J never rises. of: the cluster of each point. scratch: count doubles. */
-void sl_cluster_directions(const sl_directions *directions, int wanted, uint8_t *of, double *scratch,
-                           sl_clusters *clusters);
+ * index; J never rises. iterations: at most so many. of: the cluster of each point; a cluster may end without
+ * any. scratch: count doubles. */
+typedef void sl_cluster_kernel(const sl_directions *directions, int wanted, int iterations, uint8_t *of,
+                               double *scratch, sl_clusters *clusters);
+SL_KERNEL_VARIANTS(sl_cluster_kernel, sl_cluster);
 
-/* Its parts: centres to start from, and one iteration, which returns how many points changed their cluster.
- */
-void sl_cluster_start(const sl_directions *directions, int wanted, double *scratch, sl_clusters *clusters);
-size_t sl_cluster_step(const sl_directions *directions, uint8_t *of, sl_clusters *clusters);
-
-/* ---- the loop over a voxel's photons, for every instruction set (cluster_kernels.c) ---- */
-
-/* Of each cluster's members: sum w omega, sum w, and how many. */
-typedef struct sl_cluster_sums {
-    double x[SL_VOXEL_LIGHTS_MAX], y[SL_VOXEL_LIGHTS_MAX], z[SL_VOXEL_LIGHTS_MAX],
-        weight[SL_VOXEL_LIGHTS_MAX];
-    size_t members[SL_VOXEL_LIGHTS_MAX];
-} sl_cluster_sums;
-
-/* Puts every point into the cluster with the largest omega . d, ties to the lower one, and sums up; returns
- * how many changed. */
-typedef size_t sl_assign_kernel(const sl_directions *directions, int clusters, const sl_vec3d *centre,
-                                uint8_t *of, sl_cluster_sums *sums);
-/* nearest[i] = min(nearest[i], |omega - centre|^2); returns the point with the largest w * nearest, ties to
- * the lower, and its value. */
-typedef size_t sl_farthest_kernel(const sl_directions *directions, sl_vec3d centre, double *nearest,
-                                  double *value);
-
-typedef struct sl_cluster_kernels {
-    sl_assign_kernel *assign;
-    sl_farthest_kernel *farthest;
-} sl_cluster_kernels;
-
-SL_KERNEL_VARIANTS(sl_assign_kernel, sl_cluster_assign);
-SL_KERNEL_VARIANTS(sl_farthest_kernel, sl_cluster_farthest);
-
-static inline sl_cluster_kernels sl_cluster_kernels_for(sl_isa isa) {
-    return (sl_cluster_kernels){SL_KERNEL_OF(isa, sl_cluster_assign), SL_KERNEL_OF(isa, sl_cluster_farthest)};
+static inline void sl_cluster_directions(const sl_directions *directions, int wanted, uint8_t *of,
+                                         double *scratch, sl_clusters *clusters) {
+    SL_KERNEL_OF(sl_isa_best(), sl_cluster)(directions, wanted, SL_CLUSTER_ITERATIONS, of, scratch, clusters);
 }
 
 /* ---- a light ---- */

@@ -103,19 +103,6 @@ static sl_status octree_create(const sl_scene *scene, const sl_settings *setting
 
 /* ---- settings of the parts ---- */
 
-sl_voxel_light_options sl_octree_light_options(const sl_light_octree_settings *o, double radius) {
-    return (sl_voxel_light_options){.neighbours = (size_t)o->neighbours,
-                                    .radius = radius,
-                                    .flatness = o->flatness,
-                                    .acceptance = o->acceptance,
-                                    .area = o->area,
-                                    .lobes = o->lobes,
-                                    .lights = o->lights,
-                                    .unit_weights = o->unit_weights,
-                                    .own_photons = o->own_photons,
-                                    .split_by_normal = !o->whole_voxels && !o->own_photons};
-}
-
 /* A whole voxel's normal is the mean of what is in it: to weigh by it does harm. */
 sl_octree_shading sl_octree_state_shading(const sl_octree_state *s) {
     const sl_light_octree_settings *o = &s->settings.light_octree;

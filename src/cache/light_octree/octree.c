@@ -3,17 +3,17 @@
  * cell is split if and only if a deeper one in it meets a triangle. */
 #include "cache/light_octree/octree.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 
 /* What lies around the central region takes light from it, too. */
 static const double AROUND_CENTRE = 1.5;
 
-enum { CHUNK = 2048, LEAF_BLOCK = 128, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS };
+enum { CHUNK = 2048, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS };
 
 /* ---- the space of cells ---- */
 
@@ -37,63 +37,26 @@ sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t tri
                                place(space, vertex[2][triangle]));
 }
 
-/* Tells whether it lies in a face of the cell: both voxels there have it. */
-static bool in_face(const sl_triangle_part *part, sl_vec3d low, double face) {
-    for (int axis = 0; axis < 3; axis++) {
-        double lower = INFINITY, upper = -INFINITY;
-        for (int k = 0; k < part->count; k++) {
-            double x = sl_along(part->corner[k], axis) - sl_along(low, axis);
-            lower = fmin(lower, x);
-            upper = fmax(upper, x);
-        }
-        if (upper <= face || lower >= 1.0 - face) return true;
-    }
-    return false;
-}
-
-double sl_clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *triangle, const uint32_t cell[3],
-                       double dilate, sl_triangle_part *part) {
-    sl_vec3d low = sl_v3d(cell[0], cell[1], cell[2]), high = sl_addd(low, sl_v3d(1.0, 1.0, 1.0));
-    double g = dilate + space->tolerance;
-    sl_vec3d margin = sl_v3d(g, g, g);
-    sl_triangle_in_box(triangle, sl_subd(low, margin), sl_addd(high, margin), part);
-    if (part->count == 0 || dilate > 0.0) return 1.0;
-    if (in_face(part, low, 2.0 * space->tolerance)) return 0.5;
-    sl_triangle_part within;
-    sl_triangle_in_box(triangle, low, high, &within); /* else neighbours would share the margin */
-    if (within.count > 0) *part = within;
-    return 1.0;
-}
-
 /* ---- pairs of cells and triangles ---- */
 
 typedef struct pair_list {
     uint64_t *pair; /* Morton code in the upper half, triangle in the lower */
-    size_t count, capacity;
+    size_t count, room;
     bool failed;
 } pair_list;
 
 typedef struct builder {
     sl_cell_space space;
-    double dilate, grown; /* by what voxels are wider on each side, without and with the tolerance; cells */
+    double grown;   /* by what voxels are wider on each side, tolerance included; cells */
     uint32_t cells; /* an edge of the root */
     pair_list *chunk;
     sl_octree *octree;
-    const uint64_t *pair;
 } builder;
 
-static void emit(pair_list *list, uint32_t x, uint32_t y, uint32_t z, uint32_t triangle) {
-    if (list->count == list->capacity) {
-        size_t capacity = list->capacity ? 2 * list->capacity : 2 * CHUNK;
-        uint64_t *grown = realloc(list->pair, capacity * sizeof *grown);
-        if (!grown) {
-            list->failed = true;
-            return;
-        }
-        list->pair = grown;
-        list->capacity = capacity;
-    }
-    list->pair[list->count++] = sl_morton_code(x, y, z) << 32 | triangle;
+static void emit(pair_list *list, const uint32_t cell[3], uint32_t triangle) {
+    list->failed = list->failed || !sl_make_room(&list->pair, list->count, &list->room, sizeof *list->pair);
+    if (!list->failed)
+        list->pair[list->count++] = sl_morton_code(cell[0], cell[1], cell[2]) << 32 | triangle;
 }
 
 typedef struct cell_range {
@@ -126,7 +89,7 @@ static void visit_range(const builder *b, const sl_triangle_part *part, cell_ran
     }
     if (part->count == 0) return;
     if (side == 0) {
-        emit(list, range.low[0], range.low[1], range.low[2], triangle);
+        emit(list, range.low, triangle);
         return;
     }
     cell_range lower = range, upper = range;
@@ -176,53 +139,10 @@ static void sort_pairs(uint64_t **pair, uint64_t **spare, size_t count, int code
     }
 }
 
-/* ---- what a leaf holds ---- */
+/* ---- leaves ---- */
 
 static bool takes_photons(const sl_scene *scene, uint32_t triangle) {
     return sl_takes_photons(&scene->materials[scene->material_index[triangle]]);
-}
-
-/* n_v and c_v by area of what lies in the voxel: so they do not depend on how a surface is cut into
- * triangles. Surfaces that take no photons have no area. */
-static void measure_leaf(const builder *b, sl_octree_leaf *leaf) {
-    uint32_t cell[3];
-    sl_morton_decode(leaf->morton, cell);
-    sl_vec3d vector = {0}, centre = {0}, touch_centre = {0}, touch_normal = {0};
-    sl_vec3d middle = sl_v3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
-    double area = 0.0, touches = 0.0;
-    for (uint32_t i = 0; i < leaf->triangle_count; i++) {
-        uint32_t number = b->octree->triangle[leaf->first_triangle + i];
-        sl_cell_triangle t = sl_cell_space_triangle(&b->space, number);
-        sl_triangle_part part;
-        double share = sl_clip_to_cell(&b->space, &t, cell, b->dilate, &part) * part.area,
-               length = sl_lengthd(t.normal);
-        if (!takes_photons(b->space.scene, number)) share = 0.0;
-        if (part.count == 0 || !(length > 0.0)) continue;
-        sl_vec3d n = sl_scaled(t.normal, 1.0 / length), c = sl_subd(part.centroid, middle);
-        area += share;
-        vector = sl_addd(vector, sl_scaled(n, share));
-        centre = sl_addd(centre, sl_scaled(c, share));
-        touches += 1.0;
-        touch_centre = sl_addd(touch_centre, c);
-        touch_normal = sl_addd(touch_normal, n);
-    }
-    if (area > 0.0) centre = sl_scaled(centre, 1.0 / area);
-    else if (touches > 0.0) centre = sl_scaled(touch_centre, 1.0 / touches);
-    sl_vec3d n = area > 0.0 ? vector : touch_normal;
-    double length = sl_lengthd(n), cell_area = 1.0 / (b->space.scale * b->space.scale);
-    bool turned = length > 0.0 && length >= 0.2 * (area > 0.0 ? area : touches);
-    leaf->normal = turned ? sl_to_float(sl_scaled(n, 1.0 / length)) : sl_v3(0.0f, 0.0f, 0.0f);
-    leaf->centroid =
-        sl_to_float(sl_addd(sl_scaled(sl_addd(middle, centre), 1.0 / b->space.scale), b->space.origin));
-    leaf->area = (float)(area * cell_area);
-}
-
-static void measure_block(void *context, size_t index, unsigned worker) {
-    (void)worker;
-    const builder *b = context;
-    size_t first = index * LEAF_BLOCK, end = first + LEAF_BLOCK;
-    if (end > b->octree->leaf_count) end = b->octree->leaf_count;
-    for (size_t i = first; i < end; i++) measure_leaf(b, &b->octree->leaf[i]);
 }
 
 /* Cells in which nothing takes photons are no leaves. */
@@ -264,7 +184,7 @@ static sl_status allocate_leaves(sl_octree *octree, size_t leaves, size_t triang
 }
 
 /* From the chunks' pairs to leaves. */
-static sl_status make_leaves(builder *b, size_t chunks, unsigned threads, sl_error *error) {
+static sl_status make_leaves(builder *b, size_t chunks, sl_error *error) {
     size_t count = 0, at = 0;
     bool failed = false;
     for (size_t i = 0; i < chunks; i++) {
@@ -283,10 +203,7 @@ static sl_status make_leaves(builder *b, size_t chunks, unsigned threads, sl_err
         count = drop_dark_cells(b->space.scene, pair, count);
         status = allocate_leaves(b->octree, count_leaves(pair, count), count, error);
     }
-    if (status == SL_OK) {
-        fill_leaves(b->octree, pair);
-        sl_parallel_for(threads, (b->octree->leaf_count + LEAF_BLOCK - 1) / LEAF_BLOCK, measure_block, b);
-    }
+    if (status == SL_OK) fill_leaves(b->octree, pair);
     sl_free(pair);
     sl_free(spare);
     return status;
@@ -311,31 +228,31 @@ sl_octree_root sl_octree_root_of_central_region(const sl_scene *scene) {
                        sl_scene_is_scattered(scene) ? AROUND_CENTRE : 1.0);
 }
 
-sl_status sl_octree_create(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,
+sl_status sl_octree_create(const sl_scene *scene, const sl_octree_root *root, int depth, double dilation,
                            unsigned threads, sl_octree **result, sl_error *error) {
     *result = NULL;
-    if (depth < 1 || depth > SL_OCTREE_DEPTH_MAX || !(dilate >= 0.0 && dilate <= 1.0)) {
+    if (depth < 1 || depth > SL_OCTREE_DEPTH_MAX || !(dilation >= 0.0 && dilation <= 1.0)) {
         return sl_fail(error, SL_ERROR_USAGE, "an octree of depth %d, voxels grown by %g: 1 to %d, 0 to 1",
-                       depth, dilate, (int)SL_OCTREE_DEPTH_MAX);
+                       depth, dilation, (int)SL_OCTREE_DEPTH_MAX);
     }
     sl_octree *octree = sl_allocate(1, sizeof *octree);
     if (!octree) return sl_fail_memory(error, "the octree");
     octree->depth = depth;
+    octree->dilation = dilation;
     octree->origin = root->origin;
     octree->edge = root->edge;
     size_t chunks = (scene->triangle_count + CHUNK - 1) / CHUNK;
     builder b = {.space = sl_cell_space_of(scene, octree->origin, octree->edge, depth),
-                 .dilate = dilate,
                  .cells = 1u << depth,
                  .octree = octree,
                  .chunk = sl_allocate(chunks, sizeof *b.chunk)};
-    b.grown = dilate + b.space.tolerance;
+    b.grown = dilation + b.space.tolerance;
     sl_status status = b.chunk ? SL_OK : sl_fail_memory(error, "the octree");
     if (status == SL_OK) {
         threads = sl_thread_count(threads);
         sl_parallel_for(threads, chunks, visit_chunk, &b);
-        status = make_leaves(&b, chunks, threads, error);
-        for (size_t i = 0; i < chunks; i++) free(b.chunk[i].pair);
+        status = make_leaves(&b, chunks, error);
+        for (size_t i = 0; i < chunks; i++) sl_free(b.chunk[i].pair);
     }
     sl_free(b.chunk);
     if (status != SL_OK) sl_octree_destroy(octree);
@@ -369,11 +286,6 @@ size_t sl_octree_lower_bound(const sl_octree *octree, size_t first, size_t end, 
         }
     }
     return first;
-}
-
-uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton) {
-    size_t leaf = sl_octree_lower_bound(octree, 0, octree->leaf_count, morton);
-    return leaf < octree->leaf_count && octree->leaf[leaf].morton == morton ? (uint32_t)leaf : SL_NO_INDEX;
 }
 
 static uint32_t cell_at(double x, double cells) {

@@ -12,13 +12,8 @@
 #include "cache/light_octree/triangle_cells.h"
 #include "cache/photons/photons.h"
 
-/* 48 bytes. */
 typedef struct sl_octree_leaf {
-    uint64_t morton;        /* z y x interleaved, x lowest, at the octree's depth */
-    sl_vec3 centroid;       /* c_v: by area, of the triangles clipped to the voxel */
-    sl_vec3 normal;         /* n_v; (0,0,0) where |sum area n| < 0.2 sum area */
-    float area; /* of the clipped triangles; what lies in a face that two voxels share counts half in each, so
-                 * that the leaves' areas add up to the scene's; next to 0 where they only touch the voxel */
+    uint64_t morton;         /* z y x interleaved, x lowest, at the octree's depth */
     uint32_t first_triangle; /* in the octree's list */
     uint32_t triangle_count;
 } sl_octree_leaf;
@@ -29,6 +24,7 @@ typedef struct sl_octree {
     int depth;
     sl_vec3d origin;        /* lower corner of the root cube */
     double edge;            /* of the root cube */
+    double dilation;        /* of an edge, by which voxels are grown */
     size_t leaf_count;
     sl_octree_leaf *leaf;
     size_t triangle_count;
@@ -51,13 +47,11 @@ static inline bool sl_octree_root_holds(const sl_octree_root *root, sl_vec3 p) {
            u.z <= root->edge;
 }
 
-/* dilate: voxels are grown by that fraction of their edge in the test (0: the paper's remedy is off). */
-sl_status sl_octree_create(const sl_scene *scene, const sl_octree_root *root, int depth, double dilate,
+/* dilation: voxels are grown by that fraction of their edge (0: the paper's remedy is off). */
+sl_status sl_octree_create(const sl_scene *scene, const sl_octree_root *root, int depth, double dilation,
                            unsigned threads, sl_octree **octree, sl_error *error);
 void sl_octree_destroy(sl_octree *octree);
 size_t sl_octree_bytes(const sl_octree *octree);
-/* The number of the leaf with that Morton code, or SL_NO_INDEX. */
-uint32_t sl_octree_find(const sl_octree *octree, uint64_t morton);
 /* The first leaf of [first, end) whose code is not below that one; else end. */
 size_t sl_octree_lower_bound(const sl_octree *octree, size_t first, size_t end, uint64_t morton);
 /* The code of the cell (clamped to the root) that holds a point. */
@@ -78,10 +72,5 @@ typedef struct sl_cell_space {
 
 sl_cell_space sl_cell_space_of(const sl_scene *scene, sl_vec3d origin, double edge, int depth);
 sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t triangle);
-
-/* A triangle's part in a cell, and which share of its area belongs to that cell: half, if it lies in a face.
- */
-double sl_clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *triangle, const uint32_t cell[3],
-                       double dilate, sl_triangle_part *part);
 
 #endif

@@ -19,19 +19,6 @@ typedef struct {
     float *out;
 } composing;
 
-/* ---- emission ---- */
-
-static sl_rgb sky_at(const composing *c, int x, int y) {
-    const sl_scene *scene = c->state->scene;
-    if (!scene->environment.present) return sl_grey(0.0f);
-    return sl_environment_radiance(&scene->environment, sl_view_direction(&c->view, x + 0.5, y + 0.5));
-}
-
-static sl_rgb emission_of(const sl_scene *scene, const sl_gbuffer *g, size_t pixel) {
-    return sl_scene_emission(scene, g->id[pixel],
-                             sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]));
-}
-
 /* ---- pixels ---- */
 
 static void put(const composing *c, size_t pixel, sl_rgb emission, sl_rgb share) {
@@ -56,22 +43,15 @@ static void compose_row(void *context, size_t row, unsigned worker) {
     size_t width = (size_t)p->gbuffer->width;
     for (size_t x = 0; x < width; x++) {
         size_t i = row * width + x;
-        sl_rgb emission = p->gbuffer->material[i] == SL_NO_INDEX ? sky_at(c, (int)x, (int)row)
-                                                                 : emission_of(p->scene, p->gbuffer, i);
-        put(c, i, emission, sl_grey(1.0f));
+        put(c, i, sl_gbuffer_emission(p->scene, &c->view, p->gbuffer, i, (int)x, (int)row), sl_grey(1.0f));
     }
 }
 
 static void compose_reflections(const composing *c) {
     const sl_octree_state *p = c->state;
     const sl_reflections *r = p->reflections;
-    for (size_t k = 0; r && k < r->count; k++) {
-        size_t i = r->pixel[k];
-        bool surface = p->gbuffer->material[i] != SL_NO_INDEX;
-        sl_rgb emission =
-            surface ? sl_rgb_mul(r->throughput[k], emission_of(p->scene, p->gbuffer, i)) : r->background[k];
-        put(c, i, emission, r->throughput[k]);
-    }
+    for (size_t k = 0; r && k < r->count; k++)
+        put(c, r->pixel[k], sl_reflections_emission(p->scene, p->gbuffer, r, k), r->throughput[k]);
 }
 
 sl_status sl_octree_compose(const sl_octree_state *s, sl_image **image, sl_error *error) {
@@ -149,8 +129,7 @@ static void write_warning(const sl_octree_state *s, const sl_voxel_statistics *v
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error) {
     if (!s->shown.texture || !s->shown.octree->leaf_count) return SL_OK;
     char text[256];
-    sl_voxel_statistics v;
-    sl_voxel_lights_statistics(s->shown.lights, s->shown.octree, &v);
+    const sl_voxel_statistics v = sl_voxel_lights_statistics(s->shown.lights);
     sl_status status = write_statistics(s, &v, image, error);
     write_warning(s, &v, text, sizeof text);
     return status == SL_OK && text[0] ? sl_warn(image, error, "%s", text) : status;

@@ -119,8 +119,7 @@ sl_rgb sl_photons_radiance(sl_voxel_lights *lights, unsigned worker, const sl_su
                            sl_vec3 to_viewer) {
     sl_voxel_worker *w = &lights->worker[worker];
     if (!lights->tree || sl_material_is_mirror(surface->material)) return sl_grey(0.0f);
-    sl_photon_query query = 
-        sl_voxel_query(lights, surface->position, surface->geometric_normal, lights->options.radius);
+    sl_photon_query query = sl_voxel_query(lights, surface->position, surface->geometric_normal);
     query.both_sides = false;
     sl_voxel_gather gather = sl_voxel_gather_photons(lights, &query, w);
     sl_bsdf bsdf = sl_bsdf_make(surface, to_viewer, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY);

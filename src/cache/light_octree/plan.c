@@ -5,6 +5,7 @@
 
 #include "base/math.h"
 #include "cache/frame/budget.h"
+#include "scene/ambient.h"
 #include "scene/features.h"
 
 enum { SHALLOWEST_SHOWN = 4 };
@@ -54,9 +55,7 @@ double sl_octree_voxels_expected(const sl_scene *scene, double voxel) {
     double area = 0.0, cells = ceil(sl_octree_root_of_central_region(scene).edge / ((1.0 + 1e-4) * voxel));
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
         if (!sl_takes_photons(&scene->materials[scene->material_index[t]])) continue;
-        sl_vec3 p[3];
-        for (int k = 0; k < 3; k++) p[k] = sl_scene_position(scene, scene->vertex[k][t]);
-        area += 0.5 * (double)sl_length(sl_cross(sl_sub(p[1], p[0]), sl_sub(p[2], p[0])));
+        area += sl_triangle_area(scene, t);
     }
     return fmin(1.5 * area / (voxel * voxel), cells * cells * cells);
 }

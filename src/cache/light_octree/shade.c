@@ -42,14 +42,11 @@ static void fetch_corner(const sl_voxel_texture *t, size_t at, sl_shade_corner *
     corner->sets = 0;
     if (at == SIZE_MAX) return;
     for (bool more = true; more && corner->sets < SL_VOXEL_SETS_MAX;) {
-        sl_set_head head = sl_voxel_texture_head(t, at);
-        const float *d = t->unpacked[at].direction;
-        sl_vec3 normal = head.has_normal ? sl_v3(d[0], d[1], d[2]) : sl_v3(0.0f, 0.0f, 0.0f);
-        corner->set[corner->sets++] = (sl_shade_set){
-            t->unpacked + at + 1, head.lights, normal, head.turn, head.one_sided, head.layer, head.height};
-        at += (size_t)(1 + head.lights);
-        *fetches += (uint64_t)(1 + head.lights);
-        more = head.more;
+        sl_shade_set *set = &corner->set[corner->sets++];
+        *set = sl_voxel_texture_set(t, at);
+        at += (size_t)(1 + set->lights);
+        *fetches += (uint64_t)(1 + set->lights);
+        more = set->more;
     }
 }
 

@@ -69,12 +69,8 @@ static inline light_sum of_set(const point_lanes *p, const sl_shade_set *set) {
     return directional(p, set);
 }
 
-static inline lanes signed_cosine(const point_lanes *p, const sl_shade_set *set) {
-    return p->nx * set->normal.x + p->ny * set->normal.y + p->nz * set->normal.z;
-}
-
 static inline lanes cosine_to(const point_lanes *p, const sl_shade_set *set) {
-    lanes c = signed_cosine(p, set);
+    lanes c = p->nx * set->normal.x + p->ny * set->normal.y + p->nz * set->normal.z;
     return set->turn ? (lanes)((masks)c & 0x7fffffff) : c;
 }
 
@@ -93,10 +89,6 @@ static inline lanes suits(const point_lanes *p, const sl_shade_corner *corner, c
     return cosine - (lanes)((masks)above & 0x7fffffff);
 }
 
-static inline lanes facing_cosine(const point_lanes *p, const sl_shade_set *set) {
-    return set->one_sided ? signed_cosine(p, set) : cosine_to(p, set);
-}
-
 /* What a voxel gives the points: light, and how far it faces them, (n . n_v)+, 1 where there is no normal. */
 typedef struct voxel_share {
     light_sum light;
@@ -106,14 +98,14 @@ typedef struct voxel_share {
 /* A split voxel: each point takes the group that suits it best; ties go to the first. */
 static inline voxel_share of_corner(const point_lanes *p, const sl_shade_corner *corner) {
     const sl_vec3 n = corner->set[0].normal;
-    voxel_share best = {of_set(p, &corner->set[0]), facing_cosine(p, &corner->set[0])};
+    voxel_share best = {of_set(p, &corner->set[0]), cosine_to(p, &corner->set[0])};
     lanes nearest = suits(p, corner, &corner->set[0]);
     for (int k = 1; k < corner->sets; k++) {
         lanes here = suits(p, corner, &corner->set[k]);
         masks closer = here > nearest;
         light_sum s = of_set(p, &corner->set[k]);
         nearest = choose(closer, here, nearest);
-        best.facing = choose(closer, facing_cosine(p, &corner->set[k]), best.facing);
+        best.facing = choose(closer, cosine_to(p, &corner->set[k]), best.facing);
         for (int c = 0; c < 3; c++) {
             best.light.irradiance[c] = choose(closer, s.irradiance[c], best.light.irradiance[c]);
             best.light.lobe[c] = choose(closer, s.lobe[c], best.light.lobe[c]);

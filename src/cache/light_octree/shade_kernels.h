@@ -7,16 +7,6 @@
 
 enum { SL_SHADE_BLOCK = 64, SL_SHADE_LANES = 16 };
 
-typedef struct sl_shade_set {
-    const sl_unpacked_light *light;
-    int lights;            /* to be summed: used ones, or coefficients */
-    sl_vec3 normal;
-    bool turn;             /* its normal turns to the viewer */
-    bool one_sided;        /* but what faces the other way gives it no weight */
-    bool layer;            /* among sets of one normal points take the one at their height */
-    float height;          /* above the voxel's centre */
-} sl_shade_set;
-
 typedef struct sl_shade_corner {
     int sets;              /* 0: void */
     sl_shade_set set[SL_VOXEL_SETS_MAX];

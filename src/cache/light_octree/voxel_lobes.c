@@ -10,49 +10,18 @@
 
 #include <string.h>
 
-#include "base/error.h"
-#include "base/memory.h"
-
 /* ---- photons as arrays ---- */
 
-sl_status sl_lobe_photons_create(size_t capacity, sl_lobe_photons *p, sl_error *error) {
-    *p = (sl_lobe_photons){0};
-    float *floats = sl_allocate(6 * capacity, sizeof *floats);
-    double *doubles = sl_allocate(4 * capacity, sizeof *doubles);
-    p->of = sl_allocate(capacity, sizeof *p->of);
-    p->x = floats;
-    p->luminance = doubles;
-    if (!floats || !doubles || !p->of) {
-        sl_lobe_photons_release(p);
-        return sl_fail_memory(error, "gathered photons");
-    }
-    p->y = floats + capacity;
-    p->z = floats + 2 * capacity;
-    for (size_t c = 0; c < 3; c++) p->flux[c] = floats + (3 + c) * capacity;
-    p->inverse_cosine = doubles + capacity;
-    p->weight = doubles + 2 * capacity;
-    p->nearest = doubles + 3 * capacity;
-    return SL_OK;
-}
-
-void sl_lobe_photons_release(sl_lobe_photons *p) {
-    sl_free(p->x);
-    sl_free(p->luminance);
-    sl_free(p->of);
-    *p = (sl_lobe_photons){0};
-}
-
-sl_lobe_photons sl_lobe_photons_from(const sl_lobe_photons *p, size_t first, size_t count) {
-    return (sl_lobe_photons){.count = count,
-                             .x = p->x + first,
-                             .y = p->y + first,
-                             .z = p->z + first,
-                             .flux = {p->flux[0] + first, p->flux[1] + first, p->flux[2] + first},
-                             .luminance = p->luminance + first,
-                             .inverse_cosine = p->inverse_cosine + first,
-                             .weight = p->weight + first,
-                             .nearest = p->nearest + first,
-                             .of = p->of + first};
+sl_lobe_photons sl_lobe_photons_in(sl_lobe_arrays *a, size_t first) {
+    return (sl_lobe_photons){.x = a->x + first,
+                             .y = a->y + first,
+                             .z = a->z + first,
+                             .flux = {a->flux[0] + first, a->flux[1] + first, a->flux[2] + first},
+                             .luminance = a->luminance + first,
+                             .inverse_cosine = a->inverse_cosine + first,
+                             .weight = a->weight + first,
+                             .nearest = a->nearest + first,
+                             .of = a->of + first};
 }
 
 void sl_lobe_photons_add(sl_lobe_photons *p, sl_vec3 direction, sl_vec3 normal, const float flux[3]) {
@@ -94,7 +63,7 @@ static double packing_gain(sl_vec3d d, float packed, sl_vec3 normal) {
     return wanted > 0.2 && got > 0.2 ? wanted / got : 1.0;
 }
 
-static sl_directional_light light_of(const lobe *l, sl_vec3d centre, const sl_voxel_light_options *o,
+static sl_directional_light light_of(const lobe *l, sl_vec3d centre, const sl_light_octree_settings *o,
                                      double scale, sl_vec3 normal) {
     double length = sl_lengthd(l->vector);
     bool perpendicular = o->lobes == SL_LOBES_PERPENDICULAR;
@@ -128,7 +97,7 @@ static void make_up_for_bends(const sl_lobe_photons *p, double scale, sl_vec3 no
     }
 }
 
-static int directional_lights(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale,
+static int directional_lights(const sl_lobe_photons *p, const sl_light_octree_settings *o, double scale,
                               sl_vec3 normal, int room, sl_directional_light *light, sl_lobe_spread *spread) {
     double sum = 0.0;
     for (size_t i = 0; i < p->count; i++) {
@@ -142,11 +111,14 @@ static int directional_lights(const sl_lobe_photons *p, const sl_voxel_light_opt
     spread->weight += sum;
     lobe lobes[SL_VOXEL_LIGHTS_MAX];
     sum_lobes(p, clusters.count, lobes);
-    for (int j = 0; j < clusters.count; j++)
-        light[j] = light_of(&lobes[j], clusters.centre[j], o, scale, normal);
-    if (o->split_by_normal && o->lobes == SL_LOBES_PERPENDICULAR)
-        make_up_for_bends(p, scale, normal, clusters.count, light);
-    return clusters.count;
+    int count = 0;
+    for (int j = 0; j < clusters.count; j++) {
+        if (lobes[j].luminance > 0.0)
+            light[count++] = light_of(&lobes[j], clusters.centre[j], o, scale, normal);
+    }
+    if (!o->whole_voxels && o->lobes == SL_LOBES_PERPENDICULAR)
+        make_up_for_bends(p, scale, normal, count, light);
+    return count;
 }
 
 /* ---- the other two ---- */
@@ -168,9 +140,9 @@ static int light_along_normal(const sl_lobe_photons *p, double scale, sl_vec3 no
     return one_irradiance(p, scale * packing_gain(d, light->packed, normal), light);
 }
 
-int sl_lobe_texels(const sl_voxel_light_options *o) { return o->lobes == SL_LOBES_NONE ? 1 : o->lights; }
+int sl_lobe_texels(const sl_light_octree_settings *o) { return o->lobes == SL_LOBES_NONE ? 1 : o->lights; }
 
-int sl_lobes_of_photons(const sl_lobe_photons *p, const sl_voxel_light_options *o, double scale,
+int sl_lobes_of_photons(const sl_lobe_photons *p, const sl_light_octree_settings *o, double scale,
                         sl_vec3 normal, bool flat, int room, sl_directional_light *light,
                         sl_lobe_spread *spread) {
     if (p->count == 0 || room < 1 || !(scale > 0.0 && scale <= DBL_MAX)) return 0;

@@ -184,46 +184,48 @@ static sl_status place_leaves(sl_voxel_texture *t, const sl_voxel_lights *lights
                    t->set_count, texels + dark, most);
 }
 
+static sl_unpacked_light texel_of(sl_vec3 direction, const float color[3]) {
+    return (sl_unpacked_light){{direction.x, direction.y, direction.z}, {color[0], color[1], color[2]}};
+}
+
+/* A head's red is the number of lights, its green the flags, its blue the height of a layer. */
+enum { TURNS = 1, MORE = 2, LAYER = 4 };
+
 /* Returns how many texels the set took. */
-static size_t put_set(sl_voxel_texture *t, const sl_voxel_lights *lights, size_t at, uint32_t number,
-                      bool more) {
+static size_t put_set(sl_unpacked_light *texel, const sl_voxel_lights *lights, uint32_t number, bool more) {
     const sl_voxel_set *set = &lights->set[number];
-    bool one_sided = set->lights > 0 && !set->both_sides, normal = sl_dot(set->normal, set->normal) > 0.0f;
-    int flags = (set->opposed ? 0 : SL_SET_TURNS) | (more ? SL_SET_MORE : 0) |
-                (one_sided ? SL_SET_ONE_SIDED : 0) | (normal ? 0 : SL_SET_NO_NORMAL) |
-                (set->layered ? SL_SET_LAYER : 0);
-    t->light[at] = (sl_directional_light){{(float)set->lights, (float)flags, set->height},
-                                          sl_direction_pack(sl_to_double(set->normal))};
-    memcpy(t->light + at + 1, lights->light + (size_t)number * (size_t)lights->texels,
-           set->lights * sizeof *t->light);
+    const sl_directional_light *light = lights->light + (size_t)number * (size_t)lights->texels;
+    const int flags = (set->opposed ? 0 : TURNS) | (more ? MORE : 0) | (set->layered ? LAYER : 0);
+    const float head[3] = {(float)set->lights, (float)flags, set->height};
+    sl_vec3 normal = set->normal;
+    if (sl_dot(normal, normal) > 0.0f)
+        normal = sl_direction_unpack(sl_direction_pack(sl_to_double(normal)));
+    texel[0] = texel_of(normal, head);
+    for (size_t j = 0; j < set->lights; j++)
+        texel[1 + j] = texel_of(sl_direction_unpack(light[j].packed), light[j].color);
     return 1 + (size_t)set->lights;
 }
 
+/* Dark leaves' texel, the first, stays 0: no lights, no normal. */
 static void fill_lights(sl_voxel_texture *t, const sl_voxel_lights *lights, const uint32_t *place_of_leaf) {
-    t->light[0] = (sl_directional_light){{0.0f, SL_SET_NO_NORMAL, 0.0f}, 0.0f}; /* of dark leaves, if any */
     for (size_t i = 0; i < lights->leaf_count; i++) {
         size_t at = place_of_leaf[i];
         if (texels_of_leaf(lights, i) == 0) continue;
         for (uint32_t s = lights->first_set[i], end = lights->first_set[i + 1]; s < end; s++)
-            at += put_set(t, lights, at, s, s + 1 < end);
-    }
-    for (size_t i = 0; i < t->texel_count; i++) {
-        sl_vec3 d = sl_direction_unpack(t->light[i].packed);
-        t->unpacked[i] = (sl_unpacked_light){
-            {d.x, d.y, d.z}, {t->light[i].color[0], t->light[i].color[1], t->light[i].color[2]}};
+            at += put_set(t->light + at, lights, s, s + 1 < end);
     }
 }
 
-sl_set_head sl_voxel_texture_head(const sl_voxel_texture *t, size_t texel) {
-    const sl_directional_light *head = &t->light[texel];
-    unsigned flags = (unsigned)head->color[1];
-    return (sl_set_head){.lights = (int)head->color[0],
-                         .has_normal = !(flags & SL_SET_NO_NORMAL),
-                         .turn = (flags & SL_SET_TURNS) != 0,
-                         .one_sided = (flags & SL_SET_ONE_SIDED) != 0,
-                         .layer = (flags & SL_SET_LAYER) != 0,
-                         .height = head->color[2],
-                         .more = (flags & SL_SET_MORE) != 0};
+sl_shade_set sl_voxel_texture_set(const sl_voxel_texture *t, size_t texel) {
+    const sl_unpacked_light *head = &t->light[texel];
+    const int flags = (int)head->color[1];
+    return (sl_shade_set){.light = head + 1,
+                          .lights = (int)head->color[0],
+                          .normal = {head->direction[0], head->direction[1], head->direction[2]},
+                          .turn = (flags & TURNS) != 0,
+                          .layer = (flags & LAYER) != 0,
+                          .height = head->color[2],
+                          .more = (flags & MORE) != 0};
 }
 
 /* ---- the whole ---- */
@@ -235,8 +237,7 @@ static sl_status fill(sl_voxel_texture *t, const sl_octree *octree, const sl_vox
     if (status != SL_OK) return status;
     size_t texels = (size_t)t->width * (size_t)t->height;
     t->light = sl_allocate(texels, sizeof *t->light);
-    t->unpacked = sl_allocate(texels, sizeof *t->unpacked);
-    if (!t->light || !t->unpacked) return sl_fail_memory(error, "the texture of lights");
+    if (!t->light) return sl_fail_memory(error, "the texture of lights");
     fill_bricks(t, octree, place_of_leaf);
     fill_lights(t, lights, place_of_leaf);
     return SL_OK;
@@ -266,18 +267,17 @@ void sl_voxel_texture_destroy(sl_voxel_texture *t) {
     if (!t) return;
     sl_volume_destroy(t->bricks);
     sl_free(t->light);
-    sl_free(t->unpacked);
     sl_free(t);
 }
 
 size_t sl_voxel_texture_bytes(const sl_voxel_texture *t) {
     size_t texels = (size_t)t->bricks->width * (size_t)t->bricks->height * (size_t)t->bricks->depth;
-    return 4 * texels + (size_t)t->width * (size_t)t->height * sizeof *t->light;
+    return 4 * texels + (size_t)t->width * (size_t)t->height * sizeof(sl_directional_light);
 }
 
 size_t sl_voxel_texture_resident_bytes(const sl_voxel_texture *t) {
-    return sizeof *t + sl_voxel_texture_bytes(t) +
-           (size_t)t->width * (size_t)t->height * sizeof *t->unpacked;
+    const size_t more = sizeof(sl_unpacked_light) - sizeof(sl_directional_light);
+    return sizeof *t + sl_voxel_texture_bytes(t) + (size_t)t->width * (size_t)t->height * more;
 }
 
 /* ---- the descent ---- */

@@ -9,7 +9,7 @@
 enum { SL_TEXEL_VOID = 0, SL_TEXEL_NODE = 127, SL_TEXEL_LEAF = 255 }; /* alpha */
 enum { SL_LIGHT_TEXTURE_SIZE = 4096 }; /* 12 + 12 bits of address */
 
-/* A light, its direction unpacked. */
+/* A texel: a light, its direction unpacked. (The hardware's has it packed, and is one of 16 bytes.) */
 typedef struct sl_unpacked_light {
     float direction[3], color[3];
 } sl_unpacked_light;
@@ -28,33 +28,29 @@ typedef struct sl_voxel_texture {
     int width, height;          /* of the texture of lights */
     size_t set_count;           /* with light, and one for all leaves without */
     size_t texel_count;         /* in use */
-    sl_directional_light *light; /* width * height texels */
-    sl_unpacked_light *unpacked; /* the same: the CPU's short cut */
+    sl_unpacked_light *light;   /* width * height texels */
 } sl_voxel_texture;
 
-/* The first texel of a set: its red is the number of lights, its green the flags, its blue the height of a
- * layer. */
-enum { SL_SET_TURNS = 1, SL_SET_MORE = 2, SL_SET_NO_NORMAL = 4, SL_SET_ONE_SIDED = 8, SL_SET_LAYER = 16 };
-typedef struct sl_set_head {
+/* What a set's head says, and its lights. */
+typedef struct sl_shade_set {
+    const sl_unpacked_light *light;
     int lights;
-    bool has_normal;            /* its direction */
-    bool turn;                  /* which turns to the viewer, to choose among the voxel's sets */
-    /* lit on that side alone: it tells nothing of what faces the other way, as a floor does below a sofa */
-    bool one_sided;
+    sl_vec3 normal;             /* (0,0,0): none */
+    bool turn;                  /* which turns to the viewer */
     /* another of the voxel's sets has its normal: points take the one at their height */
     bool layer;
     float height;               /* of a layer above the voxel's centre, in voxels */
     bool more;                  /* another set follows */
-} sl_set_head;
-sl_set_head sl_voxel_texture_head(const sl_voxel_texture *texture, size_t texel);
+} sl_shade_set;
+sl_shade_set sl_voxel_texture_set(const sl_voxel_texture *texture, size_t texel);
 
 /* More sets than addresses is an error that says how many. */
 sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights *lights,
                                   sl_voxel_texture **texture, sl_error *error);
 void sl_voxel_texture_destroy(sl_voxel_texture *texture);
-/* Of bricks and lights alone: what the hardware would hold. */
+/* What the hardware would hold of bricks and lights. */
 size_t sl_voxel_texture_bytes(const sl_voxel_texture *texture);
-/* And of the unpacked lights. */
+/* What this takes. */
 size_t sl_voxel_texture_resident_bytes(const sl_voxel_texture *texture);
 /* Descends to a cell of the deepest level: the place of its leaf's first texel, or SIZE_MAX where it is void
  * or outside the root. fetches is added to. */

@@ -52,7 +52,7 @@ typedef struct lit {
 } lit;
 
 static inline lit light_up(const sl_scene *scene, int depth, sl_photon_list *list,
-                           const sl_voxel_light_options *options, unsigned threads) {
+                           const sl_light_octree_settings *options, unsigned threads) {
     lit l = {.octree = octree_of(scene, depth, 1)};
     sl_error error;
     if (sl_photon_tree_create(list, 1, &l.tree, &error) != SL_OK) fail_msg("%s", error.message);

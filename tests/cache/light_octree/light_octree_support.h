@@ -19,14 +19,25 @@ static inline sl_octree *octree_of(const sl_scene *scene, int depth, unsigned th
     return octree;
 }
 
-static inline sl_voxel_light_options plain_options(int lights) {
-    return (sl_voxel_light_options){
-        .neighbours = 50, .radius = 1.0, .flatness = 0.25, .acceptance = SL_PI / 3.0, .lights = lights};
+/* The number of the leaf with that Morton code, or SL_NO_INDEX; and of that which holds a point. */
+static inline uint32_t leaf_of(const sl_octree *octree, uint64_t morton) {
+    size_t leaf = sl_octree_lower_bound(octree, 0, octree->leaf_count, morton);
+    return leaf < octree->leaf_count && octree->leaf[leaf].morton == morton ? (uint32_t)leaf : SL_NO_INDEX;
+}
+
+static inline uint32_t leaf_at(const sl_octree *octree, sl_vec3 p) {
+    return leaf_of(octree, sl_octree_morton_at(octree, p));
+}
+
+static inline sl_light_octree_settings plain_options(int lights) {
+    return (sl_light_octree_settings){
+        .neighbours = 50, .radius = 1.0, .flatness = 0.25, .acceptance = SL_PI / 3.0, .lights = lights,
+        .whole_voxels = true};
 }
 
 /* All dark, without photons. */
 static inline sl_voxel_lights *lights_of(const sl_scene *scene, const sl_octree *octree,
-                                         const sl_voxel_light_options *options) {
+                                         const sl_light_octree_settings *options) {
     sl_voxel_lights *lights = NULL;
     sl_error error;
     if (sl_voxel_lights_create(scene, octree, NULL, options, 1, &lights, &error) != SL_OK)
@@ -56,7 +67,6 @@ static inline void set_light(sl_voxel_lights *lights, size_t set, int which, sl_
     lights->light[set * (size_t)lights->texels + (size_t)which] =
         (sl_directional_light){{r, g, b}, sl_direction_pack(direction)};
     if (lights->set[set].lights <= which) lights->set[set].lights = (uint8_t)(which + 1);
-    lights->set[set].done = true;
 }
 
 /* Points in a list, and what they send to the eye, three floats each. */

@@ -191,7 +191,7 @@ static sl_scene *corner(void) {
 static sl_voxel_lights *corner_lights(const sl_scene *scene, const sl_octree *octree,
                                       const sl_photon_tree *tree, sl_photon_area area) {
     sl_voxel_lights *lights = NULL;
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     o.radius = 0.5;
     o.area = area;
     assert_int_equal(sl_voxel_lights_create(scene, octree, tree, &o, 2, &lights, NULL), SL_OK);
@@ -319,10 +319,10 @@ static void floors_are_not_dark_beside_what_stands_on_them(void **state) {
     sl_scene *scene = scene_of_triangles(xyz, 8);
     sl_photon_list *list = new_list(40000);
     strew_evenly(list, 40000, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(2, 0, 0), sl_v3(0, 1, 0), 3.0f, 7);
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     o.neighbours = 300;
     o.acceptance = 35.0 / 180.0 * SL_PI;
-    o.split_by_normal = true;
+    o.whole_voxels = false;
     lit l = light_up(scene, 5, list, &o, 1);
     double count[2] = {0.0, 0.0}, sum[2] = {0.0, 0.0};
     for (size_t s = 0; s < l.lights->set_count; s++) {
@@ -348,9 +348,9 @@ static void a_floor_modelled_thrice_is_as_bright_as_one(void **state) {
     for (size_t k = 0; k < 2; k++) add_quad(xyz, 2 * k, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
     add_quad(xyz, 4, sl_v3(0, 0, 0), sl_v3(4, 0, 0), sl_v3(0, 0, 4));
     sl_scene *scene = scene_of_triangles(xyz, 6);
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     o.neighbours = 300;
-    o.split_by_normal = true;
+    o.whole_voxels = false;
     lit l = light_up(scene, 4, even_floor(40000, 3.0f, 9), &o, 1);
     double count[2] = {0.0, 0.0}, sum[2] = {0.0, 0.0};
     for (size_t s = 0; s < l.lights->set_count; s++) {

@@ -214,7 +214,7 @@ static void what_is_not_finite_becomes_black(void **state) {
     (void)state;
     stage s = stage_of(scene_from(ball_and_box), 64);
     sl_octree *octree = octree_of(s.scene, 4, 2);
-    sl_voxel_light_options options = plain_options(1);
+    sl_light_octree_settings options = plain_options(1);
     sl_voxel_lights *lights = lights_of(s.scene, octree, &options);
     for (size_t i = 0; i < octree->leaf_count; i++)
         set_light(lights, i, 0, sl_v3d(0, 1, 0), INFINITY, -INFINITY, NAN);
@@ -233,7 +233,7 @@ static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
     (void)state;
     stage s = stage_of(scene_from(ball_and_box), 128);
     sl_octree *octree = octree_of(s.scene, 4, 2);
-    sl_voxel_light_options options = plain_options(4);
+    sl_light_octree_settings options = plain_options(4);
     sl_voxel_lights *lights = lights_of(s.scene, octree, &options);
     uint64_t key = sl_random_key(5, 0);
     for (size_t i = 0; i < octree->leaf_count; i++) {

@@ -13,9 +13,9 @@ static double luminance_of_red(void) { return 0.2126 + 0.5 * 0.7152 + 0.25 * 0.0
 static void errors_by_area(const lit *l, double rms[2]) {
     double sum[2] = {0.0, 0.0}, count[2] = {0.0, 0.0}, voxel = sl_octree_voxel(l->octree);
     for (size_t i = 0; i < l->octree->leaf_count; i++) {
-        sl_vec3 c = l->octree->leaf[i].centroid;
+        sl_vec3 c = l->lights->set[i].centroid;
         if (c.x < 0.4f || c.z < 0.4f || c.x > 3.6f || c.z > 3.6f) continue;
-        int sliver = (double)l->octree->leaf[i].area < 0.2 * voxel * voxel;
+        int sliver = (double)l->lights->set[i].surface < 0.2 * voxel * voxel;
         double e = (double)l->lights->light[i].color[0] - 1.0;
         sum[sliver] += e * e;
         count[sliver] += 1.0;
@@ -36,7 +36,7 @@ static void bands_of_a_histogram_are_gone_with_the_nearest_photons(void **state)
     for (int own = 0; own < 2; own++) {
         sl_photon_list *list = new_list(60000);
         strew_evenly(list, 60000, o, a, b, sl_scene_geometric_normal(scene, 0), 1.0f, 11);
-        sl_voxel_light_options options = plain_options(1);
+        sl_light_octree_settings options = plain_options(1);
         options.lobes = SL_LOBES_NONE;
         options.own_photons = own;
         lit l = light_up(scene, 5, list, &options, 1);
@@ -65,7 +65,7 @@ static void voxels_without_a_normal_spread_photons_over_all_surfaces(void **stat
     sl_photon_list *list = new_list(60000);
     strew_evenly(list, 30000, high, a, b, up, 1.0f, 5);
     strew_evenly(list, 30000, low, a, b, sl_neg(up), 1.0f, 6);
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     o.neighbours = 200;
     lit l = light_up(scene, 4, list, &o, 1);
     double sum = 0.0, count = 0.0;
@@ -92,7 +92,7 @@ static void densities_are_flux_over_area_with_the_right_factor(void **state) {
     sl_scene *scene = floor_of_four();
     sl_photon_list *list = even_floor(2000, 2.0f, 3);
     double each = 2.0 * 16.0 / 2000.0 * luminance_of_red();
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     o.neighbours = 30;
     o.radius = 0.29; /* about 30 photons, so that there are both */
     lit l = light_up(scene, 4, list, &o, 1);
@@ -127,8 +127,8 @@ static void lights_do_not_depend_on_the_order_of_photons(void **state) {
     }
     for (size_t i = 0; i < PHOTONS; i++)
         list[1]->photon[list[1]->count++] = list[0]->photon[i * 7919 % PHOTONS];
-    sl_voxel_light_options o = plain_options(4);
-    o.split_by_normal = true;
+    sl_light_octree_settings o = plain_options(4);
+    o.whole_voxels = false;
     lit a = light_up(scene, 4, list[0], &o, 1), b = light_up(scene, 4, list[1], &o, 1);
     size_t same = 0;
     for (size_t s = 0; s < a.lights->set_count; s++) {
@@ -178,16 +178,15 @@ static void voxels_hold_the_flux_of_all_photons(void **state) {
     for (int k = 0; k < 4; k++) {
         sl_photon_list *list = traced(scene, 60000, SL_STORE_INDIRECT);
         double flux = flux_of(list);
-        sl_voxel_light_options o = plain_options(4);
+        sl_light_octree_settings o = plain_options(4);
         o.neighbours = 100;
-        o.split_by_normal = k & 1;
+        o.whole_voxels = !(k & 1);
         o.acceptance = (k & 1 ? 35.0 : 60.0) / 180.0 * SL_PI;
         sl_octree *octree = octree_of(scene, 4 + k / 2, 1);
-        o.radius = sl_voxel_radius(octree, o.neighbours, list->count);
+        o.radius = 0.0; /* by density */
         sl_octree_destroy(octree);
         lit l = light_up(scene, 4 + k / 2, list, &o, 2);
-        sl_voxel_statistics s;
-        sl_voxel_lights_statistics(l.lights, l.octree, &s);
+        const sl_voxel_statistics s = sl_voxel_lights_statistics(l.lights);
         print_message("depth %d, %s: %.4f of the photons' flux\n", 4 + k / 2, k & 1 ? "split" : "whole",
                       s.flux / flux);
         assert_true(fabs(s.flux / flux - 1.02) < 0.025);
@@ -218,7 +217,7 @@ static sl_scene *ring_on_a_floor(void) {
 }
 
 static double irradiance_at(const lit *l, float x, float z) {
-    uint32_t leaf = sl_octree_find(l->octree, sl_octree_morton_at(l->octree, sl_v3(x, 0, z)));
+    uint32_t leaf = leaf_at(l->octree, sl_v3(x, 0, z));
     assert_true(leaf != SL_NO_INDEX);
     return irradiance_on(l->lights, l->lights->first_set[leaf], sl_v3(0, 1, 0));
 }
@@ -228,11 +227,10 @@ static void a_mirror_ring_makes_a_bright_cusp_and_keeps_its_flux(void **state) {
     sl_scene *scene = ring_on_a_floor();
     sl_photon_list *list = traced(scene, 60000, SL_STORE_CAUSTIC);
     double flux = flux_of(list);
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     o.radius = 0.25;
     lit l = light_up(scene, 6, list, &o, 2);
-    sl_voxel_statistics s;
-    sl_voxel_lights_statistics(l.lights, l.octree, &s);
+    const sl_voxel_statistics s = sl_voxel_lights_statistics(l.lights);
     double cusp = irradiance_at(&l, 0.5f, 0.0f), before = irradiance_at(&l, 0.3f, 0.0f),
            aside = 0.5 * (irradiance_at(&l, 0.5f, 0.3f) + irradiance_at(&l, 0.5f, -0.3f));
     print_message("flux %.4f; at the cusp %.3f, before it %.3f, aside %.3f\n", s.flux / flux, cusp, before,
@@ -253,7 +251,7 @@ static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
     enum { LIGHTS = 4, POINTS = 2000 };
     sl_scene *scene = furnished_room(6, 4);
     sl_octree *octree = octree_of(scene, 4, 1);
-    sl_voxel_light_options o = plain_options(LIGHTS);
+    sl_light_octree_settings o = plain_options(LIGHTS);
     sl_voxel_lights *lights = lights_of(scene, octree, &o);
     sl_vec3d *exact = calloc(octree->leaf_count * LIGHTS, sizeof *exact);
     uint64_t key = sl_random_key(8, 8), points = sl_random_key(8, 9);
@@ -272,7 +270,7 @@ static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
         float out[3];
         sl_counters counters = shade_point(&shading, at, n, out);
         assert_int_equal(counters.value[SL_COUNT_TEXTURE_FETCHES], 4 + 1 + LIGHTS); /* not 2 LIGHTS */
-        size_t leaf = sl_octree_find(octree, sl_octree_morton_at(octree, at));
+        size_t leaf = leaf_at(octree, at);
         double truth = 0.0, bound = 1e-5;
         for (size_t j = leaf * LIGHTS; j < (leaf + 1) * LIGHTS; j++) {
             double cosine = sl_dotd(sl_to_double(n), exact[j]), color = (double)lights->light[j].color[0];

@@ -10,14 +10,36 @@
 enum { CLOUD = 6000 };
 
 typedef struct cloud {
+    float *floats;
+    double *doubles;
+    uint8_t *of;
     sl_lobe_photons photons;
     sl_vec3 normal;
 } cloud;
 
+static cloud new_cloud(void) {
+    cloud c = {.floats = malloc(6 * CLOUD * sizeof *c.floats),
+               .doubles = malloc(4 * CLOUD * sizeof *c.doubles),
+               .of = malloc(CLOUD),
+               .normal = {0, 0, 1}};
+    float *f = c.floats;
+    double *d = c.doubles;
+    assert_true(f && d && c.of);
+    c.photons = (sl_lobe_photons){
+        0,         f, f + CLOUD,     f + 2 * CLOUD, {f + 3 * CLOUD, f + 4 * CLOUD, f + 5 * CLOUD}, d,
+        d + CLOUD, d + 2 * CLOUD, d + 3 * CLOUD, c.of};
+    return c;
+}
+
+static void end_cloud(cloud *c) {
+    free(c->floats);
+    free(c->doubles);
+    free(c->of);
+}
+
 /* Two fields of light: an even hemisphere, or a lobe of the 20th power at 60 degrees. */
 static cloud field(bool lobe) {
-    cloud c = {.normal = {0, 0, 1}};
-    assert_int_equal(sl_lobe_photons_create(CLOUD, &c.photons, NULL), SL_OK);
+    cloud c = new_cloud();
     uint64_t key = sl_random_key(21, lobe), more = sl_random_key(22, lobe);
     sl_frame axis = sl_frame_from_normal(sl_normalize_or(sl_v3(0.8660254f, 0, 0.5f), c.normal));
     const float flux[3] = {1, 1, 1};
@@ -35,7 +57,7 @@ static cloud field(bool lobe) {
     return c;
 }
 
-static double ratio_on_tilt(const cloud *c, const sl_voxel_light_options *o, double degrees) {
+static double ratio_on_tilt(const cloud *c, const sl_light_octree_settings *o, double degrees) {
     sl_vec3d n = sl_v3d(sl_sin(degrees * SL_PI / 180.0), 0.0, sl_cos(degrees * SL_PI / 180.0));
     double exact = 0.0, sum = 0.0;
     for (size_t i = 0; i < c->photons.count; i++) {
@@ -64,7 +86,7 @@ static void tilted_surfaces_get_what_the_table_says(void **state) {
                 {&narrow, -30, {5.7, 0.14, 0.93, 0.99}}};
     for (int r = 0; r < 4; r++) {
         for (int k = 0; k < 4; k++) {
-            sl_voxel_light_options o = plain_options(k == 0 ? 4 : k == 1 ? 1 : k == 2 ? 4 : 8);
+            sl_light_octree_settings o = plain_options(k == 0 ? 4 : k == 1 ? 1 : k == 2 ? 4 : 8);
             o.lobes = k == 0 ? SL_LOBES_SURFACE : SL_LOBES_PERPENDICULAR;
             double ratio = ratio_on_tilt(rows[r].field, &o, rows[r].tilt), wanted = rows[r].ratio[k];
             /* One light, all but grazing: a degree of its direction is half of the irradiance. */
@@ -73,8 +95,8 @@ static void tilted_surfaces_get_what_the_table_says(void **state) {
                 fail_msg("row %d, column %d: %.3f, not %.2f", r, k, ratio, wanted);
         }
     }
-    sl_lobe_photons_release(&even.photons);
-    sl_lobe_photons_release(&narrow.photons);
+    end_cloud(&even);
+    end_cloud(&narrow);
 }
 
 static void on_the_flat_nothing_is_lost(void **state) {
@@ -83,15 +105,15 @@ static void on_the_flat_nothing_is_lost(void **state) {
     for (int n = 1; n <= 8; n++) {
         for (int k = 0; k < 4; k++) {
             const cloud *c = k & 1 ? &narrow : &even;
-            sl_voxel_light_options o = plain_options(n);
+            sl_light_octree_settings o = plain_options(n);
             o.unit_weights = k & 2;
             double ratio = ratio_on_tilt(c, &o, 0.0);
             /* The clamp of grazing photons' weights costs 0.08 % of an even sky; packing is made up for. */
             assert_true(fabs(ratio - 1.0) < 6e-3);
         }
     }
-    sl_lobe_photons_release(&even.photons);
-    sl_lobe_photons_release(&narrow.photons);
+    end_cloud(&even);
+    end_cloud(&narrow);
 }
 
 /* An even sky over a fold: half of its photons lie on a face turned one way, half on one turned the other.
@@ -99,51 +121,50 @@ static void on_the_flat_nothing_is_lost(void **state) {
  * all the light that its photons brought. */
 static void a_bent_surface_makes_the_light_that_its_photons_brought(void **state) {
     (void)state;
-    sl_lobe_photons p;
+    cloud c = new_cloud();
     const float flux[3] = {1, 1, 1};
     uint64_t key = sl_random_key(23, 0);
-    assert_int_equal(sl_lobe_photons_create(CLOUD, &p, NULL), SL_OK);
     for (uint64_t i = 0; i < CLOUD; i++) {
         sl_vec3 face = sl_v3(i & 1 ? 0.6f : -0.6f, 0.0f, 0.8f);
-        sl_lobe_photons_add(&p, cosine_about(face, key, i), face, flux);
+        sl_lobe_photons_add(&c.photons, cosine_about(face, key, i), face, flux);
     }
     for (int n = 1; n <= 8; n++) {
         for (int split = 0; split < 2; split++) {
-            sl_voxel_light_options o = plain_options(n);
-            o.split_by_normal = split;
+            sl_light_octree_settings o = plain_options(n);
+            o.whole_voxels = !split;
             sl_directional_light light[8] = {{{0}, 0}};
             sl_lobe_spread spread = {0};
             double made = 0.0;
-            int count = sl_lobes_of_photons(&p, &o, 1.0 / CLOUD, sl_v3(0, 0, 1), false, n, light, &spread);
+            int count =
+                sl_lobes_of_photons(&c.photons, &o, 1.0 / CLOUD, sl_v3(0, 0, 1), false, n, light, &spread);
             for (int j = 0; j < count; j++)
                 made += (double)light[j].color[0] * fmax(0.0, (double)sl_direction_unpack(light[j].packed).z);
             if (split) assert_true(fabs(made - 1.0) < 1e-5);
             else assert_true(made > 0.7 && made < 0.97);
         }
     }
-    sl_lobe_photons_release(&p);
+    end_cloud(&c);
 }
 
 static void photons_that_carry_nothing_are_left_out(void **state) {
     (void)state;
-    sl_lobe_photons p;
-    assert_int_equal(sl_lobe_photons_create(8, &p, NULL), SL_OK);
+    cloud c = new_cloud();
     const float flux[8][3] = {{0, 0, 0},    {NAN, 1, 1},    {1, 1, 1},  {INFINITY, 0, 0},
                               {-1, -1, -1}, {0, 0, 1e-30f}, {1, -9, 1}, {2, 2, 2}};
     for (int i = 0; i < 8; i++)
-        sl_lobe_photons_add(&p, sl_v3(0, 0, 1), i == 7 ? sl_v3(NAN, 0, 0) : sl_v3(0, 0, 1), flux[i]);
-    assert_int_equal(p.count, 2);
+        sl_lobe_photons_add(&c.photons, sl_v3(0, 0, 1), i == 7 ? sl_v3(NAN, 0, 0) : sl_v3(0, 0, 1), flux[i]);
+    assert_int_equal(c.photons.count, 2);
     sl_directional_light light[4] = {{{0}, 0}};
     sl_lobe_spread spread = {0};
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     /* one direction, one light */
-    assert_int_equal(sl_lobes_of_photons(&p, &o, 2.0, sl_v3(0, 0, 1), false, 4, light, &spread), 1);
+    assert_int_equal(sl_lobes_of_photons(&c.photons, &o, 2.0, sl_v3(0, 0, 1), false, 4, light, &spread), 1);
     assert_true(fabsf(light[0].color[0] - 2.0f) < 1e-5f && light[1].color[0] == 0.0f);
-    assert_int_equal(sl_lobes_of_photons(&p, &o, (double)INFINITY, sl_v3(0, 0, 1), false, 4, light, &spread),
-                     0);
-    p.count = 0;
-    assert_int_equal(sl_lobes_of_photons(&p, &o, 2.0, sl_v3(0, 0, 1), false, 4, light, &spread), 0);
-    sl_lobe_photons_release(&p);
+    assert_int_equal(
+        sl_lobes_of_photons(&c.photons, &o, (double)INFINITY, sl_v3(0, 0, 1), false, 4, light, &spread), 0);
+    c.photons.count = 0;
+    assert_int_equal(sl_lobes_of_photons(&c.photons, &o, 2.0, sl_v3(0, 0, 1), false, 4, light, &spread), 0);
+    end_cloud(&c);
 }
 
 /* ---- voxels ---- */
@@ -153,13 +174,13 @@ static void an_even_floor_has_its_irradiance_in_every_voxel(void **state) {
     (void)state;
     sl_scene *scene = floor_of_four();
     for (int area = 0; area < 3; area++) {
-        sl_voxel_light_options o = plain_options(4);
+        sl_light_octree_settings o = plain_options(4);
         o.area = (sl_photon_area)area;
         sl_photon_list *list = even_floor(60000, 3.0f, 7);
         lit l = light_up(scene, 5, list, &o, 1);
         double sum = 0.0, square = 0.0, count = 0.0;
         for (size_t i = 0; i < l.octree->leaf_count; i++) {
-            sl_vec3 c = l.octree->leaf[i].centroid;
+            sl_vec3 c = l.lights->set[i].centroid;
             bool border = c.x < 0.3f || c.z < 0.3f || c.x > 3.7f || c.z > 3.7f;
             if (border && area != SL_PHOTON_AREA_CLIP) continue; /* a disc is empty beyond the edge */
             double e = irradiance_on(l.lights, i, sl_v3(0, 1, 0));
@@ -184,7 +205,7 @@ static void the_mean_over_many_voxels_has_no_bias(void **state) {
     sl_scene *scene = floor_of_four();
     double sum = 0.0, count = 0.0;
     for (uint64_t seed = 0; seed < 6; seed++) {
-        sl_voxel_light_options o = plain_options(1);
+        sl_light_octree_settings o = plain_options(1);
         o.lobes = SL_LOBES_NONE;
         sl_photon_list *list = even_floor(100000, 3.0f, 100 + seed);
         lit l = light_up(scene, 5, list, &o, 2);
@@ -212,9 +233,9 @@ static void corners_are_neither_dark_nor_bleed_where_voxels_are_split(void **sta
     strew_evenly(list, 30000, o, z, x, sl_v3(0, 1, 0), 1.0f, 1);
     strew_evenly(list, 30000, o, x, y, sl_v3(0, 0, 1), 2.0f, 2);
     strew_evenly(list, 30000, o, y, z, sl_v3(1, 0, 0), 4.0f, 3);
-    sl_voxel_light_options options = plain_options(2);
+    sl_light_octree_settings options = plain_options(2);
     options.neighbours = 200;
-    options.split_by_normal = true;
+    options.whole_voxels = false;
     lit l = light_up(scene, 4, list, &options, 1);
     size_t split = 0;
     for (size_t i = 0; i < l.octree->leaf_count; i++) {
@@ -254,16 +275,16 @@ static void both_sides_of_thin_things_have_their_own_light(void **state) {
         sl_photon_list *list = new_list(60000);
         strew_evenly(list, 40000, high, a, slope, up, 4.0f, 5);
         strew_evenly(list, 20000, low, a, slope, sl_neg(up), 1.0f, 6);
-        sl_voxel_light_options o = plain_options(4);
+        sl_light_octree_settings o = plain_options(4);
         o.neighbours = 400;
-        o.split_by_normal = kind == 1; /* the wall's voxels have no normal of their own */
+        o.whole_voxels = kind != 1; /* the wall's voxels have no normal of their own */
         lit l = light_up(scene, 4, list, &o, 1);
         double sum[2] = {0.0}, count[2] = {0.0};
         for (size_t s = 0; s < l.lights->set_count; s++) {
             const sl_voxel_set *set = &l.lights->set[s];
             if (sl_length(set->normal) == 0.0f) continue; /* where the two windings of the third meet */
             /* faces of the wall in one voxel have a set each */
-            assert_true(set->both_sides == !set->opposed && (kind == 1 || !set->opposed));
+            assert_true(kind == 1 || !set->opposed);
             for (int side = 0; side < 2; side++) {
                 double e = irradiance_on(l.lights, s, side ? sl_neg(up) : up);
                 sum[side] += e;
@@ -294,9 +315,9 @@ static lit light_two_faces(float first, float second, bool first_turned, bool se
     *scene = scene_of_triangles(xyz, 5);
     sl_photon_list *list = new_list(60000);
     strew_evenly(list, 60000, sl_v3(0, first, 0), a, b, up, 3.0f, 7);
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     o.neighbours = 300;
-    o.split_by_normal = true;
+    o.whole_voxels = false;
     return light_up(*scene, 1, list, &o, 1);
 }
 
@@ -350,7 +371,7 @@ static void the_dark_face_of_a_wall_does_not_stand_for_the_lit_one(void **state)
         }
         size_t opposed = 0;
         for (size_t s = 0; s < l.lights->set_count; s++)
-            opposed += l.lights->set[s].opposed && !l.lights->set[s].both_sides;
+            opposed += l.lights->set[s].opposed;
         assert_int_equal(opposed, 8); /* of four voxels */
         end_lit(&l);
         sl_scene_destroy(scene);
@@ -373,7 +394,7 @@ static void the_brighter_side_of_a_sheet_has_more_of_the_lights(void **state) {
         sl_photon_list *list = new_list(40000);
         strew_evenly(list, 20000, o, a, b, up, cases[k].front, 5);
         strew_evenly(list, 20000, o, a, b, sl_neg(up), cases[k].back, 6);
-        sl_voxel_light_options options = plain_options(cases[k].lights);
+        sl_light_octree_settings options = plain_options(cases[k].lights);
         options.neighbours = 2000;
         lit l = light_up(scene, 1, list, &options, 1);
         for (size_t s = 0; s < l.lights->set_count; s++) {
@@ -406,7 +427,7 @@ static void the_winding_does_not_matter(void **state) {
     sl_scene *scene = scene_of_triangles(xyz, 2);
     sl_photon_list *list = new_list(30000);
     strew_evenly(list, 30000, sl_v3(0, 0, 0), sl_v3(4, 0, 0), sl_v3(0, 0, 4), sl_v3(0, 1, 0), 2.0f, 9);
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     lit l = light_up(scene, 3, list, &o, 1);
     for (size_t i = 0; i < l.octree->leaf_count; i++) {
         assert_true(fabs(irradiance_on(l.lights, i, sl_v3(0, 1, 0)) / 2.0 - 1.0) < 0.85);
@@ -429,11 +450,10 @@ static void next_to_nothing_gives_finite_lights_or_none(void **state) {
         /* few */
         if (kind == 3)
             strew_evenly(list, 60, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), 2.0f, 3);
-        sl_voxel_light_options o = plain_options(4);
+        sl_light_octree_settings o = plain_options(4);
         o.radius = kind == 3 ? 0.5 : 0.3;
         lit l = light_up(scene, 4, list, &o, 1);
-        sl_voxel_statistics s;
-        sl_voxel_lights_statistics(l.lights, l.octree, &s);
+        const sl_voxel_statistics s = sl_voxel_lights_statistics(l.lights);
         size_t dark = 0;
         for (size_t i = 0; i < l.octree->leaf_count; i++) {
             double e = irradiance_on(l.lights, i, sl_v3(0, 1, 0));
@@ -463,12 +483,11 @@ static void statistics_tell_spread_and_flux(void **state) {
     double before = 180.0;
     for (int n = 1; n <= 8; n *= 2) {
         sl_photon_list *list = even_floor(40000, 1.0f, 3);
-        sl_voxel_light_options o = plain_options(n);
+        sl_light_octree_settings o = plain_options(n);
         o.neighbours = 300;
         o.unit_weights = true;
         lit l = light_up(scene, 3, list, &o, 1);
-        sl_voxel_statistics s;
-        sl_voxel_lights_statistics(l.lights, l.octree, &s);
+        const sl_voxel_statistics s = sl_voxel_lights_statistics(l.lights);
         double degrees = s.rms_angle * 180.0 / SL_PI, wanted = n == 1   ? 47.1
                                                                : n == 2 ? 35.5
                                                                : n == 4 ? 25.1
@@ -491,10 +510,10 @@ static void batches_and_threads_give_the_same_bits(void **state) {
     sl_scene *scene = furnished_room(4, 5);
     const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE, SL_LOBES_NONE};
     for (int k = 0; k < 4; k++) {
-        sl_voxel_light_options o = plain_options(4);
+        sl_light_octree_settings o = plain_options(4);
         o.lobes = lobes[k % 3];
         o.radius = 0.6;
-        o.split_by_normal = k == 3;
+        o.whole_voxels = k != 3;
         sl_photon_list *list[4];
         for (int c = 0; c < 4; c++) {
             uint64_t key = sl_random_key(2, 2), more = sl_random_key(2, 3);
@@ -560,12 +579,12 @@ static void what_lies_under_a_surface_takes_none_of_its_light(void **state) {
     add_quad(xyz, 2, sl_v3(0, -0.01f, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
     sl_scene *scene = scene_of_triangles(xyz, 4);
     sl_photon_list *list = even_floor(60000, 3.0f, 7);
-    sl_voxel_light_options o = plain_options(4);
+    sl_light_octree_settings o = plain_options(4);
     o.neighbours = 300;
     lit l = light_up(scene, 4, list, &o, 1);
     double sum = 0.0, count = 0.0;
     for (size_t i = 0; i < l.octree->leaf_count; i++) {
-        sl_vec3 c = l.octree->leaf[i].centroid;
+        sl_vec3 c = l.lights->set[i].centroid;
         if (c.x < 0.5f || c.z < 0.5f || c.x > 3.5f || c.z > 3.5f) continue;
         sum += irradiance_on(l.lights, i, sl_v3(0, 1, 0));
         count += 1.0;
@@ -601,8 +620,8 @@ static void flat_matt_surfaces_have_one_light_along_their_normal(void **state) {
         assert_int_equal(sl_photon_tree_create(list, 1, &tree, NULL), SL_OK);
         double irradiance[2][4096];
         for (int split = 0; split < 2; split++) {
-            sl_voxel_light_options o = plain_options(4);
-            o.split_by_normal = split;
+            sl_light_octree_settings o = plain_options(4);
+            o.whole_voxels = !split;
             sl_voxel_lights *lights = NULL;
             sl_counters counters = {{0}};
             assert_int_equal(sl_voxel_lights_create(scene, octree, tree, &o, 1, &lights, NULL),

@@ -1,19 +1,12 @@
 /* The octree over the scene's geometry: which voxels it has, and what they say of the surfaces in them. */
-#include "raster_support.h"
+#include "light_octree_support.h"
 
-#include <math.h>
-
-#include "cache/light_octree/octree.h"
-#include "cache/light_octree/photon_area.h"
 #include "trace_scenes.h"
 
-static sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) {
-    sl_octree *octree = NULL;
-    sl_error error;
-    sl_octree_root root = sl_octree_root_of_all(scene);
-    if (sl_octree_create(scene, &root, depth, 0.0, threads, &octree, &error) != SL_OK)
-        fail_msg("%s", error.message);
-    return octree;
+/* What whole voxels hold. */
+static sl_voxel_lights *whole_voxels(const sl_scene *scene, const sl_octree *octree) {
+    const sl_light_octree_settings options = plain_options(1);
+    return lights_of(scene, octree, &options);
 }
 
 static sl_scene *sphere(unsigned rings, float radius) {
@@ -93,7 +86,7 @@ static void check_samples(const sl_scene *scene, const sl_octree *octree, size_t
                 p1 = sl_scene_position(scene, scene->vertex[1][t]),
                 p2 = sl_scene_position(scene, scene->vertex[2][t]);
         sl_vec3 p = sl_add(sl_add(sl_scale(p0, 1.0f - a - b), sl_scale(p1, a)), sl_scale(p2, b));
-        uint32_t leaf = sl_octree_find(octree, sl_octree_morton_at(octree, p));
+        uint32_t leaf = leaf_at(octree, p);
         if (leaf == SL_NO_INDEX) fail_msg("no leaf at %.9g %.9g %.9g", (double)p.x, (double)p.y, (double)p.z);
         bool listed = octree->triangle_count == 0;
         for (uint32_t k = 0; k < octree->leaf[leaf].triangle_count; k++) {
@@ -107,6 +100,7 @@ static void check_samples(const sl_scene *scene, const sl_octree *octree, size_t
 
 static void check_leaves(const sl_scene *scene, const sl_octree *octree) {
     sl_cell_space space = sl_cell_space_of(scene, octree->origin, octree->edge, octree->depth);
+    sl_voxel_lights *lights = whole_voxels(scene, octree);
     double area = 0.0, truth = 0.0, g = space.tolerance;
     size_t listed = 0;
     for (size_t i = 0; i < octree->leaf_count; i++) {
@@ -114,11 +108,11 @@ static void check_leaves(const sl_scene *scene, const sl_octree *octree) {
         assert_true(leaf->triangle_count > 0 && leaf->first_triangle == listed);
         assert_true(i == 0 || octree->leaf[i - 1].morton < leaf->morton);
         listed += leaf->triangle_count;
-        area += (double)leaf->area;
+        area += (double)lights->set[i].surface;
         uint32_t cell[3];
         sl_morton_decode(leaf->morton, cell);
         sl_vec3d low = sl_v3d(cell[0], cell[1], cell[2]),
-                 c = sl_scaled(sl_subd(sl_to_double(leaf->centroid), octree->origin), space.scale);
+                 c = sl_scaled(sl_subd(sl_to_double(lights->set[i].centroid), octree->origin), space.scale);
         assert_true(c.x >= low.x - 2 * g && c.x <= low.x + 1 + 2 * g && c.y >= low.y - 2 * g &&
                     c.y <= low.y + 1 + 2 * g && c.z >= low.z - 2 * g && c.z <= low.z + 1 + 2 * g);
         for (uint32_t k = 0; k < leaf->triangle_count; k++) {
@@ -128,10 +122,11 @@ static void check_leaves(const sl_scene *scene, const sl_octree *octree) {
                                sl_addd(low, sl_v3d(1 + 2 * g, 1 + 2 * g, 1 + 2 * g)), &part);
             assert_true(part.count > 0);
         }
-        double length = (double)sl_length(leaf->normal);
+        double length = (double)sl_length(lights->set[i].normal);
         assert_true(length == 0.0 || fabs(length - 1.0) < 1e-6);
     }
-    assert_true(listed == octree->triangle_count);
+    assert_true(listed == octree->triangle_count && lights->set_count == octree->leaf_count);
+    sl_voxel_lights_destroy(lights);
     for (uint32_t i = 0; i < scene->triangle_count; i++)
         truth += 0.5 * sl_lengthd(sl_cell_space_triangle(&space, i).normal);
     truth /= space.scale * space.scale;
@@ -187,15 +182,17 @@ static void geometry_in_cell_faces_is_in_both_voxels_and_counted_once(void **sta
     memcpy(xyz + 9 * count, middle, sizeof middle);
     sl_scene *scene = scene_of_triangles(xyz, count + 2);
     sl_octree *octree = octree_of(scene, 4, 1);
+    sl_voxel_lights *lights = whole_voxels(scene, octree);
     check_leaves(scene, octree);
     for (int i = -7; i <= 7; i += 2) {
         float x = (float)i / 8.0f * 0.9f;
-        uint32_t above = sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(x, 0.07f, 1e-3f)));
-        uint32_t below = sl_octree_find(octree, sl_octree_morton_at(octree, sl_v3(x, 0.07f, -1e-3f)));
+        uint32_t above = leaf_at(octree, sl_v3(x, 0.07f, 1e-3f));
+        uint32_t below = leaf_at(octree, sl_v3(x, 0.07f, -1e-3f));
         assert_true(above != SL_NO_INDEX && below != SL_NO_INDEX && above != below);
-        assert_true(octree->leaf[above].normal.z == 1.0f && octree->leaf[below].normal.z == 1.0f);
-        assert_true(fabsf(octree->leaf[above].centroid.z) < 1e-6f);
+        assert_true(lights->set[above].normal.z == 1.0f && lights->set[below].normal.z == 1.0f);
+        assert_true(fabsf(lights->set[above].centroid.z) < 1e-6f);
     }
+    sl_voxel_lights_destroy(lights);
     sl_octree_destroy(octree);
     sl_scene_destroy(scene);
 }
@@ -210,13 +207,16 @@ static void normals_and_centroids_do_not_depend_on_tessellation(void **state) {
     for (int depth = 3; depth <= 6; depth++) {
         sl_octree *a = octree_of(a_scene, depth, 1), *b = octree_of(b_scene, depth, 2);
         assert_true(a->leaf_count == b->leaf_count && a->triangle_count != b->triangle_count);
+        sl_voxel_lights *la = whole_voxels(a_scene, a), *lb = whole_voxels(b_scene, b);
         double voxel = sl_octree_voxel(a);
         for (size_t i = 0; i < a->leaf_count; i++) {
             assert_true(a->leaf[i].morton == b->leaf[i].morton);
-            assert_true(fabs((double)a->leaf[i].area - (double)b->leaf[i].area) < 1e-5 * voxel * voxel);
-            assert_true((double)sl_length(sl_sub(a->leaf[i].centroid, b->leaf[i].centroid)) < 1e-5 * voxel);
-            assert_true(sl_length(sl_sub(a->leaf[i].normal, b->leaf[i].normal)) < 1e-5f);
+            assert_true(fabs((double)la->set[i].surface - (double)lb->set[i].surface) < 1e-5 * voxel * voxel);
+            assert_true((double)sl_length(sl_sub(la->set[i].centroid, lb->set[i].centroid)) < 1e-5 * voxel);
+            assert_true(sl_length(sl_sub(la->set[i].normal, lb->set[i].normal)) < 1e-5f);
         }
+        sl_voxel_lights_destroy(la);
+        sl_voxel_lights_destroy(lb);
         sl_octree_destroy(a);
         sl_octree_destroy(b);
     }
@@ -226,8 +226,9 @@ static void normals_and_centroids_do_not_depend_on_tessellation(void **state) {
     free(fine);
 }
 
-/* Two sheets that face away from each other, thin against a voxel, sloping by `slope`. */
-static sl_octree *slab(float slope) {
+/* Two sheets that face away from each other, thin against a voxel, sloping by `slope`: how many voxels they
+ * have, and how many without a normal. */
+static size_t leaves_of_slab(float slope, size_t *without) {
     float xyz[36];
     for (int side = 0; side < 2; side++) {
         for (int k = 0; k < 6; k++) {
@@ -241,24 +242,23 @@ static sl_octree *slab(float slope) {
     }
     sl_scene *scene = scene_of_triangles(xyz, 4);
     sl_octree *octree = octree_of(scene, 3, 1);
+    sl_voxel_lights *lights = whole_voxels(scene, octree);
+    size_t leaves = octree->leaf_count;
+    *without = 0;
+    for (size_t i = 0; i < leaves; i++) *without += sl_length(lights->set[i].normal) == 0.0f;
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
     sl_scene_destroy(scene);
-    return octree;
-}
-
-static size_t leaves_without_normal(const sl_octree *octree) {
-    size_t without = 0;
-    for (size_t i = 0; i < octree->leaf_count; i++) without += sl_length(octree->leaf[i].normal) == 0.0f;
-    return without;
+    return leaves;
 }
 
 static void opposite_surfaces_leave_a_voxel_without_a_normal(void **state) {
     (void)state;
-    sl_octree *flat = slab(0.0f), *slanted = slab(0.3f);
+    size_t without, leaves = leaves_of_slab(0.0f, &without);
     /* a cell's face is between them */
-    assert_true(flat->leaf_count == 2 * 64 && leaves_without_normal(flat) == 0);
-    assert_true(leaves_without_normal(slanted) > slanted->leaf_count / 2);
-    sl_octree_destroy(flat);
-    sl_octree_destroy(slanted);
+    assert_true(leaves == 2 * 64 && without == 0);
+    leaves = leaves_of_slab(0.3f, &without);
+    assert_true(without > leaves / 2);
 }
 
 static void grown_voxels_are_more(void **state) {
@@ -269,7 +269,7 @@ static void grown_voxels_are_more(void **state) {
     assert_int_equal(sl_octree_create(scene, &root, 4, 0.25, 1, &grown, NULL), SL_OK);
     assert_true(grown->leaf_count > plain->leaf_count * 5 / 4);
     for (size_t i = 0; i < plain->leaf_count; i++)
-        assert_true(sl_octree_find(grown, plain->leaf[i].morton) != SL_NO_INDEX);
+        assert_true(leaf_of(grown, plain->leaf[i].morton) != SL_NO_INDEX);
     sl_octree_destroy(grown);
     assert_int_equal(sl_octree_create(scene, &root, 0, 0.0, 1, &grown, NULL), SL_ERROR_USAGE);
     assert_int_equal(sl_octree_create(scene, &root, 4, (double)NAN, 1, &grown, NULL), SL_ERROR_USAGE);
@@ -288,7 +288,6 @@ static void any_number_of_threads_builds_the_same_octree(void **state) {
         assert_memory_equal(one->triangle, other->triangle, one->triangle_count * sizeof *one->triangle);
         sl_octree_destroy(other);
     }
-    assert_true(sizeof(sl_octree_leaf) == 48);
     sl_octree_destroy(one);
     sl_scene_destroy(scene);
 }
@@ -311,13 +310,15 @@ static void cells_with_black_or_mirroring_surfaces_alone_are_no_leaves(void **st
     for (int k = 0; k < 3; k++) {
         sl_scene *scene = floor_under_sheets(materials[k][0], materials[k][1]);
         sl_octree *octree = octree_of(scene, 4, 2);
+        sl_voxel_lights *lights = whole_voxels(scene, octree);
         double area = 0.0, highest = -1.0;
         for (size_t i = 0; i < octree->leaf_count; i++) {
-            area += (double)octree->leaf[i].area;
-            highest = fmax(highest, (double)octree->leaf[i].centroid.y);
+            area += (double)lights->set[i].surface;
+            highest = fmax(highest, (double)lights->set[i].centroid.y);
         }
         assert_true(k == 0 ? highest > 2.9 : highest < 0.1);
         assert_true(fabs(area - (k == 0 ? 40.0 : 16.0)) < 0.01);
+        sl_voxel_lights_destroy(lights);
         sl_octree_destroy(octree);
         sl_scene_destroy(scene);
     }

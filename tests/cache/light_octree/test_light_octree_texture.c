@@ -9,7 +9,7 @@ static void the_descent_ends_where_the_sorted_leaves_say(void **state) {
     sl_scene *scene = furnished_room(10, 6);
     for (int depth = 1; depth <= 6; depth++) {
         sl_octree *octree = octree_of(scene, depth, 2);
-        sl_voxel_light_options options = plain_options(3);
+        sl_light_octree_settings options = plain_options(3);
         sl_voxel_lights *lights = lights_of(scene, octree, &options);
         for (size_t i = 0; i < octree->leaf_count; i++) {
             if (i % 4) set_light(lights, i, 0, sl_v3d(0, 0, 1), (float)i, 1, 2); /* every fourth is dark */
@@ -20,7 +20,7 @@ static void the_descent_ends_where_the_sorted_leaves_say(void **state) {
             int32_t cell[3];
             for (uint64_t d = 0; d < 3; d++)
                 cell[d] = (int32_t)(sl_random_unit(key, 3 * i + d) * (float)(1 << depth));
-            uint32_t leaf = sl_octree_find(
+            uint32_t leaf = leaf_of(
                 octree, sl_morton_code((uint32_t)cell[0], (uint32_t)cell[1], (uint32_t)cell[2]));
             uint64_t before = fetches;
             size_t place = sl_voxel_texture_find(texture, cell, &fetches);
@@ -29,7 +29,7 @@ static void the_descent_ends_where_the_sorted_leaves_say(void **state) {
             if (leaf == SL_NO_INDEX) continue;
             leaves++;
             assert_true(fetches - before == (uint64_t)depth);
-            assert_int_equal(sl_voxel_texture_head(texture, place).lights, leaf % 4 != 0);
+            assert_int_equal(sl_voxel_texture_set(texture, place).lights, leaf % 4 != 0);
             if (leaf % 4) assert_true(texture->light[place + 1].color[0] == (float)leaf);
         }
         assert_true(leaves > 100);
@@ -53,7 +53,7 @@ static sl_octree *made_octree(int depth, size_t leaves) {
     octree->triangle = sl_allocate(0, 1);
     assert_true(octree->leaf && octree->triangle);
     for (size_t i = 0; i < leaves; i++)
-        octree->leaf[i] = (sl_octree_leaf){.morton = i, .area = 1.0f, .normal = {0, 0, 1}};
+        octree->leaf[i] = (sl_octree_leaf){.morton = i};
     return octree;
 }
 
@@ -62,7 +62,7 @@ static void every_set_comes_back_from_its_address(void **state) {
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(6, 30000);
     for (int n = 1; n <= 8; n++) {
-        sl_voxel_light_options options = plain_options(n);
+        sl_light_octree_settings options = plain_options(n);
         sl_voxel_lights *lights = lights_of(scene, octree, &options);
         for (size_t i = 0; i < 30000; i++) {
             for (int j = 0; j < n; j++)
@@ -76,8 +76,8 @@ static void every_set_comes_back_from_its_address(void **state) {
             sl_morton_decode(i, cell);
             const int32_t at[3] = {(int32_t)cell[0], (int32_t)cell[1], (int32_t)cell[2]};
             size_t place = sl_voxel_texture_find(texture, at, &fetches);
-            assert_int_equal(sl_voxel_texture_head(texture, place).lights, n);
-            const sl_directional_light *light = texture->light + place + 1;
+            assert_int_equal(sl_voxel_texture_set(texture, place).lights, n);
+            const sl_unpacked_light *light = texture->light + place + 1;
             for (int j = 0; j < n; j++) assert_true(light[j].color[0] == (float)(i * 8 + (size_t)j));
             /* a set never wraps */
             assert_true(place % (size_t)texture->width + 1 + (size_t)n <= (size_t)texture->width);
@@ -103,7 +103,7 @@ static void bricks_and_bytes_are_those_that_were_counted(void **state) {
                       trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_octree *octree = octree_of(scene, 6, 2);
-    sl_voxel_light_options options = plain_options(4);
+    sl_light_octree_settings options = plain_options(4);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     for (size_t i = 0; i < octree->leaf_count; i++) set_light(lights, i, 0, sl_v3d(0, 0, 1), 1, 1, 1);
     sl_voxel_texture *texture = texture_of(octree, lights);
@@ -127,8 +127,8 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(10, 6);
     sl_octree *octree = octree_of(scene, 5, 1);
-    sl_voxel_light_options options = plain_options(4);
-    options.split_by_normal = true;
+    sl_light_octree_settings options = plain_options(4);
+    options.whole_voxels = false;
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     size_t wanted = 1, several = 0;
     for (size_t s = 0; s < lights->set_count; s++) {
@@ -144,21 +144,18 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
         size_t at = sl_voxel_texture_find(texture, here, &fetches), begin = at;
         for (uint32_t s = first; s < end; s++) used += lights->set[s].lights;
         if (used == 0) {
-            assert_int_equal(sl_voxel_texture_head(texture, at).lights, 0);
+            assert_int_equal(sl_voxel_texture_set(texture, at).lights, 0);
             continue;
         }
         for (uint32_t s = first; s < end; s++) {
-            sl_set_head head = sl_voxel_texture_head(texture, at);
+            sl_shade_set head = sl_voxel_texture_set(texture, at);
             sl_vec3 n = lights->set[s].normal;
-            const float *d = texture->unpacked[at].direction;
             assert_int_equal(head.lights, lights->set[s].lights);
-            assert_true(head.more == (s + 1 < end) && head.has_normal == (sl_dot(n, n) > 0) &&
-                        sl_dot(sl_v3(d[0], d[1], d[2]), n) > 0.9999f * sl_dot(n, n));
+            assert_true(head.more == (s + 1 < end) && sl_dot(head.normal, n) >= 0.9999f * sl_dot(n, n));
             at++;
             for (int j = 0; j < head.lights; j++, at++) {
-                assert_true(texture->light[at].color[0] == (float)(s * 8 + (size_t)j) &&
-                            texture->unpacked[at].color[0] == (float)(s * 8 + (size_t)j));
-                assert_true(texture->unpacked[at].direction[2] == 1.0f);
+                assert_true(texture->light[at].color[0] == (float)(s * 8 + (size_t)j));
+                assert_true(texture->light[at].direction[2] == 1.0f);
             }
         }
         several += end > first + 1;
@@ -187,8 +184,8 @@ static void the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not(void *
     for (int faces = 1; faces <= 2; faces++) {
         sl_scene *scene = scene_of_triangles(xyz, 1 + 2 * (size_t)faces);
         sl_octree *octree = octree_of(scene, 3, 1);
-        sl_voxel_light_options options = plain_options(1);
-        options.split_by_normal = true;
+        sl_light_octree_settings options = plain_options(1);
+        options.whole_voxels = false;
         sl_voxel_lights *lights = lights_of(scene, octree, &options);
         for (size_t i = 0; i < lights->set_count; i++)
             set_light(lights, i, 0, sl_to_double(lights->set[i].normal), 1, 1, 1);
@@ -196,7 +193,7 @@ static void the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not(void *
         uint64_t fetches = 0;
         size_t place = find_at(texture, sl_v3d(1.3, 0.05, 1.2), &fetches);
         assert_true(place != SIZE_MAX);
-        sl_set_head head = sl_voxel_texture_head(texture, place);
+        sl_shade_set head = sl_voxel_texture_set(texture, place);
         assert_true(head.turn == (faces == 1) && head.more == (faces == 2) && head.lights == 1);
         sl_voxel_texture_destroy(texture);
         sl_voxel_lights_destroy(lights);
@@ -209,7 +206,7 @@ static void dark_leaves_share_one_texel(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(5, 5000);
-    sl_voxel_light_options options = plain_options(4);
+    sl_light_octree_settings options = plain_options(4);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     for (size_t i = 0; i < 5000; i += 50) set_light(lights, i, 0, sl_v3d(1, 0, 0), 1, 1, 1);
     sl_voxel_texture *texture = texture_of(octree, lights);
@@ -225,7 +222,7 @@ static void more_sets_than_addresses_are_refused_with_their_number(void **state)
     sl_scene *scene = furnished_room(1, 1);
     size_t most = 512 * 4096; /* sets of 8 lights */
     sl_octree *octree = made_octree(7, most + 1);
-    sl_voxel_light_options options = plain_options(8);
+    sl_light_octree_settings options = plain_options(8);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     for (size_t i = 0; i <= most; i++) lights->set[i].lights = 8;
     sl_voxel_texture *texture = NULL;
@@ -242,7 +239,7 @@ static void an_octree_without_leaves_is_void(void **state) {
     (void)state;
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(4, 0);
-    sl_voxel_light_options options = plain_options(4);
+    sl_light_octree_settings options = plain_options(4);
     sl_voxel_lights *lights = lights_of(scene, octree, &options);
     sl_voxel_texture *texture = texture_of(octree, lights);
     const int32_t cell[3] = {1, 2, 3};
