@@ -120,7 +120,7 @@ sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_wr
     return SL_OK;
 }
 
-/* What can be seen of the meshes while they are made: their edges as marks, and pictures that samples are
+/* The meshes while they are made, for those who look on: their edges as marks, and pictures that samples are
  * made from. Nothing of it without an observer, and with one nothing that the method does is any different.
  */
 

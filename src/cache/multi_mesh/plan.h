@@ -1,4 +1,4 @@
-/* What will run: settings completed, the paths, and which passes a scene needs (those that it does not need
+/* The plan: settings completed, the paths, and which passes a scene needs (those that it does not need
  * are not run). */
 #ifndef SL_MULTI_MESH_PLAN_H
 #define SL_MULTI_MESH_PLAN_H

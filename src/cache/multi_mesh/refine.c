@@ -87,8 +87,8 @@ static void tell_neighbours(sl_displayed *d, uint32_t middle) {
     sl_patches_visit_around(d->mesh, d->mesh->vertex[middle].place, tell, &n);
 }
 
-/* Tests what is untested, and tells neighbours of middles that they may not know. Whether all three have a
- * value. */
+/* Tests what is untested, and tells neighbours of middles that they may not know. Returns true if all
+ * three have a value. */
 static bool test_edges(sl_displayed *d, const sl_patch_place *leaf) {
     sl_patch *node = &d->mesh->patch[leaf->patch];
     bool complete = true;

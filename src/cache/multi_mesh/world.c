@@ -17,9 +17,9 @@ static const float FINE_AREA = 16.0f, FINE_EDGE = 8.0f;
 enum { MINOR_PIXELS = 4, INDIRECT_MINOR_PIXELS = 32, MANY_LIGHTS = 16 };
 /* Of the pixels that a leaf may have: fewer are minor. */
 static const float MINOR = 1.0f / 9.0f;
-/* What minor leaves' pixels times contrast must come to to be looked into. Of indirect light most of what is
- * left out by it was cut for what gathers' pixels make: 96 instead of 48 takes three tenths of the gathers
- * away, for a tenth more squared error of indirect light. */
+/* Minor leaves are looked into where their pixels times contrast come to so much. Of indirect light most of
+ * what is left out by it was cut for what gathers' pixels make: 96 instead of 48 takes three tenths of the
+ * gathers away, for a tenth more squared error of indirect light. */
 static const float MINOR_CONTRAST = 16.0f, INDIRECT_MINOR_CONTRAST = 96.0f;
 
 /* ---- what a face shows: parts are judged as the eye sees them, beside all the others ---- */

@@ -44,7 +44,7 @@ bool sl_display_guess(sl_display *display, sl_rgb guess);
 /* Positions follow the scene's objects as they stand now: before the next frame. */
 sl_status sl_display_move(sl_display *display, sl_error *error);
 
-/* What the id map tells of a frame: by pixel, bottom row first. NULL: not wanted. */
+/* The id map of a frame: by pixel, bottom row first. NULL: not wanted. */
 typedef struct sl_display_ids {
     /* leaf (index into sl_patches); SL_NO_INDEX on the background, and where no patch of the root is wanted
      * yet */

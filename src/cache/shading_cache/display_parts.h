@@ -5,7 +5,7 @@
 #include "base/thread.h"
 #include "cache/shading_cache/display.h"
 
-/* What a patch is in the display: a leaf, a leaf with a fan, or the block of four that its children are. */
+/* A patch in the display is a leaf, a leaf with a fan, or the block of four that its children are. */
 enum { SL_FAN_BIT = 0x40000000 };
 #define SL_DISPLAY_LEAF SL_NO_INDEX
 static inline bool sl_is_leaf_word(uint32_t word) { return word >= SL_FAN_BIT; }

@@ -47,7 +47,7 @@ typedef struct frame_job {
     sl_shown_pixel *shown;
 } frame_job;
 
-/* What they have in common. */
+/* All that they have in common. */
 typedef struct triangle_run {
     uint32_t root;             /* SL_NO_INDEX: the background */
     const sl_display_root *wanted; /* NULL: not wanted yet */

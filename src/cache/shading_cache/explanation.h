@@ -1,4 +1,4 @@
-/* What made a pixel, and patches, samples and chosen pixels as marks: for those who look on. */
+/* The terms of a pixel, and patches, samples and chosen pixels as marks: for those who look on. */
 #ifndef SL_SHADING_CACHE_EXPLANATION_H
 #define SL_SHADING_CACHE_EXPLANATION_H
 

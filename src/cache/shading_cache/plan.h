@@ -1,4 +1,4 @@
-/* What will run: settings completed, the paths, and which parts a scene needs (what is not needed does not
+/* The plan: settings completed, the paths, and which parts a scene needs (what is not needed does not
  * run). */
 #ifndef SL_SHADING_CACHE_PLAN_H
 #define SL_SHADING_CACHE_PLAN_H

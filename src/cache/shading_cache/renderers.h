@@ -43,7 +43,7 @@ typedef struct sl_sample_renderer {
                    sl_sample *samples, sl_counters *counters);
     /* The scene has changed (SL_CHANGED_ bits); the tracer has been made anew where objects moved. */
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
-    /* Whether diffuse points are others now, though nothing but the eye has moved. NULL: they never are. */
+    /* Tells whether diffuse points are others, though nothing but the eye has moved. NULL: they never are. */
     bool (*eye_matters)(const void *state, sl_vec3 before, sl_vec3 now);
     void (*destroy)(void *state);
 } sl_sample_renderer;

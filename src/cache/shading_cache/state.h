@@ -1,4 +1,4 @@
-/* What the parts of the shading cache share: the state of one cache. */
+/* The state of one cache, which the parts of the shading cache share. */
 #ifndef SL_SHADING_CACHE_STATE_H
 #define SL_SHADING_CACHE_STATE_H
 

@@ -33,9 +33,9 @@ typedef struct sl_work_settings {
 /* Of old vertices on the edges of one leaf no more are asked for at once. */
 enum { SL_HANGING_A_PATCH = 4 };
 
-/* What a mirror or a narrow lobe shows may be smaller than a pixel: a corner that meets a lamp would colour
- * all of its leaf, whose pixel shows something else. Such leaves are split down to this share of what is
- * split elsewhere. */
+/* The picture in a mirror or a narrow lobe may be smaller than a pixel: a corner that meets a lamp would
+ * colour all of its leaf, whose pixel shows something else. Such leaves are split down to this share of what
+ * is split elsewhere. */
 enum { SL_SHARP_LEVELS = 32, SL_SHARP_PARTS = 16 };
 
 /* A vertex that has been evaluated, but before its object or the eye moved: it is shaded again from its first
