@@ -47,7 +47,7 @@ static sl_status take_struct(void *ours, size_t known, const void *given, const 
 }
 #define TAKE(type, ours, given, error) take_struct(ours, sizeof(type), given, #type, error)
 
-/* The name that is given, or one by number. */
+/* Returns the name that is given, or one by number. */
 static const char *name_of(const char *given, const char *kind, size_t number, char text[NAME_ROOM]) {
     if (given && *given) snprintf(text, NAME_ROOM, "%.200s", given);
     else snprintf(text, NAME_ROOM, "%s %zu", kind, number);
@@ -58,7 +58,7 @@ static sl_status fail_of(const char *kind, const char *name, const char *expecte
     return sl_fail(error, SL_ERROR_INPUT, "%s '%s': %s", kind, name, expected);
 }
 
-/* A number of something that was added before; 0 is none. */
+/* Fails where nothing of that number was added before; 0 is none. */
 static sl_status check_number(const char *kind, const char *name, const char *what, uint32_t number,
                               size_t count, sl_error *error) {
     if (number <= count) return SL_OK;
@@ -178,7 +178,7 @@ sl_status sl_scene_builder_material(sl_scene_builder *b, const sl_material_data 
     return status;
 }
 
-/* The index of a material that was added, or of the grey one. */
+/* Finds the index of a material that was added, or of the grey one. */
 static sl_status find_material(sl_scene_builder *b, uint32_t number, uint32_t *index, sl_error *error) {
     const sl_material grey = sl_grey_material("grey", 0.5f);
     *index = (number ? number : b->grey) - 1;
@@ -268,7 +268,7 @@ sl_status sl_scene_builder_mesh(sl_scene_builder *b, const sl_mesh_data *data, u
 
 /* ---- instances ------------------------------------------------------------------------------- */
 
-/* The triangles of a mesh were added last, as of one material; what they name themselves is there. */
+/* Gives the triangles that were added last the materials that they name themselves; all of them are there. */
 static void spread_materials(sl_scene_builder *b, const sl_mesh_data *d) {
     uint32_t *index = b->model.material_index + b->model.triangle_count - d->triangle_count;
     for (size_t t = 0; t < d->triangle_count; t++)

@@ -191,8 +191,8 @@ __attribute__((format(printf, 3, 4))) static bool reads_back(float value, char t
     return sl_read_number(text, &read) && memcmp(&read, &value, sizeof value) == 0;
 }
 
-/* As few digits as will do; then all of them; then, what fractions cannot hold, a number of some size times a
- * power of ten as reading rounds it. */
+/* Tries as few digits as will do; then all of them; then, for what fractions cannot hold, a number of some
+ * size times a power of ten as reading rounds it. */
 const char *sl_write_number(float value, char text[SL_NUMBER_ROOM]) {
     const double exact = (double)value;
     for (int digits = 6; digits <= 9; digits++) {

@@ -82,7 +82,7 @@ static const char *direction_fault(const sl_light_data *l, char text[SL_RULE_TEX
     return "direction";
 }
 
-/* Cones are told in degrees, as files have them. */
+/* Tells of cones in degrees, as files have them. */
 static const char *cone_fault(const sl_light_data *l, char text[SL_RULE_TEXT]) {
     static const char inner[] = "inner_deg", outer[] = "outer_deg";
     const double most = sl_radians(180.0), degrees = l->outer_rad / a_degree;

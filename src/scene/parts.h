@@ -13,7 +13,7 @@ enum { SL_LARGEST_FILM = 65536, SL_RULE_TEXT = 200 /* room for what was expected
 
 double sl_radians(double degrees);
 
-/* False: the number is none or out of its bounds; then text says what was expected. */
+/* Tells whether a number is within its bounds; if not, text says what was expected. */
 bool sl_is_within(const char *key, double value, double low, double high, char text[SL_RULE_TEXT]);
 
 /* A number of a material, or the three of a colour, each from 0 to `most`. */
@@ -28,15 +28,16 @@ extern const sl_material_number sl_material_numbers[SL_MATERIAL_NUMBERS];
 bool sl_material_number_fits(const sl_material_number *number, const sl_material *material,
                              char text[SL_RULE_TEXT]);
 
-/* The key of what is wrong with a light ("" for the whole), with what was expected in text; NULL: nothing. */
+/* Returns the key of what is wrong with a light ("" for the whole), with what was expected in text; NULL:
+ * nothing. */
 const char *sl_light_fault(const sl_light_data *light, char text[SL_RULE_TEXT]);
-/* A light without fault, turned into our world: one without extent, or a quad as an object of two triangles.
- */
+/* Makes a light without fault, turned into our world: one without extent, or a quad as an object of two
+ * triangles. */
 sl_light sl_light_from(const sl_light_data *light, const sl_affine *turn);
 sl_status sl_model_add_quad(sl_model *model, const char *path, const char *name, const sl_light_data *light,
                             const sl_affine *turn, uint32_t *object, sl_error *error);
 
-/* 16 numbers by columns. Returns what was expected, or NULL where they are a transform. */
+/* Makes a transform of 16 numbers by columns. Returns what was expected, or NULL where they are one. */
 const char *sl_matrix_fault(const double columns[16], sl_affine *transform);
 
 #endif

@@ -154,7 +154,7 @@ static bool is_frame(const sl_camera *c) {
            fabs(sl_dotd(sl_crossd(x, y), z) - 1.0) < most;
 }
 
-/* The camera's axes as they stand, in place of what they would be computed from. */
+/* Reads the camera's axes as they stand, in place of what they would be computed from. */
 static void read_frame(sl_scene_file *file, const cJSON *item, const cJSON *frame) {
     sl_json *json = &file->json;
     sl_camera *c = &file->model.camera;

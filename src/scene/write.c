@@ -56,7 +56,7 @@ __attribute__((format(printf, 2, 3))) static void put(text *t, const char *forma
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
-/* base + suffix, to be freed; NULL without memory. */
+/* Returns base + suffix, to be freed; NULL without memory. */
 static char *path_of(const writer *w, const char *suffix) {
     char *path = sl_allocate(strlen(w->base) + strlen(suffix) + 1, 1);
     if (path) strcat(strcpy(path, w->base), suffix);
@@ -88,7 +88,7 @@ static sl_status write_text(const writer *w, text *t, const char *suffix) {
 
 /* ---- names ----------------------------------------------------------------------------------- */
 
-/* What ends, continues or quotes a line or a string becomes "_", and so does a blank at an end. */
+/* Replaces what ends, continues or quotes a line or a string by "_", and a blank at an end. */
 static char *plain_name(const char *given) {
     char name[201];
     snprintf(name, sizeof name, "%s", given);
@@ -101,7 +101,7 @@ static char *plain_name(const char *given) {
     return sl_string_copy(name);
 }
 
-/* A name that is in the list already, or none, becomes one by number. */
+/* Returns a name of its own: one by number, where it is in the list already or empty. */
 static char *add_name(sl_names *names, const char *given, const char *kind, size_t number) {
     char numbered[64];
     char *name = plain_name(given);
@@ -132,7 +132,7 @@ static sl_status make_names(writer *w) {
     return made ? SL_OK : sl_fail_memory(w->error, "the names of materials and objects");
 }
 
-/* A string of JSON. */
+/* Puts a string of JSON. */
 static void put_string(text *t, const char *string) {
     put(t, "\"");
     for (const char *c = string; *c; c++) {
@@ -143,7 +143,7 @@ static void put_string(text *t, const char *string) {
     put(t, "\"");
 }
 
-/* The name of a file beside the JSON file. */
+/* Puts the name of a file beside the JSON file. */
 static void put_file(writer *w, const char *suffix) {
     char *path = path_of(w, suffix);
     if (path) put_string(&w->json, sl_file_name(path));
@@ -151,7 +151,7 @@ static void put_file(writer *w, const char *suffix) {
     sl_free(path);
 }
 
-/* As few digits as read back to the same float. */
+/* Puts as few digits as read back to the same float. */
 static void put_number(text *t, float value) {
     char number[32];
     for (int digits = 6; digits <= 9; digits++) {
@@ -182,7 +182,7 @@ static void put_values(text *t, const char *word, const float *values, int count
     put(t, "\n");
 }
 
-/* Vertices that triangles from `first` to `end` name: they are together. */
+/* Finds the vertices that triangles from `first` to `end` name: they are together. */
 static void range_of(const sl_scene *s, size_t first, size_t end, uint32_t *low, uint32_t *high) {
     *low = UINT32_MAX, *high = 0;
     for (size_t t = first; t < end; t++) {
@@ -256,7 +256,7 @@ static bool are_of_one(const sl_scene *s, size_t t, size_t u) {
     return s->object_index[t] == s->object_index[u] && s->material_index[t] == s->material_index[u];
 }
 
-/* Surfaces of one object and material from `first` on. */
+/* Returns the surfaces of one object and material from `first` on. */
 static run surfaces_from(const sl_scene *s, size_t first, const sl_bicubic *next) {
     run r = {first, first, next, 0, false};
     for (; next < s->bicubics + s->bicubic_count && next->first_triangle == r.end; next++, r.surfaces++) {
@@ -266,8 +266,8 @@ static run surfaces_from(const sl_scene *s, size_t first, const sl_bicubic *next
     return r;
 }
 
-/* The triangles from `first` on that go to one file: of surfaces; or up to the next one, of one material
- * once there is a library: a second one would have materials of its own. */
+/* Returns the triangles from `first` on that go to one file: of surfaces; or up to the next one, of one
+ * material once there is a library: a second one would have materials of its own. */
 static run run_from(const sl_scene *s, size_t first, size_t surfaces, bool has_library) {
     const sl_bicubic *next = surfaces < s->bicubic_count ? &s->bicubics[surfaces] : NULL;
     run r = {first, next ? next->first_triangle : s->triangle_count, NULL, 0, !has_library};
@@ -314,7 +314,7 @@ static sl_status write_meshes(writer *w, bool *has_library) {
 
 /* ---- materials ------------------------------------------------------------------------------- */
 
-/* Materials' values are in the JSON file, which has all of them to the bit. */
+/* Names the materials, whose values are in the JSON file, to the bit. */
 static sl_status write_library(writer *w) {
     text out = {0};
     for (size_t i = 0; i < w->scene->material_count; i++) put(&out, "newmtl %s\n", w->materials[i]);
@@ -363,7 +363,7 @@ static bool is_used(const sl_scene *s, size_t material) {
     return false;
 }
 
-/* Without a library only those may be named that a mesh asks for. */
+/* Puts all materials; without a library only those that a mesh asks for may be named. */
 static void put_materials(writer *w, bool has_library) {
     const char *between = "\n";
     put(&w->json, "  \"materials\": {");

@@ -86,10 +86,22 @@ static void what_is_wrong_in_a_file_is_told_with_points(void **state) {
     assert_string_equal(with_commas, with_points);
 }
 
+static void scenes_are_written_with_points(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell-glossy.json");
+    const char *path = scene_file_text("written.json", "");
+    begin_comma();
+    assert_int_equal(sl_scene_write(scene, path, NULL), SL_OK);
+    end_comma();
+    assert_true(hash_of(path) == sl_scene_hash(scene));
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(files_of_all_kinds_are_read_alike),
         cmocka_unit_test(what_is_wrong_in_a_file_is_told_with_points),
+        cmocka_unit_test(scenes_are_written_with_points),
     };
     return cmocka_run_group_tests(tests, make_locale, remove_locale);
 }
