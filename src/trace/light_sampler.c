@@ -184,17 +184,12 @@ static bool sample_entry(const sl_light_sampler *sampler, size_t i, sl_vec3 p, f
     return lit && sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
 }
 
-bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float select, float u1, float u2,
-                             sl_light_sample *sample) {
-    if (sampler->count == 0) return false;
-    return sample_entry(sampler, choose(sampler, (double)select), p, u1, u2, sample);
-}
-
 /* The first part of the numbers leads to the tree, the rest to lights and environment as ever. */
 bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 normal, float select,
                                 float u1, float u2, sl_light_sample *sample) {
+    if (sampler->count == 0) return false;
     if (!sampler->tree || !((double)select < sampler->tree_share))
-        return sl_light_sampler_sample(sampler, p, select, u1, u2, sample);
+        return sample_entry(sampler, choose(sampler, (double)select), p, u1, u2, sample);
     uint32_t emitter;
     float chance, within = fminf((float)((double)select / sampler->tree_share), 0x1.fffffep-1f);
     if (!sl_is_finite(p) || !sl_light_tree_choose(sampler->tree, p, normal, within, &emitter, &chance))

@@ -8,15 +8,12 @@
 
 enum { LEAF_EMITTERS = 12 };
 
-typedef struct emitter_table {
-    float *x, *y, *z;               /* centroid */
-    float *normal_x, *normal_y, *normal_z;
-    float *strength;                /* mean radiance times area */
-    float *extent_squared;          /* largest squared distance of a corner from the centroid */
-    float *two_sided;               /* 1 or 0 */
-    void *block;                    /* holds all of the above */
-    size_t count;
-} emitter_table;
+typedef struct tree_emitter {
+    sl_vec3 centre, normal;
+    float strength;                 /* mean radiance times area */
+    float extent_squared;           /* largest squared distance of a corner from the centroid */
+    bool two_sided;
+} tree_emitter;
 
 typedef struct node {
     sl_vec3 centre;
@@ -26,7 +23,7 @@ typedef struct node {
 } node;
 
 struct sl_light_tree {
-    emitter_table table; /* in the scene's order */
+    tree_emitter *emitters;      /* in the scene's order */
     uint32_t *order;        /* emitters as the leaves hold them */
     node *nodes;
     uint32_t node_count;
@@ -34,47 +31,34 @@ struct sl_light_tree {
 
 /* ---- emitters ---- */
 
-static sl_status create_table(const sl_scene *scene, emitter_table *t, sl_error *error) {
-    enum { COLUMNS = 9 };
-    size_t n = scene->emitter_count;
-    float **const columns[COLUMNS] = {&t->x,        &t->y,        &t->z,
-                                      &t->normal_x, &t->normal_y, &t->normal_z,
-                                      &t->strength, &t->extent_squared, &t->two_sided};
-    t->block = sl_allocate_planes(n, COLUMNS, columns);
-    if (!t->block) return sl_fail_memory(error, "direct light");
-    t->count = n;
-    for (size_t i = 0; i < n; i++) {
-        const sl_emitter *e = &scene->emitters[i];
-        sl_vec3 corner[3], normal = sl_scene_geometric_normal(scene, e->triangle);
-        for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
-        sl_vec3 centre = sl_scale(sl_add(sl_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f);
-        t->x[i] = centre.x, t->y[i] = centre.y, t->z[i] = centre.z;
-        t->normal_x[i] = normal.x, t->normal_y[i] = normal.y, t->normal_z[i] = normal.z;
-        t->strength[i] = sl_rgb_mean(e->radiance) * e->area;
-        t->two_sided[i] = e->two_sided ? 1.0f : 0.0f;
-        for (int c = 0; c < 3; c++) {
-            sl_vec3 d = sl_sub(corner[c], centre);
-            t->extent_squared[i] = fmaxf(t->extent_squared[i], sl_dot(d, d));
-        }
+static tree_emitter emitter_of(const sl_scene *scene, const sl_emitter *e) {
+    sl_vec3 corner[3];
+    for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
+    tree_emitter out = {.centre = sl_scale(sl_add(sl_add(corner[0], corner[1]), corner[2]), 1.0f / 3.0f),
+                   .normal = sl_scene_geometric_normal(scene, e->triangle),
+                   .strength = sl_rgb_mean(e->radiance) * e->area,
+                   .two_sided = e->two_sided};
+    for (int c = 0; c < 3; c++) {
+        sl_vec3 d = sl_sub(corner[c], out.centre);
+        out.extent_squared = fmaxf(out.extent_squared, sl_dot(d, d));
     }
-    return SL_OK;
+    return out;
 }
 
 /* Returns how much an emitter can matter at a point: strength, cosines and distance of its centroid, each
  * kept from vanishing where some part of the emitter may still contribute; 0 where none can. */
-static float importance_of(const emitter_table *t, size_t i, sl_vec3 position, sl_vec3 normal) {
-    float dx = t->x[i] - position.x, dy = t->y[i] - position.y, dz = t->z[i] - position.z;
-    float squared = dx * dx + dy * dy + dz * dz, extent = t->extent_squared[i];
+static float importance_of(const tree_emitter *e, sl_vec3 position, sl_vec3 normal) {
+    sl_vec3 d = sl_sub(e->centre, position);
+    float squared = sl_dot(d, d), extent = e->extent_squared;
     float bounded = squared > extent ? squared : extent;
     float over = bounded > 0.0f ? 1.0f / sqrtf(bounded) : 0.0f;
-    float above = normal.x * dx + normal.y * dy + normal.z * dz;
-    float front = -(t->normal_x[i] * dx + t->normal_y[i] * dy + t->normal_z[i] * dz);
-    if (t->two_sided[i] > 0.0f) front = fabsf(front);
+    float above = sl_dot(normal, d), front = -sl_dot(e->normal, d);
+    if (e->two_sided) front = fabsf(front);
     if (!(front > 0.0f) || above * fabsf(above) < -extent) return 0.0f;
     float cosine = above * over, cosine_emitter = front * over;
     cosine = cosine > 0.1f ? cosine : 0.1f;
     cosine_emitter = cosine_emitter > 0.1f ? cosine_emitter : 0.1f;
-    return t->strength[i] * cosine * cosine_emitter * over * over;
+    return e->strength * cosine * cosine_emitter * over * over;
 }
 
 /* ---- building: halves along the longest axis of the centroids ---- */
@@ -90,34 +74,30 @@ static int by_place(const void *a, const void *b) {
     return x->emitter < y->emitter ? -1 : x->emitter > y->emitter;
 }
 
-static sl_vec3 centroid(const emitter_table *t, uint32_t i) { return sl_v3(t->x[i], t->y[i], t->z[i]); }
+static float along_axis(sl_vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
 static void bound(const sl_light_tree *tree, node *n, sl_vec3 *extent) {
-    const emitter_table *t = &tree->table;
-    sl_vec3 low = centroid(t, tree->order[n->first]), high = low;
+    sl_vec3 low = tree->emitters[tree->order[n->first]].centre, high = low;
     for (uint32_t k = n->first; k < n->first + n->count; k++) {
-        sl_vec3 c = centroid(t, tree->order[k]);
+        const tree_emitter *e = &tree->emitters[tree->order[k]];
+        sl_vec3 c = e->centre;
         low = sl_v3(fminf(low.x, c.x), fminf(low.y, c.y), fminf(low.z, c.z));
         high = sl_v3(fmaxf(high.x, c.x), fmaxf(high.y, c.y), fmaxf(high.z, c.z));
-        n->strength += t->strength[tree->order[k]];
+        n->strength += e->strength;
     }
     *extent = sl_sub(high, low);
     n->centre = sl_scale(sl_add(low, high), 0.5f);
     for (uint32_t k = n->first; k < n->first + n->count; k++) {
-        float far = sl_length(sl_sub(centroid(t, tree->order[k]), n->centre)) +
-                    sqrtf(t->extent_squared[tree->order[k]]);
-        n->radius = fmaxf(n->radius, far);
+        const tree_emitter *e = &tree->emitters[tree->order[k]];
+        n->radius = fmaxf(n->radius, sl_length(sl_sub(e->centre, n->centre)) + sqrtf(e->extent_squared));
     }
 }
 
 static void sort_along(const sl_light_tree *tree, const node *n, sl_vec3 extent, sorted_emitter *scratch) {
-    const emitter_table *t = &tree->table;
-    const float *axis = extent.x >= extent.y && extent.x >= extent.z ? t->x
-                        : extent.y >= extent.z                       ? t->y
-                                                                     : t->z;
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
     for (uint32_t k = 0; k < n->count; k++) {
         uint32_t e = tree->order[n->first + k];
-        scratch[k] = (sorted_emitter){axis[e], e};
+        scratch[k] = (sorted_emitter){along_axis(tree->emitters[e].centre, axis), e};
     }
     qsort(scratch, n->count, sizeof *scratch, by_place);
     for (uint32_t k = 0; k < n->count; k++) tree->order[n->first + k] = scratch[k].emitter;
@@ -142,14 +122,17 @@ sl_status sl_light_tree_create(const sl_scene *scene, sl_light_tree **out, sl_er
     *out = NULL;
     sl_light_tree *tree = sl_allocate(1, sizeof *tree);
     if (!tree) return sl_fail_memory(error, "the light tree");
-    sl_status status = create_table(scene, &tree->table, error);
     sorted_emitter *scratch = sl_allocate(count, sizeof *scratch);
+    tree->emitters = sl_allocate(count, sizeof *tree->emitters);
     tree->order = sl_allocate(count, sizeof *tree->order);
     tree->nodes = sl_allocate(2 * count, sizeof *tree->nodes);
-    if (status == SL_OK && (!scratch || !tree->order || !tree->nodes))
-        status = sl_fail_memory(error, "the light tree");
+    sl_status status = scratch && tree->emitters && tree->order && tree->nodes
+                           ? SL_OK : sl_fail_memory(error, "the light tree");
     if (status == SL_OK) {
-        for (uint32_t i = 0; i < count; i++) tree->order[i] = i;
+        for (uint32_t i = 0; i < count; i++) {
+            tree->order[i] = i;
+            tree->emitters[i] = emitter_of(scene, &scene->emitters[i]);
+        }
         build(tree, 0, (uint32_t)count, scratch);
         *out = tree;
     } else {
@@ -161,7 +144,7 @@ sl_status sl_light_tree_create(const sl_scene *scene, sl_light_tree **out, sl_er
 
 void sl_light_tree_destroy(sl_light_tree *tree) {
     if (!tree) return;
-    sl_free(tree->table.block);
+    sl_free(tree->emitters);
     sl_free(tree->order);
     sl_free(tree->nodes);
     sl_free(tree);
@@ -194,7 +177,7 @@ static float leaf_weights(const sl_light_tree *tree, const node *n, sl_vec3 posi
                           float weight[LEAF_EMITTERS]) {
     float sum = 0.0f;
     for (uint32_t k = 0; k < n->count; k++) {
-        sum += weight[k] = importance_of(&tree->table, tree->order[n->first + k], position, normal);
+        sum += weight[k] = importance_of(&tree->emitters[tree->order[n->first + k]], position, normal);
     }
     return sum > 0.0f && isfinite(sum) ? sum : 0.0f;
 }

@@ -166,16 +166,3 @@ size_t sl_path_tracer_memory_bytes(const sl_path_tracer *path) {
     return sizeof *path + sl_halves_memory_bytes(&path->halves) +
            (path->pairs ? sl_path_pairs_memory_bytes(path->pairs) : 0);
 }
-
-void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, unsigned count,
-                             uint64_t stream, uint64_t sample, sl_rgb *radiance, sl_counters *counters) {
-    uint64_t keys[SL_PACKET] = {0};
-    sl_rgb found[SL_PACKET];
-    /* Each lane has a stream of its own; the high bit keeps them apart from pixels. */
-    for (unsigned i = 0; i < count; i++) {
-        keys[i] = stream_key(path, (unsigned)(sample % SL_HALVES), (stream << 4 | i) ^ (uint64_t)1 << 62);
-    }
-    sl_path_walk_radiance(&path->walk, rays, count, false, keys, (uint32_t)(sample / SL_HALVES), found,
-                          counters);
-    for (unsigned i = 0; i < count; i++) radiance[i] = sl_path_finite_or_black(found[i], counters);
-}

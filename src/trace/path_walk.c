@@ -99,8 +99,8 @@ static void queue_shadow_ray(shadow_queue *q, sl_walker *w, sl_vec3 origin, cons
     q->owner[i] = w;
 }
 
-static void sample_light(const sl_path_walk *walk, sl_walker *w, const sl_bsdf *bsdf, const surface_task *task,
-                         sl_vec3 origin, uint32_t triangle, shadow_queue *queue) {
+static void sample_light(const sl_path_walk *walk, sl_walker *w, const sl_bsdf *bsdf,
+                         const surface_task *task, sl_vec3 origin, uint32_t triangle, shadow_queue *queue) {
     float point[3];
     sl_light_sample sample;
     sl_walker_draw(walk->sequence, w, SL_SET_LIGHT, point);

@@ -73,11 +73,8 @@ typedef struct sl_light_sample {
     uint32_t entry;      /* of the sampler: emitters come first, then lights, then the environment */
 } sl_light_sample;
 
-/* One sample from three numbers in [0,1). False: contributes nothing. Only emitters' fronts shine (unless
- * two-sided). */
-bool sl_light_sampler_sample(const sl_light_sampler *sampler, sl_vec3 p, float select, float u1, float u2,
-                             sl_light_sample *sample);
-/* The same from two numbers: u1 chooses the light, and what is left of it, stretched to [0,1), serves for the
+/* One sample from two numbers in [0,1). False: contributes nothing. Only emitters' fronts shine (unless
+ * two-sided). u1 chooses the light, and what is left of it, stretched to [0,1), serves for the
  * point. Two numbers that are well spread together (a Sobol' pair) stay so on every light. */
 bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2,
                                 sl_light_sample *sample);
@@ -85,7 +82,8 @@ bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, floa
  * can matter at the point (light_tree.h) instead of by power alone. How often any emitter is chosen, instead
  * of a light or the environment, stays. */
 sl_status sl_light_sampler_plant_tree(sl_light_sampler *sampler, sl_error *error);
-/* normal: of the receiver, unit; it decides chances alone. Without a tree as sl_light_sampler_sample(). */
+/* The same from three numbers. normal: of the receiver, unit; it decides chances alone, and without a tree
+ * nothing. */
 bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 normal, float select,
                                 float u1, float u2, sl_light_sample *sample);
 /* Solid-angle pdf with which the sampler would have made the direction that hit this emitter (or the
@@ -125,9 +123,5 @@ sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counte
  * and odd samples alone, two independent pictures whose difference is the noise; -1: all. */
 void sl_path_tracer_mean(const sl_path_tracer *path, int half, float *r, float *g, float *b);
 size_t sl_path_tracer_memory_bytes(const sl_path_tracer *path);
-/* Radiance along given rays instead of a film, by walks from their ends alone: for tests with closed forms.
- * radiance: count values. */
-void sl_path_tracer_radiance(const sl_path_tracer *path, const sl_ray16 *rays, unsigned count,
-                             uint64_t stream, uint64_t sample, sl_rgb *radiance, sl_counters *counters);
 
 #endif

@@ -43,7 +43,8 @@ void sl_walker_draw(const sl_sequence *sequence, const sl_walker *walker, uint32
 /* Russian roulette: goes on with a probability that follows the weight, and makes up for it. */
 bool sl_walker_survives(const sl_sequence *sequence, sl_walker *walker);
 void sl_walker_leave(sl_walker *walker, sl_vec3 origin, sl_vec3 direction, double pdf, uint32_t triangle);
-/* Finds what each walk's ray meets, of at least one. One that sees through surfaces meets one of all on its way. */
+/* Finds what each walk's ray meets, of at least one. One that sees through surfaces meets one of all on its
+ * way. */
 void sl_walkers_trace(const sl_tracer *tracer, const sl_sequence *sequence, sl_walker *const *active,
                       unsigned count, bool coherent, sl_hit16 *hits, sl_counters *counters);
 

@@ -1,5 +1,6 @@
 #include "trace_scenes.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -10,6 +11,7 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "scene_parts.h"
+#include "trace/path_walk.h"
 
 trace_mesh trace_mesh_begin(void) {
     trace_mesh mesh = {0};
@@ -228,3 +230,42 @@ trace_picture trace_picture_of(const sl_scene *scene, const sl_path_settings *se
 }
 
 void trace_picture_free(trace_picture *picture) { free(picture->plane[0][0]); }
+
+traced_radiance trace_along(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport,
+                            sl_vec3 origin, sl_vec3 direction, unsigned samples) {
+    sl_light_sampler *lights;
+    static sl_sequence sequence;
+    sl_sequence_make(&sequence);
+    assert_int_equal(sl_light_sampler_create_for(scene, transport, &lights, NULL), SL_OK);
+    const sl_path_walk walk = {
+        .scene = scene, .tracer = tracer, .lights = lights, .sequence = &sequence, .transport = *transport};
+    sl_ray16 rays;
+    sl_counters counters = {{0}};
+    uint64_t key[SL_PACKET];
+    double sums[SL_PACKET][3] = {{0.0}};
+    traced_radiance traced = {{0.0}, {0.0}};
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        sl_ray16_set(&rays, i, origin, direction, 0.0f, INFINITY, SL_NO_INDEX);
+        key[i] = sl_random_key(9, i);
+    }
+    for (unsigned s = 0; s < samples; s++) {
+        sl_rgb found[SL_PACKET];
+        sl_path_walk_radiance(&walk, &rays, SL_PACKET, false, key, s, found, &counters);
+        for (unsigned i = 0; i < SL_PACKET; i++) {
+            assert_true(sl_rgb_is_finite(found[i]));
+            sums[i][0] += (double)found[i].r / samples;
+            sums[i][1] += (double)found[i].g / samples;
+            sums[i][2] += (double)found[i].b / samples;
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        double squares = 0.0;
+        for (unsigned i = 0; i < SL_PACKET; i++) {
+            traced.mean[c] += sums[i][c] / SL_PACKET;
+            squares += sums[i][c] * sums[i][c] / SL_PACKET;
+        }
+        traced.variance[c] = fmax(squares - traced.mean[c] * traced.mean[c], 0.0) / (SL_PACKET - 1);
+    }
+    sl_light_sampler_destroy(lights);
+    return traced;
+}

@@ -57,4 +57,12 @@ void trace_picture_free(trace_picture *picture);
 bool emitter_point(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1, float u2,
                    sl_light_sample *sample);
 
+/* Radiance along a ray by the path tracer's walks: sixteen sequences, whose spread tells the variance of
+ * their mean. Fails where any sample is not finite. */
+typedef struct traced_radiance {
+    double mean[3], variance[3];
+} traced_radiance;
+traced_radiance trace_along(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport,
+                            sl_vec3 origin, sl_vec3 direction, unsigned samples);
+
 #endif

@@ -100,45 +100,16 @@ static void furnace_irradiance_is_the_geometric_series(void **unused) {
 static void compare_with_path_tracer(world *w, const sl_bidirectional_request *request, sl_vec3 eye,
                                      unsigned lobe, uint32_t bounces, const sl_bidirectional_value *v,
                                      double factor) {
-    sl_path_tracer *path;
-    sl_path_settings settings = {.width = 1, .height = 1, .threads = 1, .seed = 9};
-    assert_true(sl_transport_named("full", &settings.transport));
-    settings.transport.bounces = bounces;
-    settings.transport.receiver_lobes = lobe;
-    settings.transport.direct_lobes = 0;
-    settings.transport.emission = false;
-    assert_int_equal(sl_path_tracer_create(w->scene, w->tracer, &settings, &path, NULL), SL_OK);
-    sl_ray16 rays;
-    for (unsigned i = 0; i < SL_PACKET; i++) {
-        rays.origin_x[i] = eye.x;
-        rays.origin_y[i] = eye.y;
-        rays.origin_z[i] = eye.z;
-        rays.direction_x[i] = request->position.x - eye.x;
-        rays.direction_y[i] = request->position.y - eye.y;
-        rays.direction_z[i] = request->position.z - eye.z;
-        rays.near[i] = 0.0f;
-        rays.far[i] = INFINITY;
-        rays.skip[i] = SL_NO_INDEX;
-    }
-    enum { SAMPLES = 1500 };
-    double sums[SL_PACKET][3] = {{0.0}};
-    for (unsigned s = 0; s < SAMPLES; s++) {
-        sl_rgb found[SL_PACKET];
-        sl_path_tracer_radiance(path, &rays, SL_PACKET, 3, s, found, &w->counters);
-        for (unsigned i = 0; i < SL_PACKET; i++) {
-            sums[i][0] += (double)found[i].r / SAMPLES;
-            sums[i][1] += (double)found[i].g / SAMPLES;
-            sums[i][2] += (double)found[i].b / SAMPLES;
-        }
-    }
+    sl_transport transport;
+    assert_true(sl_transport_named("full", &transport));
+    transport.bounces = bounces;
+    transport.receiver_lobes = lobe;
+    transport.direct_lobes = 0;
+    transport.emission = false;
+    traced_radiance traced =
+        trace_along(w->scene, w->tracer, &transport, eye, sl_sub(request->position, eye), 1500);
     for (int c = 0; c < 3; c++) {
-        double mean = 0.0, squares = 0.0;
-        for (unsigned i = 0; i < SL_PACKET; i++) {
-            mean += sums[i][c] / SL_PACKET;
-            squares += sums[i][c] * sums[i][c] / SL_PACKET;
-        }
-        double error =
-            sqrt(fmax(0.0, squares - mean * mean) / (SL_PACKET - 1) + factor * factor * v->variance[c]);
+        double mean = traced.mean[c], error = sqrt(traced.variance[c] + factor * factor * v->variance[c]);
         if (!(error < 0.1 * mean))
             fail_msg("triangle %u, lobe %u: %g +- %g is too noisy for a test (%g +- %g)", request->triangle,
                      lobe, mean, error, factor * v->mean[c], factor * sqrt(v->variance[c]));
@@ -146,7 +117,6 @@ static void compare_with_path_tracer(world *w, const sl_bidirectional_request *r
             fail_msg("channel %d: %g, the path tracer has %g +- %g", c, factor * v->mean[c], mean, error);
         }
     }
-    sl_path_tracer_destroy(path);
 }
 
 /* A ball with normals that lean off their facets, a glossy floor, a mirror; lamps, a point light and a sky.

@@ -12,7 +12,6 @@
 #include "trace/trace.h"
 #include "trace_scenes.h"
 
-/* Sixteen lanes, each a sequence of its own: their spread tells the error of their mean. */
 typedef struct measurement {
     double mean, error;
 } measurement;
@@ -20,38 +19,10 @@ typedef struct measurement {
 static measurement measure(const sl_scene *scene, sl_transport transport, sl_vec3 origin, sl_vec3 direction,
                            unsigned samples) {
     sl_tracer *tracer;
-    sl_path_tracer *path;
-    sl_path_settings settings = {.width = 1, .height = 1, .threads = 1, .seed = 3, .transport = transport};
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
-    assert_int_equal(sl_path_tracer_create(scene, tracer, &settings, &path, NULL), SL_OK);
-    sl_ray16 rays;
-    sl_counters counters = {{0}};
-    double sums[SL_PACKET] = {0}, sum = 0.0, squares = 0.0;
-    for (unsigned i = 0; i < SL_PACKET; i++) {
-        rays.origin_x[i] = origin.x;
-        rays.origin_y[i] = origin.y;
-        rays.origin_z[i] = origin.z;
-        rays.direction_x[i] = direction.x;
-        rays.direction_y[i] = direction.y;
-        rays.direction_z[i] = direction.z;
-        rays.near[i] = 0.0f;
-        rays.far[i] = INFINITY;
-        rays.skip[i] = SL_NO_INDEX;
-    }
-    for (unsigned s = 0; s < samples; s++) {
-        sl_rgb radiance[SL_PACKET];
-        sl_path_tracer_radiance(path, &rays, SL_PACKET, 9, s, radiance, &counters);
-        for (unsigned i = 0; i < SL_PACKET; i++) sums[i] += (double)radiance[i].g / samples;
-    }
-    assert_int_equal(counters.value[SL_COUNT_NONFINITE], 0);
-    for (unsigned i = 0; i < SL_PACKET; i++) {
-        sum += sums[i];
-        squares += sums[i] * sums[i];
-    }
-    double mean = sum / SL_PACKET, variance = fmax(0.0, squares / SL_PACKET - mean * mean) / (SL_PACKET - 1);
-    sl_path_tracer_destroy(path);
+    traced_radiance traced = trace_along(scene, tracer, &transport, origin, direction, samples);
     sl_tracer_destroy(tracer);
-    return (measurement){mean, sqrt(variance)};
+    return (measurement){traced.mean[1], sqrt(traced.variance[1])};
 }
 
 /* model: what the scene's tessellation or the table's digits may be off by, relatively. */

@@ -31,9 +31,7 @@ static double irradiance(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 nor
         sl_light_sample s;
         sl_sequence_point(&sequence, 42, 7, i, u);
         bool lit = kind == DRAW_TWO ? sl_light_sampler_sample_2d(sampler, p, u[0], u[1], &s)
-                   : kind == DRAW_BY_PLACE
-                       ? sl_light_sampler_sample_at(sampler, p, normal, u[2], u[0], u[1], &s)
-                       : sl_light_sampler_sample(sampler, p, u[2], u[0], u[1], &s);
+                                    : sl_light_sampler_sample_at(sampler, p, normal, u[2], u[0], u[1], &s);
         if (!lit) continue;
         assert_true(isfinite(s.radiance.r) && s.radiance.r > 0.0f && s.distance > 0.0f && s.pdf >= 0.0f);
         assert_true(fabsf(sl_length(s.to_light) - 1.0f) < 1e-5f);
@@ -156,7 +154,7 @@ static void degenerate_questions_are_answered_with_nothing(void **unused) {
             float u = (float)(i & 15) / 15.0f * 0x1.fffffep-1f,
                   v = (float)(i >> 4 & 15) / 15.0f * 0x1.fffffep-1f;
             float select = (float)(i >> 8) / 15.0f * 0x1.fffffep-1f;
-            if (!sl_light_sampler_sample(sampler, points[k], select, u, v, &s)) continue;
+            if (!sl_light_sampler_sample_at(sampler, points[k], sl_v3(0, 0, 1), select, u, v, &s)) continue;
             assert_true(sl_rgb_is_finite(s.radiance) && sl_is_finite(s.to_light) && isfinite(s.pdf) &&
                         s.distance > 0.0f);
         }
@@ -173,7 +171,7 @@ static void degenerate_questions_are_answered_with_nothing(void **unused) {
     scene = trace_mesh_build(&mesh);
     sampler = make_sampler(scene);
     sl_light_sample s;
-    assert_false(sl_light_sampler_sample(sampler, sl_v3(0, 0, 0), 0.5f, 0.5f, 0.5f, &s));
+    assert_false(sl_light_sampler_sample_at(sampler, sl_v3(0, 0, 0), sl_v3(0, 0, 1), 0.5f, 0.5f, 0.5f, &s));
     assert_false(sl_light_sampler_sample_2d(sampler, sl_v3(0, 0, 0), 0.5f, 0.5f, &s));
     sl_light_sampler_destroy(sampler);
     sl_scene_destroy(scene);

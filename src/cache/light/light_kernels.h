@@ -46,7 +46,6 @@ typedef struct sl_polygon_light {
     sl_vec3 corner[3];
     sl_vec3 normal;                  /* unit, of the shining side */
     float area, extent_squared;      /* the largest squared distance of a corner from the centroid */
-    bool two_sided;
 } sl_polygon_light;
 
 /* Returns how many sides of emitters shine. */

@@ -59,9 +59,9 @@ sl_light_sums sl_light_reduce(const sl_light_query *query, int size) {
 
 /* How the picture lies in its frustum's rectangle, each half of whose sides counts as 1: turned, and so much
  * larger that it holds it. The paper's lies along an edge of the light. Edges of a scene run along its lamps
- * more often than not, and an edge along the pixels hides whole columns at a time, which shows as bands. So for
- * the ratio it is turned, by a slope of 0.382: of all numbers one of those that fractions come near the least,
- * so that an edge cuts pixels evenly. */
+ * more often than not, and an edge along the pixels hides whole columns at a time, which shows as bands. So
+ * for the ratio it is turned, by a slope of 0.382: of all numbers one of those that fractions come near the
+ * least, so that an edge cuts pixels evenly. */
 typedef struct {
     double cosine, sine, size;
 } turn;
@@ -98,8 +98,8 @@ static bool is_coarse(const sl_light_view *v, int size) {
     return fmaxf(v->right - v->left, v->top - v->bottom) > 0.1f * (float)size;
 }
 
-/* Depth being 1/w, the view's third row holds a plane that cuts and nothing else: here the light's own, behind
- * which nothing hides it. False: the eye is too near to it. */
+/* Depth being 1/w, the view's third row holds a plane that cuts and nothing else: here the light's own,
+ * behind which nothing hides it. False: the eye is too near to it. */
 static bool end_at_plane(const sl_light_query *query, sl_vec3 eye, sl_view *view) {
     const sl_sampled_light *light = &query->sampling->lights->light[query->light];
     sl_vec3d out = sl_to_double(light->normal);

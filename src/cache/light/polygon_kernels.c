@@ -62,7 +62,7 @@ void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon
     const vec centre = {(v0.x + v1.x + v2.x) / 3.0f, (v0.y + v1.y + v2.y) / 3.0f,
                         (v0.z + v1.z + v2.z) / 3.0f};
     const float far_away = light->extent_squared * (1.0f / (0.005f * 0.005f)),
-                both = light->two_sided ? 1.0f : 0.0f, area = light->area;
+                area = light->area;
     const size_t count = points->count;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
@@ -106,10 +106,8 @@ void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon
         high = high > 0.0f ? high : 0.0f;
         float far_value = area * high * front * over * over;
         float value = squared > far_away ? far_value : near_value;
-        /* from behind the order of the corners is the other one */
-        value = front > 0.0f ? value : -both * value;
-        /* in its plane, or on it */
-        value = fabsf(front) > 1e-5f * sqrtf(squared + light->extent_squared) ? value : 0.0f;
+        /* not from behind, nor in its plane, or on it */
+        value = front > 1e-5f * sqrtf(squared + light->extent_squared) ? value : 0.0f;
         irradiance[i] = value > 0.0f ? value : 0.0f;
     }
 }

@@ -106,11 +106,8 @@ bool sl_connect_light(const sl_path_maker *m, const sl_path_vertex *eye, unsigne
 /* Of y_(s-2), for a walk from the eye that comes to y = y_(s-1) from direction w. */
 static double light_density_before(const sl_path_maker *m, const sl_path_vertex *light, unsigned s, sl_vec3 w,
                                    unsigned lobes) {
-    const sl_path_vertex *y = &light[s - 1], *before = &light[s - 2];
-    double pdf = sl_vertex_pdf(y, w, y->back, lobes);
-    if (before->kind != SL_VERTEX_LIGHT) return sl_density_at(y, before, pdf);
-    if (sl_emission_is_delta(m, before->light)) return 0.0;
-    return sl_emission_is_infinite(m, before->light) ? pdf : sl_density_at(y, before, pdf);
+    const sl_path_vertex *y = &light[s - 1];
+    return sl_density_before(m, y, &light[s - 2], sl_vertex_pdf(y, w, y->back, lobes));
 }
 
 bool sl_connect_walks(const sl_path_maker *m, const sl_path_vertex *eye, unsigned t,

@@ -2,10 +2,10 @@
  * remain. Sample i draws from point i of one sequence wherever the point lies, so its light subpath is the
  * same for all points, and is walked once. */
 #include <math.h>
-#include <string.h>
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
@@ -34,18 +34,13 @@ struct sl_bidirectional_scratch {
 /* ---- light subpaths -------------------------------------------------------------------------- */
 
 static sl_status keep_subpath(sl_bidirectional_points *p, size_t i, const sl_subpath *path, sl_error *error) {
-    size_t used = p->first[i], needed = used + path->count;
-    if (needed > p->capacity) {
-        size_t capacity = 2 * needed + 1024;
-        sl_path_vertex *longer = sl_allocate(capacity, sizeof *longer);
-        if (!longer) return sl_fail_memory(error, "light subpaths");
-        if (used > 0) memcpy(longer, p->vertex, used * sizeof *longer);
-        sl_free(p->vertex);
-        p->vertex = longer;
-        p->capacity = capacity;
+    size_t used = p->first[i];
+    p->first[i + 1] = used + path->count;
+    for (unsigned k = 0; k < path->count; k++) {
+        if (!sl_make_room(&p->vertex, used + k, &p->capacity, sizeof *p->vertex))
+            return sl_fail_memory(error, "light subpaths");
+        p->vertex[used + k] = path->vertex[k];
     }
-    if (path->count > 0) memcpy(p->vertex + used, path->vertex, path->count * sizeof *path->vertex);
-    p->first[i + 1] = needed;
     return SL_OK;
 }
 

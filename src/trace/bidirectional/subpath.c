@@ -34,18 +34,19 @@ sl_rgb sl_light_vertex_value(const sl_path_vertex *v, sl_vec3 to_eye, unsigned l
     return sl_rgb_scale(sl_bsdf_value(&v->bsdf, to_eye, lobes), lit / geometric);
 }
 
-/* Density with which the other walk, coming to v the way that this one leaves it, would have made the vertex
- * before v. */
+double sl_density_before(const sl_path_maker *m, const sl_path_vertex *v, const sl_path_vertex *before,
+                         double pdf) {
+    if (before->kind == SL_VERTEX_EYE) return 0.0;
+    if (before->kind == SL_VERTEX_LIGHT && sl_emission_is_delta(m, before->light)) return 0.0;
+    if (before->kind == SL_VERTEX_LIGHT && sl_emission_is_infinite(m, before->light)) return pdf;
+    return sl_density_at(v, before, pdf);
+}
+
 static void complete_vertex_before(const sl_path_maker *m, const sl_walker *w, const sl_path_vertex *v,
                                    double pdf) {
     if (w->path->count < 2) return;
     sl_path_vertex *before = &w->path->vertex[w->path->count - 2];
-    if (before->kind == SL_VERTEX_EYE) before->pdf_reverse = 0.0;
-    else if (before->kind == SL_VERTEX_LIGHT && sl_emission_is_delta(m, before->light))
-        before->pdf_reverse = 0.0;
-    else if (before->kind == SL_VERTEX_LIGHT && sl_emission_is_infinite(m, before->light))
-        before->pdf_reverse = pdf;
-    else before->pdf_reverse = sl_density_at(v, before, pdf);
+    before->pdf_reverse = sl_density_before(m, v, before, pdf);
 }
 
 /* ---- leaving a vertex ------------------------------------------------------------------------ */

@@ -106,6 +106,10 @@ static inline bool sl_surfaces_allowed(const sl_path_maker *m, uint32_t surfaces
 
 /* Per area at `to`, of a direction that has this density per solid angle at `from`. */
 double sl_density_at(const sl_path_vertex *from, const sl_path_vertex *to, double pdf);
+/* Of the vertex before v in v's walk, for the other walk, which comes to v the way that v's walk leaves it
+ * and goes on there with this density per solid angle. */
+double sl_density_before(const sl_path_maker *maker, const sl_path_vertex *v, const sl_path_vertex *before,
+                         double pdf);
 /* Per solid angle, of a walk that comes to a surface from direction `from` and leaves in direction `to`. */
 double sl_vertex_pdf(const sl_path_vertex *v, sl_vec3 from, sl_vec3 to, unsigned lobes);
 /* f (n_s . w_l) / (n_g . w_l) of a vertex of a light subpath, towards an eye; black where either side is
