@@ -66,10 +66,9 @@ typedef struct sl_irradiance {
     /* grad_r E per channel, world frame, W/m^2/rad: E(n') = E + (n x n') . grad_r */
     sl_vec3 rotational[3];
     sl_vec3 translational[3];       /* grad_t E per channel, world frame, tangential, W/m^3 */
-    /* Second derivatives of the channels' mean along the tangent plane, W/m^4, occlusion included: the
-     * eigenvalues, that of the larger absolute value first, and its unit direction. */
-    float curvature[2];
-    sl_vec3 curvature_axis;
+    /* The greatest second derivative of the channels' mean along the tangent plane, by its absolute value,
+     * W/m^4, occlusion included. */
+    float curvature;
     /* cosine-weighted harmonic mean distance, m; infinite where nothing is seen */
     float harmonic_mean;
     /* min over hits of r / cos theta' (the guard's rho_min); infinite where nothing is seen */

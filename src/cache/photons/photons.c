@@ -16,8 +16,7 @@
 enum {
     CHUNKS_AT_ONCE = 16,
     BOUNCES_MAX = 64,
-    NUMBERS_A_BOUNCE = 8,
-    SORT_KEYS = SL_PHOTON_CHUNK
+    NUMBERS_A_BOUNCE = 8
 };
 static const float survival_max = 0.99f, adjoint_max = 32.0f;
 
@@ -50,15 +49,15 @@ typedef struct light_path {
     sl_rgb flux;
     uint32_t skip;
     sl_rgb sky_share;  /* of the flux: stored at the first hit already; 0: nothing is */
-    bool parallel, specular_alone;
+    bool specular_alone;
     uint64_t key;
 } light_path;
 
 /* A chunk's paths under way; a worker's. */
 typedef struct path_block {
     light_path path[SL_PHOTON_CHUNK];
-    uint16_t alive[SL_PHOTON_CHUNK], next[SL_PHOTON_CHUNK], sort_key[SL_PHOTON_CHUNK];
-    uint32_t places[SORT_KEYS]; /* or of as many paths */
+    uint16_t alive[SL_PHOTON_CHUNK];
+    uint32_t places[SL_PHOTON_CHUNK];
 } path_block;
 
 /* What a chunk leaves. */
@@ -156,47 +155,10 @@ static unsigned emit_paths(const photon_job *job, uint64_t chunk, path_block *bl
         p->flux = photon.flux;
         p->sky_share = sky_share_of(job, &photon);
         p->skip = photon.triangle;
-        p->parallel = photon.parallel;
         p->specular_alone = true;
         block->alive[alive++] = (uint16_t)i;
     }
     return alive;
-}
-
-/* ---- neighbours go together ------------------------------------------------------------------ */
-
-static uint32_t cell(float v, float low, float extent, uint32_t cells) {
-    float at = extent > 0.0f ? (v - low) / extent * (float)cells : 0.0f;
-    return at > 0.0f ? at < (float)cells ? (uint32_t)at : cells - 1 : 0;
-}
-
-/* Parallel light by the direction's octant, then by a cell of 8 x 8 x 8 in space; all else behind it, as it
- * came. */
-static uint32_t sort_key(const sl_scene *scene, const light_path *p) {
-    if (!p->parallel) return SORT_KEYS - 1;
-    sl_vec3 d = p->direction, low = scene->box_min, size = sl_sub(scene->box_max, low);
-    uint32_t octant = (d.x < 0.0f ? 4u : 0u) | (d.y < 0.0f ? 2u : 0u) | (d.z < 0.0f ? 1u : 0u);
-    return octant << 9 | cell(p->origin.x, low.x, size.x, 8) << 6 | cell(p->origin.y, low.y, size.y, 8) << 3 |
-           cell(p->origin.z, low.z, size.z, 8);
-}
-
-/* Counting sort of the rays that leave the lights. Parallel ones that lie close together are followed faster
- * as one packet, but others each alone, and then their order hardly matters. It decides nothing but speed:
- * rays are traced alike in any company. */
-static void sort_first_rays(const sl_scene *scene, path_block *block, unsigned alive) {
-    memset(block->places, 0, SORT_KEYS * sizeof *block->places);
-    for (unsigned i = 0; i < alive; i++) {
-        block->sort_key[i] = (uint16_t)sort_key(scene, &block->path[block->alive[i]]);
-        block->places[block->sort_key[i]]++;
-    }
-    uint32_t sum = 0;
-    for (unsigned k = 0; k < SORT_KEYS; k++) {
-        uint32_t count = block->places[k];
-        block->places[k] = sum;
-        sum += count;
-    }
-    for (unsigned i = 0; i < alive; i++) block->next[block->places[block->sort_key[i]]++] = block->alive[i];
-    memcpy(block->alive, block->next, alive * sizeof *block->alive);
 }
 
 /* ---- at a surface ---------------------------------------------------------------------------- */
@@ -319,8 +281,7 @@ static unsigned bounce_paths(const photon_job *job, path_block *block, unsigned 
         sl_ray16 rays;
         sl_hit16 hits;
         for (unsigned i = 0; i < n; i++) put_ray(&rays, i, &block->path[block->alive[first + i]]);
-        bool coherent = bounces == 0 && block->path[block->alive[first + n - 1]].parallel;
-        sl_trace(job->tracer, &rays, n, coherent, &hits, &r->counters);
+        sl_trace(job->tracer, &rays, n, false, &hits, &r->counters);
         for (unsigned i = 0; i < n; i++) {
             unsigned path = block->alive[first + i];
             if (hits.triangle[i] == SL_NO_INDEX) continue;
@@ -354,7 +315,6 @@ static void trace_chunk(void *context, size_t index, unsigned worker) {
     r->cut_flux = 0.0;
     r->counters = (sl_counters){{0}};
     unsigned alive = emit_paths(job, job->first_chunk + index, block);
-    sort_first_rays(job->scene, block, alive);
     for (unsigned bounces = 0; alive > 0 && !r->out_of_memory; bounces++)
         alive = bounce_paths(job, block, alive, bounces, r);
     order_photons(block, r);

@@ -28,7 +28,7 @@ static double unit_of(const sl_radius_rules *rules, double footprint) {
  * the dark may have missed the one door through which some comes; so none reaches further than light can be
  * trusted to stay the same: twice the harmonic mean's reach, and that itself in the dark. */
 static double hessian_reach(const sl_irradiance *irradiance, const sl_radius_rules *rules, double unit) {
-    double light = (double)sl_rgb_mean(irradiance->value), curvature = fabs((double)irradiance->curvature[0]);
+    double light = (double)sl_rgb_mean(irradiance->value), curvature = fabs((double)irradiance->curvature);
     double harmonic = rules->accuracy * (double)irradiance->harmonic_mean;
     if (!(light > 0.0)) return harmonic;
     double reach = curvature > 0.0 ? 6.0 * rules->accuracy * sqrt(sqrt(2.0 * light * unit * unit / curvature))

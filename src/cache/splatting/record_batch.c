@@ -54,7 +54,7 @@ static void gather_one(void *context, size_t index, unsigned worker, void *resul
         sl_gather_point outer = *point;
         outer.position = sl_mad(point->position, 1e-4f * b->scene->scale, point->geometric_normal);
         gather_at(b, worker, &outer, &e, coefficients, counters);
-        if (is_inside(b, &e)) e.harmonic_mean = e.nearest = 0.0f, e.curvature[0] = INFINITY;
+        if (is_inside(b, &e)) e.harmonic_mean = e.nearest = 0.0f, e.curvature = INFINITY;
     }
     rules.guard = rules.guard && !(b->tracer && rules.metric == SL_METRIC_HESSIAN);
     sl_record *record = result;

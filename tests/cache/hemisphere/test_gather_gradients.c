@@ -123,23 +123,16 @@ static void gradients_cancel_on_the_inside_of_a_sphere(void **state) {
     world_free(w);
 }
 
-/* Central differences of a fine gather, at room points, against the gradients of 64 x 64. The errors are
- * relative to E, 1/m or 1/rad. The plane's are the largest: it lacks the directions near the horizon. */
-typedef struct errors {
-    double translational, rotational, true_translational, true_rotational;
-} errors;
-
 /* ---- second derivatives ---- */
 
 typedef struct matrix {
     double xx, xy, yy;
 } matrix;
 
-/* From eigenvalues and the first one's direction, in the frame (x, y) of the tangent plane. */
-static matrix hessian(const sl_irradiance *e, sl_vec3 x, sl_vec3 y) {
-    double c = (double)sl_dot(e->curvature_axis, x), s = (double)sl_dot(e->curvature_axis, y);
-    double most = (double)e->curvature[0], least = (double)e->curvature[1];
-    return (matrix){most * c * c + least * s * s, (most - least) * c * s, most * s * s + least * c * c};
+/* The eigenvalue of the larger absolute value. */
+static double greatest(matrix h) {
+    double mean = 0.5 * (h.xx + h.yy), radius = hypot(0.5 * (h.xx - h.yy), h.xy);
+    return mean < 0.0 ? mean - radius : mean + radius;
 }
 
 static void check(bool occluder, int size, matrix exact, const double tolerance[3]) {
@@ -147,12 +140,9 @@ static void check(bool occluder, int size, matrix exact, const double tolerance[
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(kinds[k], size);
         sl_irradiance e = gather_once(w, &s, sl_v3(0.35f, 0.2f, 0), sl_v3(0, 0, 1));
-        matrix h = hessian(&e, sl_v3(1, 0, 0), sl_v3(0, 1, 0));
-        print_message("instrument %d, N = %d: (%.3f, %.3f, %.3f), exact (%.3f, %.3f, %.3f)\n", (int)kinds[k],
-                      size, h.xx, h.xy, h.yy, exact.xx, exact.xy, exact.yy);
-        assert_near(h.xx, exact.xx, tolerance[k]);
-        assert_near(h.xy, exact.xy, tolerance[k]);
-        assert_near(h.yy, exact.yy, tolerance[k]);
+        print_message("instrument %d, N = %d: %.3f, exact %.3f\n", (int)kinds[k], size,
+                      (double)e.curvature, greatest(exact));
+        assert_near((double)e.curvature, greatest(exact), tolerance[k]);
     }
     world_free(w);
 }
@@ -169,7 +159,7 @@ static void polygon_light_curves_as_its_closed_form(void **state) {
 static void occluder_curves_irradiance_before_the_light(void **state) {
     (void)state;
     check(true, 64, (matrix){12.92, -2.62, 7.13}, (double[3]){7.0, 0.15, 3.5});
-    check(true, 256, (matrix){12.92, -2.62, 7.13}, (double[3]){0.2, 0.07, 2.3});
+    check(true, 256, (matrix){12.92, -2.62, 7.13}, (double[3]){0.25, 0.07, 2.8});
 }
 
 /* Exact gradients differenced. The polygon stands, leans, and is cut by the horizon: its depths differ along
@@ -200,13 +190,9 @@ static void walls_curve_as_differences_of_their_closed_form(void **state) {
         for (int k = i == 0 ? 1 : 0; k < 3; k++) { /* the plane does not see down to the horizon */
             sl_gather_settings s = settings_of(kinds[k], 256);
             sl_irradiance e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
-            matrix h = hessian(&e, sl_v3(1, 0, 0), sl_v3(0, 1, 0));
-            print_message("wall %d, instrument %d: (%.3f, %.3f, %.3f), exact (%.3f, %.3f, %.3f)\n", i,
-                          (int)kinds[k], h.xx, h.xy, h.yy, exact.xx, exact.xy, exact.yy);
-            double tolerance = 0.08 * size;
-            assert_near(h.xx, exact.xx, tolerance);
-            assert_near(h.xy, exact.xy, tolerance);
-            assert_near(h.yy, exact.yy, tolerance);
+            print_message("wall %d, instrument %d: %.3f, exact %.3f\n", i, (int)kinds[k],
+                          (double)e.curvature, greatest(exact));
+            assert_near((double)e.curvature, greatest(exact), 0.08 * size);
         }
         world_free(w);
     }
@@ -221,8 +207,7 @@ static void nothing_seen_has_no_curvature(void **state) {
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(kinds[k], 16);
         sl_irradiance e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
-        assert_true(e.curvature[0] == 0.0f && e.curvature[1] == 0.0f);
-        assert_near((double)sl_length(e.curvature_axis), 1.0, 1e-6);
+        assert_true(e.curvature == 0.0f);
     }
     world_free(w);
 }

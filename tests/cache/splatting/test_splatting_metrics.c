@@ -30,7 +30,7 @@ static sl_radius_rules rules_with(sl_radius_metric metric, double accuracy) {
 
 static sl_irradiance seen(float value, float curvature, float harmonic_mean, float nearest) {
     return (sl_irradiance){.value = sl_grey(value),
-                           .curvature = {curvature, 0.0f},
+                           .curvature = curvature,
                            .harmonic_mean = harmonic_mean,
                            .nearest = nearest};
 }
