@@ -224,8 +224,9 @@ static void check_weights_of_pair(const world *w, const sl_subpath *eye, const s
         if (sl_connect_nothing(&w->maker, eye->vertex, t, &c)) check_weight(w, &c, so_far);
         if (eye->vertex[t - 1].kind != SL_VERTEX_SURFACE) continue;
         sl_light_sample sample;
-        if (sl_light_sampler_sample(w->lights, eye->vertex[t - 1].origin, sl_random_unit(t, packet),
-                                    sl_random_unit(7, packet), sl_random_unit(8, packet), &sample) &&
+        if (sl_light_sampler_sample_at(w->lights, eye->vertex[t - 1].origin, eye->vertex[t - 1].bsdf.normal,
+                                       sl_random_unit(t, packet), sl_random_unit(7, packet),
+                                       sl_random_unit(8, packet), &sample) &&
             sl_connect_light(&w->maker, eye->vertex, t, &sample, &c)) {
             check_weight(w, &c, so_far);
         }
