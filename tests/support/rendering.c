@@ -61,6 +61,43 @@ sl_scene *scene_from_text(const char *json, const char *obj) {
     return scene;
 }
 
+sl_scene *room_with_a_box(double scale, double offset, const char *wall, const char *box, const char *lamp,
+                          const char *lights) {
+    static const int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1},
+                                     {-1, 1, -1},  {1, 1, -1},  {1, 1, 1},  {-1, 1, 1}};
+    static const double box_size = 0.3, lamp_size = 0.4;
+    char obj[4096], json[1024];
+    int n = 0;
+    for (int i = 0; i < 8; i++) {
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * corner[i][0],
+                      offset + scale * corner[i][1], offset + scale * corner[i][2]);
+    }
+    for (int i = 0; i < 8; i++) {
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
+                      offset + scale * box_size * corner[i][0],
+                      offset + scale * (box_size * corner[i][1] - 1.0 + box_size),
+                      offset + scale * box_size * corner[i][2]);
+    }
+    for (int i = 0; i < 4; i++) {
+        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
+                      offset + scale * lamp_size * corner[i][0], offset + scale * 0.9,
+                      offset + scale * lamp_size * corner[i][2]);
+    }
+    snprintf(
+        obj + n, sizeof obj - (size_t)n,
+        "usemtl wall\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 4 8 5\nf 2 3 7 6\n"
+        "usemtl box\nf 9 10 11 12\nf 13 14 15 16\nf 9 10 14 13\nf 11 12 16 15\nf 9 12 16 13\nf 10 11 15 14\n"
+        "usemtl lamp\nf 17 18 19 20\n");
+    snprintf(json, sizeof json,
+             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
+             " \"materials\": {\"wall\": {%s}, \"box\": {%s}, \"lamp\": {\"diffuse\": 0, "
+             "%s\"two_sided\": true}},\n"
+             "%s \"camera\": {\"eye\": [%.9g, %.9g, %.9g], \"target\": [%.9g, %.9g, %.9g], \"fov_deg\": 70}}",
+             wall, box, lamp, lights, offset, offset, offset + 0.9 * scale, offset, offset - 0.3 * scale,
+             offset);
+    return scene_from_text(json, obj);
+}
+
 sl_settings small_settings(const char *method, int width, int height) {
     sl_settings settings = sl_settings_of_papers();
     settings.method = method;

@@ -75,40 +75,10 @@ static void assert_near(const char *what, double value, double truth, double tol
 
 /* ---- a room of any size anywhere ------------------------------------------------------------- */
 
-/* Of half size 1 about the origin before it is scaled, then moved: six walls, a lamp below the ceiling, a box
- * on the floor. */
 static sl_scene *room(double scale, double offset, double radiance, const char *wall) {
-    static const int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1},
-                                     {-1, 1, -1},  {1, 1, -1},  {1, 1, 1},  {-1, 1, 1}};
-    static const double box_size = 0.3, lamp_size = 0.4;
-    char obj[4096], json[1024];
-    int n = 0;
-    for (int i = 0; i < 8; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * corner[i][0],
-                      offset + scale * corner[i][1], offset + scale * corner[i][2]);
-    }
-    for (int i = 0; i < 8; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
-                      offset + scale * box_size * corner[i][0],
-                      offset + scale * (box_size * corner[i][1] - 1.0 + box_size),
-                      offset + scale * box_size * corner[i][2]);
-    }
-    for (int i = 0; i < 4; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
-                      offset + scale * lamp_size * corner[i][0], offset + scale * 0.9,
-                      offset + scale * lamp_size * corner[i][2]);
-    }
-    snprintf(obj + n, sizeof obj - (size_t)n,
-             "usemtl wall\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 4 8 5\nf 2 3 7 6\n"
-             "f 9 10 11 12\nf 13 14 15 16\nf 9 10 14 13\nf 11 12 16 15\nf 9 12 16 13\nf 10 11 15 14\n"
-             "usemtl lamp\nf 17 18 19 20\n");
-    snprintf(json, sizeof json,
-             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-             " \"materials\": {\"wall\": %s, \"lamp\": {\"diffuse\": 0, \"emission\": %.9g, \"two_sided\": "
-             "true}},\n"
-             " \"camera\": {\"eye\": [%.9g, %.9g, %.9g], \"target\": [%.9g, %.9g, %.9g], \"fov_deg\": 70}}",
-             wall, radiance, offset, offset, offset + 0.9 * scale, offset, offset - 0.3 * scale, offset);
-    return scene_from_text(json, obj);
+    char lamp[48];
+    snprintf(lamp, sizeof lamp, "\"emission\": %.9g, ", radiance);
+    return room_with_a_box(scale, offset, wall, wall, lamp, "");
 }
 
 static void room_means(double scale, double offset, double radiance, const char *wall,
@@ -122,7 +92,7 @@ static void room_means(double scale, double offset, double radiance, const char 
     sl_scene_destroy(scene);
 }
 
-static const char grey[] = "{\"diffuse\": 0.6}";
+static const char grey[] = "\"diffuse\": 0.6";
 
 static void a_room_looks_the_same_at_every_size(void **state) {
     (void)state;
@@ -160,8 +130,8 @@ static void radiance_of_any_size_is_carried(void **state) {
 static void black_walls_and_mirrors_give_finite_pictures(void **state) {
     (void)state;
     double means[VARIANTS];
-    room_means(1.0, 0.0, 5.0, "{\"mirror\": 1}", means);
-    room_means(1.0, 0.0, 5.0, "{\"diffuse\": 0}", means); /* what is left is the lamp, at most at 5 */
+    room_means(1.0, 0.0, 5.0, "\"mirror\": 1", means);
+    room_means(1.0, 0.0, 5.0, "\"diffuse\": 0", means); /* what is left is the lamp, at most at 5 */
     for (int i = 0; i < PATH; i++) {
         assert_near(variants[i].name, means[i], means[0], 1e-6);
         assert_true(means[i] >= 0.0 && means[i] < 1.0);

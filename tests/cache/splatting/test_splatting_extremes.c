@@ -82,39 +82,8 @@ static void glossy_lobes_of_any_exponent_reflect_their_albedo_of_an_even_sky(voi
 
 /* ---- a room ---- */
 
-static sl_scene *room(double scale, double offset, const char *wall, const char *lamp, const char *lights) {
-    static const int corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, -1, 1}, {-1, -1, 1},
-                                     {-1, 1, -1},  {1, 1, -1},  {1, 1, 1},  {-1, 1, 1}};
-    static const double box_size = 0.3, lamp_size = 0.4;
-    char obj[4096], json[1024];
-    int n = 0;
-    for (int i = 0; i < 8; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n", offset + scale * corner[i][0],
-                      offset + scale * corner[i][1], offset + scale * corner[i][2]);
-    }
-    for (int i = 0; i < 8; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
-                      offset + scale * box_size * corner[i][0],
-                      offset + scale * (box_size * corner[i][1] - 1.0 + box_size),
-                      offset + scale * box_size * corner[i][2]);
-    }
-    for (int i = 0; i < 4; i++) {
-        n += snprintf(obj + n, sizeof obj - (size_t)n, "v %.9g %.9g %.9g\n",
-                      offset + scale * lamp_size * corner[i][0], offset + scale * 0.9,
-                      offset + scale * lamp_size * corner[i][2]);
-    }
-    snprintf(
-        obj + n, sizeof obj - (size_t)n,
-        "usemtl wall\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 4 8 5\nf 2 3 7 6\n"
-        "usemtl box\nf 9 10 11 12\nf 13 14 15 16\nf 9 10 14 13\nf 11 12 16 15\nf 9 12 16 13\nf 10 11 15 14\n"
-        "usemtl lamp\nf 17 18 19 20\n");
-    snprintf(json, sizeof json,
-             "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"
-             " \"materials\": {\"wall\": {\"diffuse\": 0.6}, \"box\": {%s}, \"lamp\": {\"diffuse\": 0, "
-             "%s\"two_sided\": true}},\n"
-             "%s \"camera\": {\"eye\": [%.9g, %.9g, %.9g], \"target\": [%.9g, %.9g, %.9g], \"fov_deg\": 70}}",
-             wall, lamp, lights, offset, offset, offset + 0.9 * scale, offset, offset - 0.3 * scale, offset);
-    return scene_from_text(json, obj);
+static sl_scene *room(double scale, const char *box, const char *lamp, const char *lights) {
+    return room_with_a_box(scale, 0.0, "\"diffuse\": 0.6", box, lamp, lights);
 }
 static const char shiny[] = "\"diffuse\": 0.2, \"specular\": 0.6, \"exponent\": 12";
 
@@ -133,7 +102,7 @@ static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
     for (int i = 0; i < 10; i++) {
         sl_settings settings = small_settings("splatting", 32, 32);
         settings.direct = i % 2 ? SL_DIRECT_SHADOW_MAPS : SL_DIRECT_RAYS;
-        sl_scene *scene = room(i / 2 == 1 ? 1.0 : 1e-4, 0.0, shiny, lamps[i / 2], lights[i / 2]);
+        sl_scene *scene = room(i / 2 == 1 ? 1.0 : 1e-4, shiny, lamps[i / 2], lights[i / 2]);
         sl_image *image = render(scene, &settings, NULL);
         assert_sound_picture(image, lights[i / 2]);
         sl_image_destroy(image);
@@ -144,7 +113,7 @@ static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
 static void where_nothing_shines_or_nothing_reflects_nothing_is_gathered(void **state) {
     (void)state;
     sl_settings settings = small_settings("splatting", 16, 16);
-    sl_scene *dark = room(1.0, 0.0, shiny, "", "");
+    sl_scene *dark = room(1.0, shiny, "", "");
     dark->environment.present = false; /* what scene files without light are given */
     dark->light_count = 0;
     sl_scene *black = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": "
@@ -187,7 +156,7 @@ static void boxes_of_odd_materials_have_the_path_tracers_light(void **state) {
                                         "\"diffuse\": 0, \"specular\": 1, \"exponent\": 1e6"};
     const double error[] = {0.08, 0.08, 0.08, 0.25};
     for (int i = 0; i < 4; i++)
-        expect_path_tracer(boxes[i], room(1.0, 0.0, boxes[i], "\"emission\": 5, ", ""), error[i], 0.02);
+        expect_path_tracer(boxes[i], room(1.0, boxes[i], "\"emission\": 5, ", ""), error[i], 0.02);
 }
 
 int main(void) {
