@@ -14,7 +14,7 @@ bool scene_warns_of(const sl_scene *scene, const char *words);
  * "mesh.obj". */
 sl_scene *scene_from_text(const char *json, const char *obj);
 /* A room of half size 1 about the origin before it is scaled, then moved: six walls, a box on the floor, a
- * lamp below the ceiling. Materials and lights are parts of a scene file's text; the lamp's ends in a comma. */
+ * lamp below the ceiling. Materials and lights are parts of scene files; that of the lamp ends in a comma. */
 sl_scene *room_with_a_box(double scale, double offset, const char *wall, const char *box, const char *lamp,
                           const char *lights);
 sl_settings small_settings(const char *method, int width, int height);
