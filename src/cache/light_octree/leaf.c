@@ -137,14 +137,6 @@ sl_voxel_area sl_voxel_areas(const sl_voxel_lights *lights, const sl_voxel_gathe
 
 /* ---- Virtual directional lights: clusters of the photons' directions ---- */
 
-typedef struct set_result {
-    int lights;
-    double irradiance[2];      /* E, luminance, on either side */
-    sl_lobe_spread spread;
-    double surface;            /* area of all the surfaces that the photons were strewn over */
-    double density;            /* flux over that area: luminance */
-} set_result;
-
 static double luminance_of(const sl_lobe_photons *photons) {
     double sum = 0.0;
     for (size_t i = 0; i < photons->count; i++) sum += photons->luminance[i];
@@ -168,40 +160,35 @@ static int lights_of_front(const double irradiance[2], int lights) {
  *
  *     V_j = sum kappa Y(Phi_i) / (A max(n_i . omega_i, epsilon)) omega_i,   d_j = V_j / |V_j|,
  *     c_j = |V_j| sum Phi_i / sum Y(Phi_i)          (voxel_lobes.c; the clusters: cluster_kernels.c) */
-static set_result make_lights(const sl_voxel_lights *lights, const sl_voxel_gather *gather,
-                              sl_voxel_worker *w, const sl_voxel_set *set, sl_directional_light *light) {
+static void make_lights(const sl_voxel_lights *lights, const sl_voxel_gather *gather, sl_voxel_worker *w,
+                        sl_voxel_set *set, sl_directional_light *light) {
     const sl_light_octree_settings *o = &lights->options;
     sl_voxel_area area = sl_voxel_areas(lights, gather, w);
-    double both = luminance_of(&gather->side[0]) + luminance_of(&gather->side[1]), scale[2];
-    set_result result = {.surface = area.all, .density = gather->kappa * both / area.all};
+    double both = luminance_of(&gather->side[0]) + luminance_of(&gather->side[1]), scale[2], irradiance[2];
     for (int side = 0; side < 2; side++) {
         scale[side] = gather->kappa / area.side[side];
-        result.irradiance[side] = scale[side] * luminance_of(&gather->side[side]);
+        irradiance[side] = scale[side] * luminance_of(&gather->side[side]);
     }
     bool flat = set->flat && o->lobes == SL_LOBES_PERPENDICULAR;
-    int room = sl_lobe_texels(o), front = lights_of_front(result.irradiance, room);
-    result.lights = sl_lobes_of_photons(&gather->side[0], o, scale[0], set->normal, flat, front, light,
-                                        &result.spread);
-    int back = front < room ? room - result.lights : 0;
-    result.lights += sl_lobes_of_photons(&gather->side[1], o, scale[1], sl_neg(set->normal), flat, back,
-                                         light + result.lights, &result.spread);
-    return result;
+    int room = sl_lobe_texels(o), front = lights_of_front(irradiance, room);
+    sl_lobe_spread spread = {0};
+    int used =
+        sl_lobes_of_photons(&gather->side[0], o, scale[0], set->normal, flat, front, light, &spread);
+    int back = front < room ? room - used : 0;
+    used += sl_lobes_of_photons(&gather->side[1], o, scale[1], sl_neg(set->normal), flat, back, light + used,
+                                &spread);
+    set->lights = (uint8_t)used;
+    set->area = (float)area.all;
+    set->density = (float)(gather->kappa * both / area.all);
+    set->irradiance = (float)(irradiance[0] + irradiance[1]);
+    set->rms_angle =
+        spread.weight > 0.0 ? (float)(2.0 * sl_asin(0.5 * sqrt(spread.cost / spread.weight))) : 0.0f;
+    if (!(irradiance[1] > 0.0) || irradiance[0] > 0.0) return;
+    set->normal = sl_neg(set->normal); /* to the side on which the photons lie */
+    set->height = -set->height;
 }
 
 /* ---- A set ---- */
-
-static void report_lights(sl_voxel_set *set, const set_result *result) {
-    const sl_lobe_spread *s = &result->spread;
-    set->lights = (uint8_t)result->lights;
-    set->area = (float)result->surface;
-    set->density = (float)result->density;
-    set->irradiance = (float)(result->irradiance[0] + result->irradiance[1]);
-    set->rms_angle = s->weight > 0.0 ? (float)(2.0 * sl_asin(0.5 * sqrt(s->cost / s->weight))) : 0.0f;
-    if (result->irradiance[1] > 0.0 && !(result->irradiance[0] > 0.0)) {
-        set->normal = sl_neg(set->normal);
-        set->height = -set->height;
-    }
-}
 
 void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w) {
     const sl_light_octree_settings *o = &lights->options;
@@ -218,8 +205,6 @@ void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
     set->radius = (float)gather.ellipsoid.radius;
     sl_count(&w->counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
     if (gather.side[0].count + gather.side[1].count == 0) return; /* dark: nothing to cluster */
-    const set_result result = make_lights(lights, &gather, w, set, light);
-    report_lights(set, &result);
-    if (o->lobes != SL_LOBES_NONE)
-        sl_count(&w->counters, SL_COUNT_DIRECTIONAL_LIGHTS, (uint64_t)result.lights);
+    make_lights(lights, &gather, w, set, light);
+    if (o->lobes != SL_LOBES_NONE) sl_count(&w->counters, SL_COUNT_DIRECTIONAL_LIGHTS, set->lights);
 }

@@ -113,7 +113,7 @@ static void put_node(sl_voxel_texture *t, size_t brick, unsigned cell, size_t ch
 /* x and y in the texture of lights: 12 bits each. */
 static void put_leaf(sl_voxel_texture *t, size_t brick, unsigned cell, size_t at) {
     uint8_t *texel = brick_texel(t->bricks, brick, cell);
-    size_t x = at % (size_t)t->width, y = at / (size_t)t->width;
+    size_t x = at % SL_LIGHT_TEXTURE_SIZE, y = at / SL_LIGHT_TEXTURE_SIZE;
     texel[0] = (uint8_t)(x >> 4);
     texel[1] = (uint8_t)((x & 15) << 4 | y >> 8);
     texel[2] = (uint8_t)(y & 255);
@@ -147,37 +147,27 @@ static size_t texels_of_leaf(const sl_voxel_lights *lights, size_t leaf) {
     return lit > 0 ? sets + lit : 0;
 }
 
-/* So wide that the texels take few rows and these are full; one leaf's never wrap. */
-static size_t width_for(size_t texels, size_t longest) {
-    size_t widest = SL_LIGHT_TEXTURE_SIZE, rows = (texels + widest - 1) / widest,
-           width = rows > 0 ? (texels + rows - 1) / rows : 1;
-    if (rows > 1) width += longest;
-    return width < longest ? longest : width < widest ? width : widest;
-}
-
 /* In order of leaves; those without light share the first texel. */
 static sl_status place_leaves(sl_voxel_texture *t, const sl_voxel_lights *lights, uint32_t *place_of_leaf,
                               sl_error *error) {
-    size_t dark = 0, texels = 0, longest = 1, most = (size_t)SL_LIGHT_TEXTURE_SIZE * SL_LIGHT_TEXTURE_SIZE;
+    const size_t width = SL_LIGHT_TEXTURE_SIZE, most = width * width;
+    size_t dark = 0, texels = 0;
     for (size_t i = 0; i < lights->leaf_count; i++) {
         size_t here = texels_of_leaf(lights, i);
         if (here == 0) dark = 1;
         else t->set_count += lights->first_set[i + 1] - lights->first_set[i];
         texels += here;
-        longest = here > longest ? here : longest;
     }
-    size_t at = dark, width = width_for(texels + dark, longest);
+    size_t at = dark;
     t->set_count += dark;
-    t->width = (int)width;
     for (size_t i = 0; i < lights->leaf_count && at <= most; i++) {
         size_t here = texels_of_leaf(lights, i);
-        if (at % width + here > width) at += width - at % width;
+        if (at % width + here > width) at += width - at % width; /* one leaf's never wrap */
         place_of_leaf[i] = here > 0 ? (uint32_t)at : 0;
         at += here;
     }
     t->texel_count = at;
-    t->height = at > 0 ? (int)((at - 1) / width) + 1 : 1;
-    if (at <= most && t->height <= SL_LIGHT_TEXTURE_SIZE) return SL_OK;
+    if (at <= most) return SL_OK;
     return sl_fail(error, SL_ERROR_RESOURCES,
                    "%zu sets of lights take %zu texels, 24 bits address %zu: fewer lights or a smaller "
                    "depth are needed",
@@ -235,8 +225,7 @@ static sl_status fill(sl_voxel_texture *t, const sl_octree *octree, const sl_vox
     sl_status status = place_leaves(t, lights, place_of_leaf, error);
     if (status == SL_OK) status = create_bricks(t, octree, error);
     if (status != SL_OK) return status;
-    size_t texels = (size_t)t->width * (size_t)t->height;
-    t->light = sl_allocate(texels, sizeof *t->light);
+    t->light = sl_allocate(t->texel_count, sizeof *t->light);
     if (!t->light) return sl_fail_memory(error, "the texture of lights");
     fill_bricks(t, octree, place_of_leaf);
     fill_lights(t, lights, place_of_leaf);
@@ -272,21 +261,21 @@ void sl_voxel_texture_destroy(sl_voxel_texture *t) {
 
 size_t sl_voxel_texture_bytes(const sl_voxel_texture *t) {
     size_t texels = (size_t)t->bricks->width * (size_t)t->bricks->height * (size_t)t->bricks->depth;
-    return 4 * texels + (size_t)t->width * (size_t)t->height * sizeof(sl_directional_light);
+    return 4 * texels + t->texel_count * sizeof(sl_directional_light);
 }
 
 size_t sl_voxel_texture_resident_bytes(const sl_voxel_texture *t) {
     const size_t more = sizeof(sl_unpacked_light) - sizeof(sl_directional_light);
-    return sizeof *t + sl_voxel_texture_bytes(t) + (size_t)t->width * (size_t)t->height * more;
+    return sizeof *t + sl_voxel_texture_bytes(t) + t->texel_count * more;
 }
 
 /* ---- the descent ---- */
 
 /* Decodes the address of a leaf: 12 bits of x, 12 of y. */
-static size_t place_of(const sl_voxel_texture *t, uint32_t address) {
+static size_t place_of(uint32_t address) {
     uint32_t r = address & 255, g = address >> 8 & 255, b = address >> 16 & 255;
     size_t x = r << 4 | g >> 4, y = (g & 15) << 8 | b;
-    return y * (size_t)t->width + x;
+    return y * SL_LIGHT_TEXTURE_SIZE + x;
 }
 
 /* cell = floor(2 frac(p 2^D)) is a bit of floor(p 2^d). Void ends it. */
@@ -302,5 +291,5 @@ size_t sl_voxel_texture_find(const sl_voxel_texture *t, const int32_t cell[3], u
         if (texel >> 24 != SL_TEXEL_NODE) break;
         for (int axis = 0; axis < 3; axis++) place[axis] = (int)(texel >> 8 * axis & 255);
     }
-    return texel >> 24 == SL_TEXEL_LEAF ? place_of(t, texel & 0xffffffu) : SIZE_MAX;
+    return texel >> 24 == SL_TEXEL_LEAF ? place_of(texel & 0xffffffu) : SIZE_MAX;
 }

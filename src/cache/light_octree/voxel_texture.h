@@ -7,7 +7,7 @@
 #include "raster/textures/textures.h"
 
 enum { SL_TEXEL_VOID = 0, SL_TEXEL_NODE = 127, SL_TEXEL_LEAF = 255 }; /* alpha */
-enum { SL_LIGHT_TEXTURE_SIZE = 4096 }; /* 12 + 12 bits of address */
+enum { SL_LIGHT_TEXTURE_SIZE = 4096 }; /* of lights: 12 + 12 bits of address */
 
 /* A texel: a light, its direction unpacked. (The hardware's has it packed, and is one of 16 bytes.) */
 typedef struct sl_unpacked_light {
@@ -25,10 +25,9 @@ typedef struct sl_voxel_texture {
     size_t brick_count;
     sl_voxel_lobes lobes;
     int lights;                 /* of a set, at most */
-    int width, height;          /* of the texture of lights */
     size_t set_count;           /* with light, and one for all leaves without */
-    size_t texel_count;         /* in use */
-    sl_unpacked_light *light;   /* width * height texels */
+    size_t texel_count;
+    sl_unpacked_light *light;   /* row by row, the last not full */
 } sl_voxel_texture;
 
 /* What a set's head says, and its lights. */

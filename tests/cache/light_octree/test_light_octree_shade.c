@@ -347,41 +347,6 @@ static void batches_and_instruction_sets_give_the_same_bits(void **state) {
     }
 }
 
-static void a_gbuffer_is_shaded_the_same_by_any_number_of_threads(void **state) {
-    (void)state;
-    enum { W = 150, H = 130 };
-    world w = new_world(5, SL_LOBES_PERPENDICULAR, RANDOM_LIGHTS);
-    sl_raster *raster = raster_of(w.scene);
-    sl_camera camera;
-    assert_true(sl_camera_look_at(&camera, sl_v3(0.4f, 1.5f, 0.3f), sl_v3(3, 1, 4), sl_v3(0, 1, 0), 1.2f));
-    sl_view view = sl_view_camera(&camera, W, H, 0.01f, 20.0f);
-    sl_gbuffer *g = NULL;
-    assert_int_equal(sl_gbuffer_create(W, H, &g, NULL), SL_OK);
-    sl_counters counters = {{0}};
-    assert_int_equal(sl_raster_gbuffer(raster, &view, 1, g, &counters, NULL), SL_OK);
-    float *out = malloc(6 * W * H * sizeof *out);
-    assert_non_null(out);
-    sl_octree_shading shading = {.texture = w.texture};
-    sl_counters first = {{0}};
-    for (unsigned threads = 1; threads <= 3; threads++) {
-        float *r = out + (threads > 1 ? 3 * W * H : 0), *const planes[3] = {r, r + W * H, r + 2 * W * H};
-        const sl_octree_pixels pixels = {.scene = w.scene, .gbuffer = g, .shading = &shading,
-                                         .eye = camera.eye, .threads = threads};
-        counters = (sl_counters){{0}};
-        assert_int_equal(sl_octree_light_pixels(&pixels, planes, &counters, NULL), SL_OK);
-        if (threads == 1) first = counters;
-        assert_memory_equal(out, r, 3 * W * H * sizeof *out);
-        assert_memory_equal(&first, &counters, sizeof counters);
-    }
-    double sum = 0.0;
-    for (size_t i = 0; i < 3 * W * H; i++) sum += (double)out[i];
-    assert_true(sum > 100.0);
-    free(out);
-    sl_gbuffer_destroy(g);
-    sl_raster_destroy(raster);
-    end_world(&w);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_are_the_sums_of_the_formulas),
@@ -392,7 +357,6 @@ int main(void) {
         cmocka_unit_test(facing_voxels_alone_count_where_asked),
         cmocka_unit_test(split_voxels_give_each_normal_its_own_lights),
         cmocka_unit_test(batches_and_instruction_sets_give_the_same_bits),
-        cmocka_unit_test(a_gbuffer_is_shaded_the_same_by_any_number_of_threads),
     };
     return cmocka_run_group_tests_name("light octree: shading", tests, NULL, NULL);
 }
