@@ -16,7 +16,9 @@
 #include "cache/light/shadow_maps.h"
 #include "trace/trace.h"
 
-typedef enum sl_border { SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL } sl_border;
+/* What lies between the plane's picture and the horizon: as the mean of the picture [LC04], or as the
+ * outermost pixels along the meridians. */
+typedef enum sl_border { SL_BORDER_LC04, SL_BORDER_RADIAL } sl_border;
 
 typedef struct sl_second_points {
     size_t count;

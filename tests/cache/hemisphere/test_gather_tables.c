@@ -76,20 +76,18 @@ static void every_instrument_weighs_pi(void **state) {
     }
 }
 
-static void borders_differ_as_computed(void **state) {
+static void both_borders_weigh_pi(void **state) {
     (void)state;
-    const sl_border borders[] = {SL_BORDER_PLAIN, SL_BORDER_LC04, SL_BORDER_RADIAL};
-    /* sin of the half angle, t = 2 */
-    const double s = sqrt(0.8), sums[] = {4 * s * sl_atan(s), SL_PI, SL_PI};
-    for (size_t k = 0; k < 3; k++) {
+    for (int k = 0; k < 2; k++) {
         sl_gather_tables *t;
-        assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, 2.0, borders[k], true, &t, NULL), SL_OK);
-        assert_near(t->weight_sum, sums[k], 1e-12);
+        const sl_border border = k ? SL_BORDER_RADIAL : SL_BORDER_LC04;
+        assert_int_equal(sl_gather_tables_create(SL_GATHER_PLANE, 64, 2.0, border, true, &t, NULL), SL_OK);
+        assert_near(t->weight_sum, SL_PI, 1e-12);
+        /* the share that the plane covers: 4 / pi s atan s, s the sine of the half angle */
+        if (!k) assert_near(SL_PI / t->scale, 4 * sqrt(0.8) * sl_atan(sqrt(0.8)), 1e-12);
         /* the middle of an edge with what lies beyond it, and the centre */
-        if (borders[k] == SL_BORDER_RADIAL) {
-            assert_near((double)t->weight[32], 1.64e-4 + 3.12e-3, 1e-5);
-            assert_near((double)t->weight[32 * 64 + 32], 3.89e-3, 1e-5);
-        }
+        if (k) assert_near((double)t->weight[32], 1.64e-4 + 3.12e-3, 1e-5);
+        if (k) assert_near((double)t->weight[32 * 64 + 32], 3.89e-3, 1e-5);
         sl_gather_tables_destroy(t);
     }
 }
@@ -98,7 +96,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walls_equal_quadrature),
         cmocka_unit_test(every_instrument_weighs_pi),
-        cmocka_unit_test(borders_differ_as_computed),
+        cmocka_unit_test(both_borders_weigh_pi),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
