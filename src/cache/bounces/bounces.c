@@ -37,6 +37,7 @@ sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, dou
     double coarser = 2.0 * accuracy;
     s.accuracy = coarser < 0.3 ? 0.3 : coarser > 0.6 ? 0.6 : coarser;
     s.gather.kind = SL_GATHER_RAYS;
+    s.gather.background = NULL; /* the sky lights what a gather sees by samples, as lamps do */
     s.gather.harmonics_order = 0;
     s.gather.size = visible->size / 5 * 2;
     if (s.gather.size < 12) s.gather.size = 12;

@@ -14,7 +14,7 @@
 
 /* whole sub-frames; those of edges for which the cache is asked; and into how many light samples are shared
  * out behind the pilot */
-enum { PILOT = 4, ASKED = 16, LATER_SHARE = 16 };
+enum { PILOT = 4, ASKED = 8, LATER_SHARE = 16, EDGE_LEAST = 16 };
 
 struct sl_film {
     const sl_scene *scene;
@@ -206,8 +206,8 @@ static float brightness(const sl_image *picture, size_t at) {
 static void note_contrast(sl_film *f, const sl_image *picture) {
     for (size_t i = 0; i < pixels_of(f); i++) {
         const float y = brightness(picture, image_place(f, i));
-        f->low[i] = f->drawn ? fminf(f->low[i], y) : y;
-        f->high[i] = f->drawn ? fmaxf(f->high[i], y) : y;
+        f->low[i] = f->drawn && f->low[i] < y ? f->low[i] : y;
+        f->high[i] = f->drawn && f->high[i] > y ? f->high[i] : y;
     }
 }
 
@@ -242,7 +242,7 @@ static void settle_counts(sl_film *f) {
     f->most = PILOT;
     for (size_t i = 0; i < pixels_of(f); i++) {
         const float contrast = contrast_around(f, (int)(i % (size_t)f->width), (int)(i / (size_t)f->width));
-        const unsigned n = f->edge[i] ? PILOT + samples_for(f, contrast, mean, 4 * PILOT)
+        const unsigned n = f->edge[i] ? PILOT + samples_for(f, contrast, mean, EDGE_LEAST)
                                       : samples_for(f, contrast, mean, PILOT);
         f->count[i] = (uint16_t)n;
         if (n > f->most) f->most = n;

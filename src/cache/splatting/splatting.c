@@ -242,8 +242,11 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
 static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
     sl_splat_state *s = state;
     size_t pixels = sl_splat_pixels(s);
-    memset(s->planes, 0,
-           (s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3) * pixels * sizeof *s->planes);
+    const size_t planes = s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3;
+    for (size_t i = 0; i < pixels; i++) {
+        if (!sl_sub_frame_shows(&s->scene->sub_frame, i)) continue;
+        for (size_t k = 0; k < planes; k++) s->planes[k * pixels + i] = 0.0f;
+    }
     memset(s->owned, 0, pixels);
     s->phase = SL_PHASE_GBUFFER;
     sl_status status = SL_OK;

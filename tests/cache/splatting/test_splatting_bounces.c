@@ -211,6 +211,35 @@ static void the_cornell_box_with_four_bounces_is_what_the_path_tracer_says(void 
 }
 
 /* A camera that moves keeps the second-level records; a light that moves does not. */
+/* What sees the sky receives its light once: from the gathers that it escapes, or from samples where a gather
+ * hits. */
+static void the_light_of_a_sky_bounces_as_the_path_tracer_says(void **state) {
+    (void)state;
+    static const char text[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": "
+                               "{\"radiance\": [1, 1, 1]}, \"materials\": {\"m\": {\"diffuse\": 0.7}}, "
+                               "\"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 40}}";
+    /* a room of 2 x 2 x 2 without its front */
+    static const char obj[] =
+        "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -1 2 1\nv 1 2 1\nv 1 2 -1\nv -1 2 -1\n"
+        "usemtl m\nf 1 2 3 4\nf 8 7 6 5\nf 4 3 7 8\nf 1 4 8 5\nf 2 6 7 3\n";
+    sl_scene *scene = scene_from_text(text, obj);
+    for (uint32_t bounces = 1; bounces <= 4; bounces += 3) {
+        sl_settings settings = small_settings("splatting", 24, 24), path = small_settings("path", 24, 24);
+        settings.bounces = path.bounces = bounces;
+        path.transport = "matched:splatting";
+        path.filter = SL_FILTER_CENTRE;
+        path.spp = 128;
+        sl_image *image = render(scene, &settings, NULL), *reference = render(scene, &path, NULL);
+        sl_comparison c;
+        assert_int_equal(sl_image_compare(image, reference, NULL, &c, NULL, NULL), SL_OK);
+        print_message("%u bounces: bias %.4f\n", bounces, c.bias);
+        assert_true(fabs(c.bias) < 0.01);
+        sl_image_destroy(image);
+        sl_image_destroy(reference);
+    }
+    sl_scene_destroy(scene);
+}
+
 static void second_level_records_stay_as_long_as_the_light_does(void **state) {
     (void)state;
     const float eye[3] = {320, 300, -300}, target[3] = {60, 100, 300}, up[3] = {0, 1, 0};
@@ -338,6 +367,7 @@ int main(void) {
         cmocka_unit_test(the_integrating_sphere_dims_by_its_albedo),
         cmocka_unit_test(bounces_that_change_nothing_are_left_out),
         cmocka_unit_test(the_cornell_box_with_four_bounces_is_what_the_path_tracer_says),
+        cmocka_unit_test(the_light_of_a_sky_bounces_as_the_path_tracer_says),
         cmocka_unit_test(second_level_records_stay_as_long_as_the_light_does),
         cmocka_unit_test(a_camera_that_goes_elsewhere_brings_second_level_records_there),
         cmocka_unit_test(no_bounce_leaks_through_a_thin_wall),
