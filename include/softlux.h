@@ -487,11 +487,11 @@ SL_API sl_status sl_scene_builder_film(sl_scene_builder *builder, int width, int
  * it. Whatever comes of it, the builder can only be destroyed then: all else is refused with USAGE. */
 SL_API sl_status sl_scene_builder_build(sl_scene_builder *builder, sl_scene **scene, sl_error *error);
 
-/** Writes a scene as it stands now, so that a fault can be shown to others: NAME.json, beside it its triangles
- * (NAME-0.obj and NAME.mtl, NAME-1.bpt and so on), textures (PNG) and sky (EXR). Read again it is the same
- * scene, to the same bits of every picture; keyframes are left out, and names changed where files cannot have
- * them. Each file appears whole or not at all, NAME.json last. USAGE: a name that does not end in .json.
- * OUTPUT: a file cannot be written. */
+/** Writes a scene as it stands now, so that a fault can be shown to others: NAME.json, beside it its
+ * triangles (NAME-0.obj and NAME.mtl, NAME-1.bpt and so on), textures (PNG) and sky (EXR). Read again it is
+ * the same scene, to the same bits of every picture; keyframes are left out, and names changed where files
+ * cannot have them. Each file appears whole or not at all, NAME.json last. USAGE: a name that does not end in
+ * .json. OUTPUT: a file cannot be written. */
 SL_API sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_error *error);
 
 /* ---- observers: every pass announces itself -------------------------------------------------- */
@@ -784,8 +784,8 @@ SL_API sl_status sl_error_probe_judge(sl_error_probe *probe, const sl_image *ima
  * of the probes' own noise falls out. INPUT: as sl_error_probe_estimate(). USAGE: none was judged. */
 SL_API sl_status sl_error_probe_left(sl_error_probe *probe, const sl_image *first, const sl_image *second,
                                      double *share, sl_error *error);
-/** The surfaces seen, as sl_compare_options.mask takes them: 0 where a pixel shows a lamp or the sky, of a box
- * pixel any part; 1 elsewhere. All pixels are judged relative to their mean, and surfaces by themselves
+/** The surfaces seen, as sl_compare_options.mask takes them: 0 where a pixel shows a lamp or the sky, of a
+ * box pixel any part; 1 elsewhere. All pixels are judged relative to their mean, and surfaces by themselves
  * relative to theirs, which lamps would hide; an estimate is of the worse. Owned by the probe. */
 SL_API const sl_image *sl_error_probe_surfaces(const sl_error_probe *probe);
 /** Returns what tracing the probes has cost so far; owned by the probe. */

@@ -1,5 +1,6 @@
 /* Surfaces and lights must be physical: no negative or infinite reflectance or light, no surface that
- * reflects more than it receives. Where a repair is obvious it is made, with a warning; the rest is an input error. */
+ * reflects more than it receives. Where a repair is obvious it is made, with a warning; the rest is an input
+ * error. */
 #include <math.h>
 
 #include "base/error.h"

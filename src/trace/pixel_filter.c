@@ -6,8 +6,9 @@
 static double integral_to(double t) {
     static const double a0 = 0.35875, a1 = 0.48829, a2 = 0.14128, a3 = 0.01168;
     const double turn = 2.0 * SL_PI;
-    return t - (a1 * sl_sin(turn * t) - a2 / 2.0 * sl_sin(2.0 * turn * t) + a3 / 3.0 * sl_sin(3.0 * turn * t)) /
-                   (turn * a0);
+    return t -
+           (a1 * sl_sin(turn * t) - a2 / 2.0 * sl_sin(2.0 * turn * t) + a3 / 3.0 * sl_sin(3.0 * turn * t)) /
+               (turn * a0);
 }
 
 /* Returns where the integral comes to `share`, by bisection. */

@@ -137,8 +137,8 @@ static void what_noise_leaves_in_doubt_is_what_theory_says(void **state) {
 
 static void sets_of_light_paths_that_a_scene_cannot_tell_apart_share_a_reference(void **state) {
     (void)state;
-    sl_bench_scene diffuse = {.base = "--bounces 1", .hash = "0123456789abcdef", .width = 8, .height = 8}, glossy = diffuse,
-                   mirrors = diffuse;
+    sl_bench_scene diffuse = {.base = "--bounces 1", .hash = "0123456789abcdef", .width = 8, .height = 8},
+                   glossy = diffuse, mirrors = diffuse;
     char a[SL_BENCH_PATH], b[SL_BENCH_PATH];
     glossy.glossy = mirrors.mirrors = true;
     assert_true(sl_reference_is_same(&mirrors, "matched:splatting", "one-bounce"));
@@ -240,10 +240,10 @@ static void a_file_of_trials_is_read_line_by_line(void **state) {
     sl_trials all;
     sl_error error;
     size_t length;
-    const char *path =
-        scene_file_text("a.trials", "# two\nbase --bounces 1\nsize 8x6\nscenes a.json b.json\ntruth full\nwith -m path\n"
-                                    "trial draft = -q draft\ntable t: cpu, full, part.x\n"
-                                    "trial four, no options =\ncurve c\ntrial 2 = --spp 2\n");
+    const char *path = scene_file_text(
+        "a.trials", "# two\nbase --bounces 1\nsize 8x6\nscenes a.json b.json\ntruth full\nwith -m path\n"
+                    "trial draft = -q draft\ntable t: cpu, full, part.x\n"
+                    "trial four, no options =\ncurve c\ntrial 2 = --spp 2\n");
     assert_int_equal(sl_trials_read(path, &all, &error), SL_OK);
     assert_true(all.count == 3 && all.table_count == 1 && all.width == 8 && all.height == 6);
     assert_true(all.truth[SL_BENCH_FULL] && !all.truth[SL_BENCH_MATCHED] && !all.estimates);

@@ -113,8 +113,10 @@ static void what_is_clipped_to_white_is_no_difference_that_is_shown(void **state
     }
     assert_true(compare(x, r, NULL).rel_rmse_shown == 0.0 && compare(x, r, NULL).rel_rmse > 1.0);
     for (int channel = 0; channel < 3; channel++) x->planes[channel * 16] = 0.5f;
-    assert_near(compare(x, r, NULL).rel_rmse_shown, sqrt(0.25 * 0.25 / 16.0) / ((15.0 * 0.25 + 1.0) / 16.0), 1e-12);
-    assert_near(compare(x, r, &stop).rel_rmse_shown, sqrt(0.5 * 0.5 / 16.0) / ((15.0 * 0.5 + 1.0) / 16.0), 1e-12);
+    assert_near(compare(x, r, NULL).rel_rmse_shown, sqrt(0.25 * 0.25 / 16.0) / ((15.0 * 0.25 + 1.0) / 16.0),
+                1e-12);
+    assert_near(compare(x, r, &stop).rel_rmse_shown, sqrt(0.5 * 0.5 / 16.0) / ((15.0 * 0.5 + 1.0) / 16.0),
+                1e-12);
     sl_image_destroy(r);
     sl_image_destroy(x);
 }

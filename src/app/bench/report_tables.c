@@ -329,7 +329,8 @@ void sl_report_overview(FILE *out, const void *results) {
     fputs(
         "\nErrors are relative RMSE: the root of the mean squared difference over the reference's mean, of "
         "all pixels, each the mean over its square, lamps that are seen included; the reference's own noise "
-        "is subtracted. What that noise leaves in doubt is below a tenth of the error (95 % confidence), or stands behind it as ±; "
+        "is subtracted. What that noise leaves in doubt is below a tenth of the error (95 % confidence), or "
+        "stands behind it as ±; "
         "`<`: at most, and perhaps nothing; `≥`: lost in the noise, and no less than the energy that is "
         "missing. *matched*: against the light paths that the method itself declares; *all "
         "light*: against all of global illumination. Times are the processor's, of all "

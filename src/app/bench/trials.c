@@ -74,9 +74,8 @@ static const char *read_trial(reader *r, char *rest) {
     sl_trials *all = r->trials;
     if (!sl_make_room(&all->trial, all->count, &r->room, sizeof *all->trial)) return "not enough memory";
     sl_trial *t = &all->trial[all->count++];
-    bool fits = (size_t)snprintf(t->arguments, sizeof t->arguments, "%s%s%s%s", all->base, *all->base ? " " : "",
-                             r->with, equals + 2) <
-                    sizeof t->arguments &&
+    bool fits = (size_t)snprintf(t->arguments, sizeof t->arguments, "%s%s%s%s", all->base,
+                                 *all->base ? " " : "", r->with, equals + 2) < sizeof t->arguments &&
                 copy(t->name, sizeof t->name, rest) && copy(t->transport, sizeof t->transport, r->truth);
     if (!fits) return "a trial that is too long";
     if (!sl_trial_settings(t->arguments, &settings) || !settings.method) return "options that mean nothing";

@@ -44,8 +44,8 @@ static double square_of(double v) { return v * v; }
 static double larger(double a, double b) { return a > b ? a : b; }
 
 /* Var (x-p)(x-q) = 2 (x-r)^2 s2 + s2^2 with s2 for the variance of p; the three channels as if their noise
- * were one. Noise that both pictures' squares share leaves with the difference: with d and d' for their differences
- * from (p + q)/2 and l for the share, Var = 2 (d' - l d)^2 s2 + (1 - l)^2 s2^2. */
+ * were one. Noise that both pictures' squares share leaves with the difference: with d and d' for their
+ * differences from (p + q)/2 and l for the share, Var = 2 (d' - l d)^2 s2 + (1 - l)^2 s2^2. */
 sl_audit_pixel sl_audit_pixel_beyond(const double first[3], const double second[3], double share,
                                      const double p[3], const double q[3], double weight) {
     sl_audit_pixel a = {.weight = weight};

@@ -21,7 +21,9 @@ static float eight_bits(float value, float low, float high) {
     return low + (step < 255.0f ? step : 255.0f) / 255.0f * extent;
 }
 
-static sl_vec3 at(const float *x, const float *y, const float *z, size_t i) { return sl_v3(x[i], y[i], z[i]); }
+static sl_vec3 at(const float *x, const float *y, const float *z, size_t i) {
+    return sl_v3(x[i], y[i], z[i]);
+}
 
 static void put(float *const plane[3], size_t i, sl_vec3 v) {
     plane[0][i] = v.x, plane[1][i] = v.y, plane[2][i] = v.z;

@@ -467,8 +467,9 @@ static sl_status plan_bounces(const sl_scene *scene, const sl_settings *asked, c
     if (asked->bounces || !sl_has_bounces(completed)) return SL_OK;
     sl_status status = sl_measure_bounces(scene, completed, &found, error);
     if (status == SL_OK)
-        sl_plan_pass(writer, true, "bounces", "%u: one more would add %.1f %% of the light, as a few paths tell",
-                     found.bounces, 100.0 * found.next);
+        sl_plan_pass(writer, true, "bounces",
+                     "%u: one more would add %.1f %% of the light, as a few paths tell", found.bounces,
+                     100.0 * found.next);
     return status;
 }
 
@@ -487,8 +488,10 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
     plan_append(&writer, "");
     class->plan(scene, &completed, &writer);
     if (sl_method_has_film(class, &completed))
-        sl_plan_pass(&writer, true, "film", "4 sub-frames of all pixels, others where edges are or light differs: "
-                     "%u samples at most", completed.sub_samples);
+        sl_plan_pass(&writer, true, "film",
+                     "4 sub-frames of all pixels, others where edges are or light differs: "
+                     "%u samples at most",
+                     completed.sub_samples);
     status = plan_bounces(scene, settings, &completed, &writer, error);
     if (status != SL_OK) {
         free(writer.text);

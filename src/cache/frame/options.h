@@ -13,27 +13,29 @@
 #define SL_FRAME_OPTIONS_H
 
 /* every method */
-#define SL_OPTIONS_OF_COMMON(O) \
+#define SL_OPTIONS_OF_COMMON(O)                                                                            \
     O(const char *, method, "method", "NAME", 0, 0, TOLD("splatting; live: shading-cache"), "", USER('m'), \
-      "splatting, direct-radiance, light-octree, multi-mesh, shading-cache, path, bidirectional, auto") \
-    O(const char *, transport, "transport", "PATHS", 0, 0, TOLD("the method's own"), "", USER(0), \
-      "path, bidirectional: direct, one-bounce, full or matched:METHOD") \
-    O(sl_pixel_filter, filter, "filter", "method|box|centre|blackman-harris", 0, 0, TOLD("box"), "", USER(0), \
-      "what a pixel is: a mean over its square or around it, or what its centre shows; method: as its paper") \
-    O(unsigned, sub_samples, "sub-samples", "N", 1, 4096, BY(16, 64, 256), "", RESEARCH, \
-      "but for filter centre: samples of a pixel, at most") \
-    O(double, filter_radius, "filter-radius", "PIXELS", 0.5, 8, TOLD("1.5"), "", RESEARCH, \
-      "of filter blackman-harris") \
-    O(int, width, "size", "WxH", 1, 32768, TOLD("the scene's"), "", UNSTAMPED('s'), \
-      "pixels, 16384 a side at most, 32768 for path and bidirectional") \
-    O(unsigned, threads, "threads", "N", 1, 65536, TOLD("a processor each, 256 at most"), "", \
-      UNSTAMPED('t'), "workers; the bits do not depend on it") \
-    O(uint64_t, seed, "seed", "N", 0, 0, IS(0), "", USER(0), "another number, other noise") \
-    O(sl_quality, quality, "quality", "draft|normal|high", 0, 0, TOLD("normal"), "", USER('q'), \
-      "where on the curve of speed against error") \
-    O(uint64_t, memory_bytes, "memory", "BYTES", 1, 0x1p50, TOLD("no limit"), "", UNSTAMPED(0), \
-      "512M, 2G: do less, or nothing, rather than take more") \
-    O(uint32_t, spp, "spp", "N", 1, 1e8, TOLD("by quality"), "", USER(0), \
+      "splatting, direct-radiance, light-octree, multi-mesh, shading-cache, path, bidirectional, auto")    \
+    O(const char *, transport, "transport", "PATHS", 0, 0, TOLD("the method's own"), "", USER(0),          \
+      "path, bidirectional: direct, one-bounce, full or matched:METHOD")                                   \
+    O(sl_pixel_filter, filter, "filter", "method|box|centre|blackman-harris", 0, 0, TOLD("box"), "",       \
+      USER(0),                                                                                             \
+      "what a pixel is: a mean over its square or around it, or what its centre shows; method: as its "    \
+      "paper")                                                                                             \
+    O(unsigned, sub_samples, "sub-samples", "N", 1, 4096, BY(16, 64, 256), "", RESEARCH,                   \
+      "but for filter centre: samples of a pixel, at most")                                                \
+    O(double, filter_radius, "filter-radius", "PIXELS", 0.5, 8, TOLD("1.5"), "", RESEARCH,                 \
+      "of filter blackman-harris")                                                                         \
+    O(int, width, "size", "WxH", 1, 32768, TOLD("the scene's"), "", UNSTAMPED('s'),                        \
+      "pixels, 16384 a side at most, 32768 for path and bidirectional")                                    \
+    O(unsigned, threads, "threads", "N", 1, 65536, TOLD("a processor each, 256 at most"), "",              \
+      UNSTAMPED('t'), "workers; the bits do not depend on it")                                             \
+    O(uint64_t, seed, "seed", "N", 0, 0, IS(0), "", USER(0), "another number, other noise")                \
+    O(sl_quality, quality, "quality", "draft|normal|high", 0, 0, TOLD("normal"), "", USER('q'),            \
+      "where on the curve of speed against error")                                                         \
+    O(uint64_t, memory_bytes, "memory", "BYTES", 1, 0x1p50, TOLD("no limit"), "", UNSTAMPED(0),            \
+      "512M, 2G: do less, or nothing, rather than take more")                                              \
+    O(uint32_t, spp, "spp", "N", 1, 1e8, TOLD("by quality"), "", USER(0),                                  \
       "path, bidirectional: samples a pixel; splatting, light-octree: light samples a pixel")
 
 /* methods that gather */

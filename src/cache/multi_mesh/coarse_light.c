@@ -126,8 +126,8 @@ sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count
 
 /* The coarse mesh of the whole scene, some vertices an update: first the light of lamps at all of them; under
  * an environment what each gathers of that alone, past surfaces that are black as yet; then, for each bounce
- * after the first, what each gathers of all, which makes the light that it sends on (k_d / pi) (sum E_d + E_i).
- * From then on indirect light has a mesh to gather from. */
+ * after the first, what each gathers of all, which makes the light that it sends on (k_d / pi) (sum E_d +
+ * E_i). From then on indirect light has a mesh to gather from. */
 
 enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
 
@@ -226,8 +226,8 @@ static sl_status ready_gather(sl_multi_mesh_state *s, int size, sl_error *error)
 
 /* ---- rounds ---- */
 
-/* Returns the pixels a side of a round's gathers: what the coarse mesh's vertices gather of each other is seen
- * by hundreds of them at once, so few pixels are enough; a sky may hold a sun. */
+/* Returns the pixels a side of a round's gathers: what the coarse mesh's vertices gather of each other is
+ * seen by hundreds of them at once, so few pixels are enough; a sky may hold a sun. */
 static int round_pixels(const sl_multi_mesh_state *s, uint32_t rounds_left) {
     const int size = s->settings.gather_size;
     const bool sky = rounds_left == s->settings.bounces;
@@ -277,7 +277,8 @@ static void blacken_coarse(sl_multi_mesh_state *s) {
     sl_coarse_finish(s->coarse, s->settings.threads);
 }
 
-/* The light of lamps is there. The environment's is yet to be gathered, and so is each bounce after the first. */
+/* The light of lamps is there. The environment's is yet to be gathered, and so is each bounce after the
+ * first. */
 static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     bool sky = s->scene->environment.present;
     set_coarse(s);

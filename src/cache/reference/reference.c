@@ -59,8 +59,8 @@ static void sampled_complete(sl_settings *settings) {
     if (settings->spp == 0) settings->spp = film_of(settings)->samples[settings->quality];
 }
 
-static sl_status sampled_create(const sl_scene *scene, const sl_settings *settings, const sl_transport *transport,
-                            void **state, sl_error *error) {
+static sl_status sampled_create(const sl_scene *scene, const sl_settings *settings,
+                                const sl_transport *transport, void **state, sl_error *error) {
     const sampled_film *kind = film_of(settings);
     sampled_state *s = sl_allocate(1, sizeof *s);
     if (!s) return sl_fail_memory(error, kind->what);

@@ -38,8 +38,9 @@ void sl_gbuffer_show(const sl_scene *scene, sl_gbuffer *g, size_t i, uint32_t tr
 /* Returns what the mirrors before a pixel leave of its light: 1 where there are none, or no reflections at
  * all (NULL). */
 sl_rgb sl_reflections_throughput(const sl_reflections *reflections, size_t pixel);
-/* Returns light seen without further reflection, L S* E: of pixel (x, y) of a view, the G-buffer's i-th, L_e on
- * the shining side of emitters, or the environment; and of mirror pixel k what its mirrors leave of that. */
+/* Returns light seen without further reflection, L S* E: of pixel (x, y) of a view, the G-buffer's i-th, L_e
+ * on the shining side of emitters, or the environment; and of mirror pixel k what its mirrors leave of that.
+ */
 sl_rgb sl_gbuffer_emission(const sl_scene *scene, const sl_view *view, const sl_gbuffer *g, size_t i, int x,
                            int y);
 sl_rgb sl_reflections_emission(const sl_scene *scene, const sl_gbuffer *g, const sl_reflections *reflections,

@@ -401,7 +401,9 @@ static trace_mesh mirror_scene(bool with_mirror) {
     return mesh;
 }
 
-static bool is_mirrored(const sl_radiance_map *map, size_t i) { return sl_length(at(map->arrival, i)) > 0.0f; }
+static bool is_mirrored(const sl_radiance_map *map, size_t i) {
+    return sl_length(at(map->arrival, i)) > 0.0f;
+}
 
 static size_t mirrored_texels(const sl_radiance_map *map) {
     size_t count = 0;

@@ -281,8 +281,8 @@ static sl_error_estimate estimate_beside_a_lamp(double wrong, double planted[2])
     for (int all = 0; all < 2; all++)
         planted[all] = sqrt(squares[all] / count[all]) / (sum[all] / count[all]);
     sl_error_estimate e = estimate_with(probe, image, 1024, 64);
-    print_message("planted %.4f of surfaces, %.4f of all, estimated %.4f, %.4f to %.4f\n", planted[0], planted[1],
-                  e.rel_rmse, e.least, e.bound);
+    print_message("planted %.4f of surfaces, %.4f of all, estimated %.4f, %.4f to %.4f\n", planted[0],
+                  planted[1], e.rel_rmse, e.least, e.bound);
     assert_int_equal(e.probes, pixels);
     sl_error_probe_destroy(probe);
     sl_image_destroy(truth);

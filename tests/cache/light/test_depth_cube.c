@@ -164,8 +164,9 @@ static void a_directional_light_s_map_says_what_rays_say(void **state) {
     trace_mesh_box(&mesh, sl_v3(0.5f, 0, 0.7f), sl_v3(1.2f, 1.1f, 1.6f), false, m);
     trace_mesh_sphere(&mesh, sl_v3(2.2f, 1.0f, 2.3f), 0.7f, 12, 0, false, m);
     sl_vec3 way = sl_normalize_or(sl_v3(0.3f, -1, 0.2f), sl_v3(0, -1, 0));
-    compare_with_rays(&mesh, (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = way, .intensity = {1, 1, 1}},
-                      256, 0.022f, 40);
+    compare_with_rays(&mesh,
+                      (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = way, .intensity = {1, 1, 1}}, 256,
+                      0.022f, 40);
 }
 
 /* ---- planes ---- */
