@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/frame/picture_value.h"
+#include "cache/frame/rims.h"
 #include "raster/textures/mip.h"
 #include "raster/views/outlines.h"
 #include "trace/pixel_filter.h"
@@ -33,6 +34,8 @@ struct sl_film {
     uint8_t *wanted;       /* of the next sub-frame, behind the pilot */
     sl_image *sums;        /* NULL: no sub-frame yet */
     float *low, *high;     /* of the pilot's samples, in luminance; rows from the bottom */
+    uint8_t *rim;          /* pixels at lamps' rims, */
+    float *rim_emission;   /* ... whose emission is seen from near, three floats a pixel */
     sl_counters counters, with_method;
 };
 
@@ -51,8 +54,10 @@ sl_status sl_film_create(const sl_scene *scene, const sl_settings *settings, boo
     f->wanted = sl_allocate(pixels, sizeof *f->wanted);
     f->low = sl_allocate(pixels, sizeof *f->low);
     f->high = sl_allocate(pixels, sizeof *f->high);
+    f->rim = sl_allocate(pixels, sizeof *f->rim);
+    f->rim_emission = sl_allocate_unset(pixels, 3 * sizeof *f->rim_emission);
     sl_sequence_make(&f->sequence);
-    const bool room = f->count && f->edge && f->wanted && f->low && f->high;
+    const bool room = f->count && f->edge && f->wanted && f->low && f->high && f->rim && f->rim_emission;
     sl_status status = room ? SL_OK : sl_fail_memory(error, "a film");
     if (status == SL_OK) status = sl_mips_create(scene, settings->threads, &f->mips, error);
     if (status == SL_OK) return SL_OK;
@@ -71,6 +76,8 @@ void sl_film_destroy(sl_film *f) {
     sl_free(f->wanted);
     sl_free(f->low);
     sl_free(f->high);
+    sl_free(f->rim);
+    sl_free(f->rim_emission);
     sl_free(f);
 }
 
@@ -88,19 +95,19 @@ static sl_status find_edges(sl_film *f, const sl_raster *raster, sl_error *error
     return status;
 }
 
-/* Adds the pixels beside those at edges. */
-static sl_status widen_edges(sl_film *f, sl_error *error) {
+/* Adds the pixels beside those that are marked. */
+static sl_status widen(const sl_film *f, uint8_t *marked, sl_error *error) {
     const int w = f->width, h = f->height;
     uint8_t *narrow = sl_allocate(pixels_of(f), sizeof *narrow);
     if (!narrow) return sl_fail_memory(error, "a film");
-    memcpy(narrow, f->edge, pixels_of(f));
+    memcpy(narrow, marked, pixels_of(f));
     for (int y = 0; y < h; y++) {
         for (int x = 0; x < w; x++) {
             for (int k = 0; k < 9; k++) {
                 const int u = x + k % 3 - 1, v = y + k / 3 - 1;
                 if (u < 0 || v < 0 || u >= w || v >= h || !narrow[(size_t)v * (size_t)w + (size_t)u])
                     continue;
-                f->edge[(size_t)y * (size_t)w + (size_t)x] = 1;
+                marked[(size_t)y * (size_t)w + (size_t)x] = 1;
             }
         }
     }
@@ -119,6 +126,7 @@ void sl_film_begin(sl_film *f, bool objects_moved) {
     sl_image_destroy(f->sums);
     f->sums = NULL;
     f->asked = f->drawn = 0;
+    memset(f->rim, 0, pixels_of(f));
     f->edges_known = false;
     f->most = f->samples > PILOT ? PILOT + f->samples : f->samples;
     if (!objects_moved) return;
@@ -131,7 +139,7 @@ static sl_status know_edges(sl_film *f, const sl_raster *raster, sl_error *error
     if (f->edges_known || f->samples <= PILOT) return SL_OK;
     memset(f->edge, 0, pixels_of(f));
     sl_status status = find_edges(f, raster, error);
-    for (float r = 0.5f; status == SL_OK && r < f->shape.radius; r += 1.0f) status = widen_edges(f, error);
+    for (float r = 0.5f; status == SL_OK && r < f->shape.radius; r += 1.0f) status = widen(f, f->edge, error);
     for (size_t i = 0; i < pixels_of(f); i++)
         f->count[i] = (uint16_t)(f->edge[i] ? PILOT + f->samples : PILOT);
     set_wanted(f, PILOT);
@@ -235,6 +243,9 @@ static unsigned samples_for(const sl_film *f, float contrast, double mean, unsig
     return smaller(n, f->samples);
 }
 
+/* Beyond such a contrast, in means of the picture, a pixel at an edge is at a lamp's rim. */
+static const float rim_contrast = 4.0f;
+
 static void settle_counts(sl_film *f) {
     double mean = 0.0;
     for (size_t i = 0; i < pixels_of(f); i++) mean += 0.5 * ((double)f->low[i] + (double)f->high[i]);
@@ -245,8 +256,21 @@ static void settle_counts(sl_film *f) {
         const unsigned n = f->edge[i] ? PILOT + samples_for(f, contrast, mean, EDGE_LEAST)
                                       : samples_for(f, contrast, mean, PILOT);
         f->count[i] = (uint16_t)n;
+        f->rim[i] = f->edge[i] && contrast > rim_contrast * (float)mean;
         if (n > f->most) f->most = n;
     }
+}
+
+/* Looks at lamps' rims where the picture has a layer of emission and pixels are boxes. */
+static sl_status look_at_rims(sl_film *f, const sl_raster *raster, sl_error *error) {
+    if (f->shape.radius > 0.5f || !sl_image_channel(f->sums, "emission.R")) {
+        memset(f->rim, 0, pixels_of(f));
+        return SL_OK;
+    }
+    sl_status status = widen(f, f->rim, error);
+    for (size_t i = 0; i < pixels_of(f); i++) f->rim[i] = f->rim[i] && f->edge[i];
+    if (status != SL_OK) return status;
+    return sl_rims_look(f->scene, raster, f->width, f->height, f->rim, f->rim_emission, &f->counters, error);
 }
 
 /* Adds the pixels that are wanted. At edges, where more samples follow in any case, the pilot's are left out:
@@ -276,9 +300,23 @@ sl_status sl_film_add(sl_film *f, const sl_raster *raster, const sl_image *pictu
     if (f->drawn < PILOT) note_contrast(f, picture);
     add_samples(f, picture);
     f->drawn++;
-    if (f->drawn == PILOT && f->samples > PILOT) settle_counts(f);
     if (f->drawn >= PILOT) set_wanted(f, f->drawn);
-    return SL_OK;
+    if (f->drawn != PILOT || f->samples <= PILOT) return SL_OK;
+    settle_counts(f);
+    set_wanted(f, f->drawn);
+    return look_at_rims(f, raster, error);
+}
+
+/* Puts what a close-up saw of lamps and sky in the place of what the pixel's own samples saw. */
+static void put_rim(const sl_film *f, size_t pixel, size_t at, sl_image *image) {
+    static const char *const emission[3] = {"emission.R", "emission.G", "emission.B"};
+    const size_t pixels = pixels_of(f);
+    for (size_t c = 0; c < 3; c++) {
+        float *seen = sl_image_channel(image, emission[c]), *whole = &image->planes[c * pixels + at];
+        const float near = sl_picture_value(f->rim_emission[3 * pixel + c]);
+        *whole = sl_picture_value(fmaxf(*whole - seen[at], 0.0f) + near);
+        seen[at] = near;
+    }
 }
 
 sl_status sl_film_develop(const sl_film *f, sl_image **image, sl_error *error) {
@@ -293,6 +331,7 @@ sl_status sl_film_develop(const sl_film *f, sl_image **image, sl_error *error) {
         for (size_t c = 0; c < channels; c++)
             (*image)->planes[c * pixels + at] =
                 sl_picture_value(f->sums->planes[c * pixels + at] / (float)count);
+        if (f->drawn > PILOT && f->rim[i]) put_rim(f, i, at, *image);
     }
     return status;
 }
@@ -305,7 +344,7 @@ const sl_counters *sl_film_counters(sl_film *f, const sl_counters *of_method) {
 
 /* ---- memory ---- */
 
-enum { BYTES_OF_PLANES = 4 + 2 * sizeof(float), LAYERS_AT_MOST = 17 };
+enum { BYTES_OF_PLANES = 5 + 5 * sizeof(float), LAYERS_AT_MOST = 17 };
 
 size_t sl_film_bytes(const sl_film *f) {
     const size_t channels = f->sums ? (size_t)f->sums->channels : 0;

@@ -65,14 +65,16 @@ static void a_pixel_shows_as_much_of_a_lamp_as_covers_it(void **state) {
         const sl_settings settings = on_film(methods[m], SIDE, 64);
         sl_image *image = render(scene, &settings, NULL);
         const float *red = sl_image_channel(image, "R");
+        /* lamps' rims are seen from near where the picture tells emission apart */
+        const double most = sl_image_channel(image, "emission.R") ? 0.015 : 0.06;
         double sum = 0.0, truth = 0.0;
         for (int i = 0; i < SIDE * SIDE; i++) {
             const double c = covered(SIDE, i % SIDE, i / SIDE, 0.9, 0.7, 0.3);
-            assert_true(fabs((double)red[i] - c) < 0.06);
+            assert_true(fabs((double)red[i] - c) < most);
             if (c == 0.0 || c == 1.0) assert_true((double)red[i] == c);
             sum += (double)red[i], truth += c;
         }
-        assert_true(fabs(sum / truth - 1.0) < 0.002);
+        assert_true(fabs(sum / truth - 1.0) < 0.0005);
         sl_image_destroy(image);
     }
     sl_scene_destroy(scene);
@@ -356,7 +358,7 @@ static void edges_do_not_crawl_when_the_camera_moves(void **state) {
         sl_image_destroy(image);
     }
     print_message("largest step of a pixel between frames: %.3f\n", largest);
-    assert_true(largest > 0.08 && largest < 0.125 + 0.05);
+    assert_true(largest > 0.12 && largest < 0.13);
     sl_scene_destroy(scene);
 }
 
