@@ -124,8 +124,9 @@ static void every_trial_is_a_row_with_its_time_and_its_errors(void **state) {
         double told = number(&c, i, "estimate_rel_rmse"),
                bound = number(&c, i, "estimate_bound");
         double measured = number(&c, i, "matched_rel_rmse");
-        /* of the worse: surfaces beside the lamp, or all pixels */
-        assert_true(measured > 0.0 && told > 0.6 * measured && bound >= told);
+        bool lost = strcmp(field(&c, i, "matched_is_bound"), "yes") == 0;
+        /* of the worse: surfaces beside the lamp, or all pixels; measured: or no more than that */
+        assert_true(measured > 0.0 && (lost || told > 0.6 * measured) && bound >= told);
     }
     /* One bounce leaves out about a third of the light in the Cornell box. */
     assert_true(number(&c, 0, "full_bias") < -0.1);
@@ -245,7 +246,7 @@ static void a_file_of_trials_becomes_a_table_with_its_columns(void **state) {
     int found = sscanf(row, "| cornell | as it is | %31[^|]| %31[^|]| %31[^|]| %u |  |", cpu, error, direct,
                        &photons);
     assert_int_equal(found, 4);
-    assert_true(strtod(cpu, NULL) > 0.0 && strtod(error, NULL) > 0.0 && photons > 9);
+    assert_true(strtod(cpu, NULL) > 0.0 && strchr(error, '%') && photons > 9);
 }
 
 int main(void) {

@@ -91,7 +91,7 @@ sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, s
     if (status != SL_OK || !(mean > 0.0)) return status;
     squares s = squared_errors(picture, &h);
     double doubt = confidence * s.deviation,
-           most = sqrt(s.less_noise + doubt > 0.0 ? s.less_noise + doubt : 0.0) / mean;
+           most = sqrt(fmax(s.less_noise, 0.0) + doubt) / mean; /* a lucky draw lowers no bound */
     e->known = true;
     e->lost = !(s.less_noise > doubt);
     e->rel_rmse = e->lost ? most : sqrt(s.less_noise) / mean;
