@@ -17,7 +17,7 @@ show() { # show NAME SCENE METHOD SIZE REFERENCE-SAMPLES
     "$build/softlux" render "$scene" -m "$method" -s "$size" --json -o "demo/$name.exr" >"demo/$name.json"
     "$build/softlux" render "$scene" -m "$method" -s "$size" --quiet -o "demo/$name.png"
     echo "softlux: $scene, $size: reference path tracer, the paths of $method, $samples samples a pixel"
-    "$build/softlux" render "$scene" -s "$size" -m path --transport "matched:$method" --set filter=centre --spp "$samples" \
+    "$build/softlux" render "$scene" -s "$size" -m path --transport "matched:$method" --spp "$samples" \
         --json -o "demo/$name-reference.exr" >"demo/$name-reference.json"
     "$build/softlux" compare "demo/$name.exr" "demo/$name-reference.exr" --json --difference "demo/$name-difference.png" \
         >"demo/$name-error.json"
