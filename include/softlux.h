@@ -77,7 +77,7 @@ typedef enum sl_status {
     SL_ERROR_RESOURCES = 5 /**< no memory, threads or descriptors; or more than the option "memory" allows */
 } sl_status;
 
-/** What went wrong. Written by the function that failed, and by it alone. */
+/** Tells what went wrong. Written by the function that failed, and by it alone. */
 typedef struct sl_error {
     sl_status status; /**< what that function returned */
     char message[1024]; /**< one line: file, line where there is one, what was expected; no newline */
@@ -216,7 +216,7 @@ typedef enum sl_tone_curve {
     SL_TONE_REINHARD  /**< per channel x (1 + x/w^2) / (1 + x), w = 4: the extended curve, white at 4 */
 } sl_tone_curve;
 
-/** How radiance becomes 8 bits. {0} clips and leaves exposure alone. */
+/** Turns radiance into 8 bits. {0} clips and leaves exposure alone. */
 typedef struct sl_tone {
     sl_tone_curve curve;  /**< what compresses bright values */
     float exposure_stops; /**< values are multiplied by 2 to this power */
@@ -320,7 +320,7 @@ typedef enum sl_up_axis {
     SL_UP_Y,
     SL_UP_Z     /**< (x, y, z) becomes (x, z, -y) */
 } sl_up_axis;
-/** What loading a scene may do. {0} is what sl_scene_load() does. */
+/** Permissions for loading a scene. {0} is what sl_scene_load() does. */
 typedef struct sl_load_options {
     /** files that a scene names may lie outside of its folder: absolute names, "..", symbolic links; else
      * they are refused */
@@ -351,7 +351,7 @@ SL_API void sl_scene_film(const sl_scene *scene, int *width, int *height);
 /** A hash of everything that can reach a pixel, the camera included: equal scenes have equal ones, on every
  * machine. */
 SL_API uint64_t sl_scene_hash(const sl_scene *scene);
-/** What changed between two states of a scene; a method is told so with sl_method_edit(). */
+/** Changes between two states of a scene; a method is told so with sl_method_edit(). */
 enum { SL_CHANGED_CAMERA = 1, SL_CHANGED_OBJECTS = 2, SL_CHANGED_LIGHTS = 4 };
 /** Moves camera, objects and lights to their keyframes' state at a time. Methods that were created for the
  * scene are then to be told by sl_method_edit(), before anything else is asked of them (which is refused
@@ -496,7 +496,7 @@ SL_API sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_erro
 
 /* ---- observers: every pass announces itself -------------------------------------------------- */
 
-/** What a mark is. */
+/** The kind of a mark. */
 typedef enum sl_mark_kind {
     SL_MARK_POINT,   /**< a photon's hit, a sample: at `at` */
     SL_MARK_SEGMENT, /**< an edge of a mesh, a lobe's axis: from `at` to `to` */
@@ -533,7 +533,7 @@ typedef struct sl_observer {
 
 /* ---- methods --------------------------------------------------------------------------------- */
 
-/** What a method is asked for; opaque. What is not set follows the quality, the scene and the machine. */
+/** A request to a method; opaque. Settings left out follow the quality, the scene and the machine. */
 typedef struct sl_settings sl_settings;
 
 /** One option, as the program's --help, its manual pages and `softlux help settings` tell of it. */
@@ -579,7 +579,7 @@ SL_API void sl_settings_observe(sl_settings *settings, const sl_observer *observ
 /** A method at work on a scene: its caches and its picture so far; opaque. */
 typedef struct sl_method sl_method;
 
-/** How far a method has come. */
+/** Progress of a method. */
 typedef struct sl_progress {
     uint64_t batches;  /**< done so far */
     double fraction;   /**< an estimate in [0,1] */
@@ -686,7 +686,7 @@ SL_API sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settin
  * this library does: for the same bits twice there are sl_method_update() and sl_method_resolve(). */
 typedef struct sl_live sl_live;
 
-/** What a frame shows. */
+/** Facts about a shown frame. */
 typedef struct sl_live_state {
     uint64_t frames;      /**< drawn so far, this one included */
     /** how often the shading that it shows has been brought up to date: a frame is of one version whole */
@@ -731,7 +731,7 @@ SL_API sl_status sl_live_frame(sl_live *live, const sl_image **frame, sl_live_st
 
 /* ---- the error of a picture, without a reference --------------------------------------------- */
 
-/** How far a picture is from the converged picture of the same light paths: that of --method path with the
+/** Error of a picture against the converged picture of the same light paths: that of --method path with the
  * same transport and pixel filter, and no noise. Judged are the pixels that show surfaces: those that show a
  * lamp or the sky itself (not in a mirror) are in neither error nor mean, unless there are no others. */
 typedef struct sl_error_estimate {

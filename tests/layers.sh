@@ -16,7 +16,7 @@ allow import '(import|base|image|scene)/'
 allow raster '(base|image|scene|raster)/'
 allow trace '(base|image|scene|trace)/'
 allow cache '(base|image|scene|raster|trace|cache)/'
-# What methods share, from the bottom up; then splatting, whose records bounces keeps where no eye sees them.
+# Floors that methods share, from the bottom up; then splatting, whose records bounces keeps where no eye sees them.
 below='base|image|scene|raster|trace'
 allow cache/frame "($below|cache/frame)/"
 allow cache/light "($below|cache/(light/|frame/picture_value))"
@@ -31,7 +31,7 @@ allow cache/patches "($below|cache/(patches|light))/"
 allow cache/multi_mesh "($below|cache/(patches|multi_mesh|light|hemisphere/gather|frame/))"
 allow cache/shading_cache "($below|cache/(patches|shading_cache|photons|light|frame/))"
 allow cache/reference "($below|cache/(reference|frame/))"
-# What judges pictures knows no method, only what light paths each declares.
+# The judge of pictures knows no method, only what light paths each declares.
 allow cache/audit "($below|cache/(audit|frame/))"
 # Pages of steps draw marks over pictures, which takes the camera, and rays that tell what is hidden; what measures methods asks which light paths
 # each declares. Pictures in pages are encoded and pages written as those in files are.

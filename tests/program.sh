@@ -57,7 +57,7 @@ blank 'are black: a higher --exposure' scenes/cornell.json -o "$folder/seen.png"
 printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "point", "position": [0, 900, 0], "intensity": 1}]}' "$PWD" >"$folder/dark.json"
 blank 'no light reaches' "$folder/dark.json" --allow-outside -o "$folder/seen.png" --eye 278,273,-200 --target 278,273,0
 
-# What cannot be written is one line, and leaves nothing: neither half a file nor a temporary one.
+# An output that cannot be written is one line, and leaves nothing: neither half a file nor a temporary one.
 refused() { # refused NAME REASON: what "$folder/err" says, and "$folder/place" holds
     grep -q "cannot [a-z ]* .*: $2" "$folder/err" && [ "$(wc -l <"$folder/err")" -eq 1 ] || { echo "$1:"; cat "$folder/err"; bad=1; }
     [ -z "$(find "$folder/place" -type f)" ] || { echo "$1 left $(ls "$folder/place")"; bad=1; }
@@ -79,7 +79,7 @@ read_only() { # read_only FILE ARGUMENTS...: in a folder that nobody may write t
 }
 expect 0 '' render scenes/cornell.json -s 64x64 -m path --spp 1 --quiet -t 1 -o "$folder/p.pfm"
 expect 0 '' render scenes/cornell.json -s 64x64 -m path --spp 1 --seed 2 --quiet -t 1 -o "$folder/q.pfm"
-# What is read, or written besides, is not written over.
+# Files that are read, or written besides, are not written over.
 cp scenes/cornell.json scenes/cornell.obj scenes/cornell.mtl "$folder" 2>/dev/null; ln -s cornell.json "$folder/link.pfm"; cp "$folder/p.pfm" "$folder/before.pfm"
 expect 2 'save-cache: expected a file of its own, got .*cornell.json' render "$folder/cornell.json" -s 8x8 -q draft --quiet -o "$folder/own.pfm" --save-cache "$folder/cornell.json"
 expect 2 'output: expected a file of its own' render "$folder/cornell.json" -s 8x8 -q draft --quiet -o "$folder/link.pfm"
@@ -263,7 +263,7 @@ printf '%s' '<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11
 status=$?
 { [ $status -eq 0 ] && [ ! -s "$folder/err" ]; } || { [ $status -eq 3 ] && [ "$(grep -c '^softlux: .*empty.dae: ' "$folder/err")" -eq 1 ]; } || { echo "empty.dae: status $status"; bad=1; }
 
-# What a scene was read from is not written, whatever names it: the scene file, meshes, libraries, textures, skies, buffers, also by links and in a series.
+# The files of a scene are not written over, whatever names them: the scene file, meshes, libraries, textures, skies, buffers, also by links and in a series.
 mkdir "$folder/own"
 cp scenes/bricks.png "$folder/own/tex-7.png"
 printf 'newmtl a\nKd 1 1 1\nmap_Kd tex-7.png\n' >"$folder/own/a.mtl"
@@ -293,7 +293,7 @@ for file in "$folder"/kept/*; do
 done
 expect 0 '' render "$folder/own/index.html" -m path --spp 1 -s 8x8 --quiet -o "$folder/own/tex-8.png"
 
-# What a method finds out on its way is told, once, and not to those who want quiet.
+# A method's findings on its way are told, once, and not to those who want quiet.
 printf '{"softlux": 1, "meshes": [{"file": "%s/scenes/cornell-empty.obj"}], "lights": [{"type": "spot", "position": [278, 20, 278], "direction": [0, -1, 0], "intensity": [1, 1, 1], "outer_deg": 30}]}' "$PWD" >"$folder/low.json"
 expect 0 'warning: weight 15' render "$folder/low.json" --allow-outside -m direct-radiance --set direct-radiance.weight=15 -s 16x16 -o "$folder/low.pfm"
 [ "$(grep -c 'weight 15' "$folder/err")" -eq 1 ] || { echo 'a warning is not told once'; bad=1; }

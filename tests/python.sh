@@ -14,7 +14,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 prefix=/opt/softlux
 make -s BUILD="$build" DESTDIR="$folder" PREFIX=$prefix install
-# What pip builds lies beside the sources: those of a copy.
+# Pip builds beside the sources: those of a copy.
 mkdir -p "$folder/tree" && cp -r include python "$folder/tree"
 "$python" -m pip install --quiet --no-index --no-build-isolation --no-deps --no-warn-script-location --target "$folder/packages" "$folder/tree/python"
 cmp include/softlux.h "$folder/packages/softlux/softlux.h"

@@ -1,5 +1,4 @@
-/* How the hardware holds the geometry: triangles that lie together, with bounds around them (clusters.c made
- * them, once). */
+/* The hardware's geometry: triangles that lie together, with bounds around them (clusters.c made them). */
 #ifndef SL_RASTER_CLUSTERS_H
 #define SL_RASTER_CLUSTERS_H
 

@@ -112,8 +112,8 @@ static void project(const clip_range *restrict x, const clip_range *restrict y, 
     }
 }
 
-/* What is told of a group: the pixels whose centres lie in the projection, a bound on depth, a distance to
- * sort by. */
+/* Facts about a group: the pixels whose centres lie in the projection, a bound on depth, a distance to sort
+ * by. */
 typedef struct {
     int32_t x0[SL_LANES], y0[SL_LANES], x1[SL_LANES], y1[SL_LANES];
     float nearest[SL_LANES], distance[SL_LANES];

@@ -56,8 +56,8 @@ struct sl_raster_kernels {
                            const sl_tiny *tiny);
     /* Draws triangles [first, count) that have no mask. */
     void (*rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first);
-    /* Whether all pixels of the rectangle, which lies within the tile, show something nearer than `nearest`.
-     */
+    /* Tells whether all pixels of the rectangle, which lies within the tile, show something nearer than
+     * `nearest`. */
     bool (*occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
     void (*clear)(const sl_pass_view *view, const sl_tile *tile);
     /* Copies the tile's pixels into planes of the whole target (either may be NULL). */
@@ -94,8 +94,8 @@ void sl_spare_give(const sl_raster *raster, sl_raster_scratch *scratch);
 void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass,
                          const sl_tile *tile, const sl_batch *batch, uint32_t t);
 
-/* What happened to a visible cluster in one render: 0 if no tile drew it, else how many of its triangles fell
- * into each class (sl_fate_of), which is the same whatever tile drew it. */
+/* Fate of a visible cluster in one render: 0 if no tile drew it, else how many of its triangles fell into
+ * each class (sl_fate_of), which is the same whatever tile drew it. */
 typedef _Atomic uint32_t sl_cluster_fate;
 static inline uint32_t sl_fate_of(const sl_classes *c) {
     /* each at most 128, and culled + clipped too */

@@ -1,5 +1,5 @@
-/* How a rasterizer works: start here. One triangle after another, one pixel after another, in the order of
- * the pipeline:
+/* A whole rasterizer in its plainest form: start here. One triangle after another, one pixel after another,
+ * in the order of the pipeline:
  *
  *     1 transform    corners from the world into clip space
  *     2 clip codes   which planes of the view is a corner outside of? Triangles wholly outside one are done

@@ -197,7 +197,8 @@ void sl_resolver_destroy(sl_resolver *resolver);
 uint64_t sl_resolver_run(const sl_resolver *resolver, unsigned worker, size_t first, size_t count,
                          sl_gbuffer *part);
 
-/* What the Gouraud pass hands on: `count` pixels from `first` on, with the interpolated values of each. */
+/* Pixels that the Gouraud pass hands on: `count` of them from `first` on, with the interpolated values of
+ * each. */
 enum { SL_GOURAUD_CHANNELS = 4, SL_GOURAUD_STRIP = 2048 };
 typedef struct sl_gouraud_pixels {
     size_t first, count;

@@ -24,7 +24,7 @@ static inline bool nearer_than(sl_depth_rule rule, float z, float old) {
 
 /* ---- blocks ---- */
 
-/* What of a triangle's plane its blocks need, in all lanes. */
+/* A triangle's plane as its blocks need it, in all lanes. */
 typedef struct {
     sl_part_floats origin, du, dv, least, most;
     sl_part_ints origin_u, origin_v, id;

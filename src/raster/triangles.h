@@ -25,7 +25,7 @@ typedef struct sl_vertex_buffer {
     int32_t code[SL_CLUSTER_VERTICES];
 } sl_vertex_buffer;
 
-/* What becomes of a cluster's triangles. Lists hold cluster-local numbers. */
+/* A cluster's triangles by their fate. Lists hold cluster-local numbers. */
 typedef struct sl_classes {
     uint32_t tiny, other, clipped, culled, dropped;
     /* how many of those to be clipped cross one plane only; they come first on the list */

@@ -29,7 +29,7 @@ enum {
 /* Nearer corners are at the eye: 1/w would not be finite. */
 #define SL_LEAST_W 0x1p-126f
 
-/* How depth is found between a triangle's corners, and which depth is nearer. */
+/* Rule of depth: its value between a triangle's corners, and which depth is nearer. */
 typedef enum sl_depth_rule {
     SL_NEARER_IS_SMALLER, /* window depth */
     SL_NEARER_IS_LARGER,  /* 1/w */

@@ -7,8 +7,7 @@
 #include "scene/scene.h"
 
 typedef struct sl_model {
-    /* What is the scene's as it stands: materials, textures, lights, environment, objects, film, files,
-     * warnings. */
+    /* The scene's as it stands: materials, textures, lights, environment, objects, film, files, warnings. */
     sl_scene scene;
     size_t material_room, texture_room, light_room, object_room, file_room;
     size_t vertex_count, vertex_room;

@@ -94,7 +94,7 @@ typedef struct sl_camera {
     float vertical_fov;      /* radians */
 } sl_camera;
 
-/* What a sub-frame is for: methods whose cache grows by what is seen draw some to ask for it alone. */
+/* Purpose of a sub-frame: methods whose cache grows by what is seen draw some to ask for it alone. */
 typedef enum sl_sub_frame_purpose {
     SL_SUB_FRAME_BOTH,
     SL_SUB_FRAME_ASKS,
@@ -165,7 +165,7 @@ struct sl_scene {
      * is where detail is. */
     float scale;
     sl_vec3 central_min, central_max;
-    /* What they follow from: the middle, the radius that holds half of the vertices, the eye with which the
+    /* They follow from these: the middle, the radius that holds half of the vertices, the eye with which the
      * scene was made or that was set since. */
     sl_vec3d middle;
     double radius;
@@ -214,7 +214,7 @@ static inline float sl_scene_offset_at(const sl_scene *s, float offset, sl_vec3 
 static inline float sl_scene_central_diagonal(const sl_scene *s) {
     return sl_scene_is_scattered(s) ? sl_length(sl_sub(s->central_max, s->central_min)) : s->diagonal;
 }
-/* What a surface point is made of, for one triangle and barycentric weights (w1, w2) of corners 1 and 2. */
+/* A surface point as it is made, for one triangle and barycentric weights (w1, w2) of corners 1 and 2. */
 typedef struct sl_surface {
     sl_vec3 position;
     sl_vec3 geometric_normal;   /* turned to the viewer's side */

@@ -5,7 +5,7 @@
 enum { DIFFUSE_AND_GLOSSY = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY };
 
 bool sl_transport_named(const char *name, sl_transport *transport) {
-    /* What all three share: lights are seen, the sky is one of them, mirrors are followed, every leg may be
+    /* Common to all three: lights are seen, the sky is one of them, mirrors are followed, every leg may be
      * blocked. */
     sl_transport result = {.emission = true,
                            .sky_light = true,

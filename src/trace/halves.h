@@ -1,5 +1,5 @@
-/* What a reference tracer's film adds up: even and odd samples apart, two independent pictures whose
- * difference is the noise. */
+/* Sums of a reference tracer's film: even and odd samples apart, two independent pictures whose difference is
+ * the noise. */
 #ifndef SL_TRACE_HALVES_H
 #define SL_TRACE_HALVES_H
 

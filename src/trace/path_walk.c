@@ -64,7 +64,7 @@ static bool follow_mirror(const sl_path_walk *walk, sl_walker *w, const sl_surfa
 
 /* ---- a surface ------------------------------------------------------------------------------- */
 
-/* What the transport asks of the surface that was reached. */
+/* The transport's demands on the surface that was reached. */
 typedef struct surface_task {
     unsigned direct_lobes; /* reflect direct light here */
     unsigned next_lobes;   /* reflect light of further surfaces */

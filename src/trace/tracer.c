@@ -44,7 +44,7 @@ struct sl_tracer {
     atomic_llong embree_bytes;
 };
 
-/* What a query's callbacks work on. */
+/* State of a query for its callbacks. */
 typedef struct query_state {
     const sl_tracer *tracer;
     sl_ray_state rays;

@@ -1,4 +1,4 @@
-/* What is hit: our own ray-triangle test, after Woop, Benthin and Wald, "Watertight Ray/Triangle
+/* Our own ray-triangle test decides what is hit, after Woop, Benthin and Wald, "Watertight Ray/Triangle
  * Intersection" (2013).
  *
  * The triangle's corners are sheared so that the ray runs along an axis. What is left is a question in the

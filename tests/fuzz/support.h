@@ -1,4 +1,4 @@
-/* What the targets share: a folder of small files, bytes as numbers, and what a scene that loads must stand.
+/* Shared by the targets: a folder of small files, bytes as numbers, and what a scene that loads must stand.
  *
  * A target is a function LLVMFuzzerTestOneInput() in a file of its own. `make fuzz` links it with libFuzzer;
  * `make check` with replay.c, which hands it the files of tests/fuzz/corpus. */
@@ -31,7 +31,7 @@ float fuzz_take_float(fuzz_bytes *bytes);
 
 uint32_t fuzz_hash(const uint8_t *data, size_t size);
 
-/* Whether an error is one line that says something; fails if not. */
+/* Fails unless an error is one line that says something. */
 void fuzz_check_error(const sl_error *error);
 /* A loaded scene holds what the rest of the program relies on. Small ones are planned, moved, and drawn by
  * the method that `choice` names, 4 pixels square: no pixel may be negative, and where lights and sizes are

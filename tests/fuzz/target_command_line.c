@@ -36,7 +36,7 @@ static const struct {
               {"points.obj", no_triangle}, {"stray.obj", stray}, {"huge.ply", huge_header}};
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
-/* What ends a command that renders: last words win. Some only go with others. */
+/* The end of a command that renders: last words win. Some only go with others. */
 static const char *const least[] = {"--size",
                                     "3x2",
                                     "--threads",
@@ -89,7 +89,7 @@ static size_t add_least(char *argv[], size_t argc) {
     return by_error ? argc : add_words(argv, argc, least_without_error, 2);
 }
 
-/* What ends the commands is no mistake: else none would get as far as its work. */
+/* Words at the ends of the commands are no mistake: else none would get as far as its work. */
 static void try_sound_commands(void) {
     static const char *const sound[][6] = {{"c.json", "-o", "out.exr"},
                                            {"c.json", "-o", "out%d.exr", "--frames", "1"},

@@ -1,4 +1,4 @@
-/* What reads mesh files without the importer, or before it: surfaces, OBJ, OFF, headers of PLY, and glTF. */
+/* Readers of mesh files without the importer, or before it: surfaces, OBJ, OFF, headers of PLY, and glTF. */
 #include "support.h"
 
 #include "import/assimp.h"

@@ -1,5 +1,5 @@
-/* What we do with what the importer's process answers, which is read as a stranger's file is: the input's
- * bytes stand between a reply's header and its end. */
+/* The answer of the importer's process is read as a stranger's file is: the input's bytes stand between a
+ * reply's header and its end. */
 #include "support.h"
 
 #include <stdlib.h>

@@ -124,7 +124,7 @@ static void load_to_write(const fault_case *c) {
     if (sl_scene_load(c->what, &loaded, NULL) != SL_OK) _exit(1);
 }
 
-/* What is written is read where memory does not end. */
+/* Reads what was written, where memory does not end. */
 static void write_scene(const fault_case *c, fault_outcome *o) {
     const char *path = scene_file_path("written.json");
     sl_scene *again = NULL;
@@ -277,8 +277,8 @@ static void save_and_load(const fault_case *c, fault_outcome *o) {
 
 static void rest_a_little(void) { nanosleep(&(struct timespec){0, 2000000}, NULL); }
 
-/* What frames show depends on the clock: only that it works, and ends. Nobody looks before the first move, so
- * that a picture waits while something of what follows it fails, which then comes before the frame; later
+/* Frames depend on the clock, so this holds only that it works, and ends. Nobody looks before the first move,
+ * so that a picture waits while something of what follows it fails, which then comes before the frame; later
  * frames come first. */
 static void show(const fault_case *c, fault_outcome *o) {
     sl_settings settings = least_settings(c->what, 8, 6);

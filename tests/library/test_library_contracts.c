@@ -1,4 +1,4 @@
-/* What softlux.h promises of calls that ought not to be made: every function, every NULL, every number out of
+/* Promises of softlux.h for calls that ought not to be made: every function, every NULL, every number out of
  * range, every order but the right one. The status is the one that its comment names, one line says why (or
  * no one asked), and what was to be made is NULL, 0 or as it was. Run with sanitizers, too, which tell of
  * what leaks. Files that are damaged and memory that ends are elsewhere: test_image_damage,
@@ -232,7 +232,7 @@ static void no_option_takes_a_value_that_is_none_or_out_of_its_range(void **stat
     }
 }
 
-/* What the library's own callers put into the fields is checked like that, too. */
+/* Fields set by the library's own callers are checked like that, too. */
 static void fields_out_of_range_are_refused_by_whatever_takes_them(void **state) {
     (void)state;
     sl_scene *scene = load_scene(box);

@@ -1,4 +1,4 @@
-/* What the comparisons with OSMesa share: the same vertices through the same matrix, by the same rounded
+/* Shared by the comparisons with OSMesa: the same vertices through the same matrix, by the same rounded
  * operations. */
 #ifndef SL_TESTS_OSMESA_SOUP_H
 #define SL_TESTS_OSMESA_SOUP_H

@@ -1,4 +1,4 @@
-/* What OSMesa judges is what draws: the passes that every method asks for while it renders the Cornell box, a
+/* OSMesa judges the passes that draw: those that every method asks for while it renders the Cornell box, a
  * room and a cave are handed to OSMesa as they come, all large ones and every fiftieth small view, and whole
  * frames are compared. Triangle numbers agree in every bit, and so do depths of large views, told OpenGL's
  * way (the methods' own is 1/w, which OpenGL does not store); in small views depths may be 256 steps of a

@@ -5,7 +5,7 @@
 
 /* ---- bounds ---- */
 
-/* Whether a ray through a point of the screen meets the part of the sphere beyond the near plane. */
+/* Tells whether a ray through a point of the screen meets the part of the sphere beyond the near plane. */
 /* d.z = 1, camera space, z forward */
 static bool ray_meets_sphere(sl_vec3d d, sl_vec3d c, double r, double near) {
     double a = sl_dotd(d, d), b = sl_dotd(d, c), k = sl_dotd(c, c) - r * r, disc = b * b - a * k;

@@ -1,4 +1,4 @@
-/* What a scene without a camera, without light, or without a word on which axis is up is shown as. */
+/* The view of a scene without a camera, without light, or without a word on which axis is up. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

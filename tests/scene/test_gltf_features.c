@@ -1,4 +1,4 @@
-/* What glTF files ask for beyond plain surfaces: had as it is meant, told in a line, or refused. */
+/* Features of glTF files beyond plain surfaces: had as they are meant, told in a line, or refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* What a scene may hold at most: at the limit it is read, one more is an error. */
+/* Limits of a scene: at the limit it is read, one more is an error. */
 #define _XOPEN_SOURCE 700
 #include <setjmp.h>
 #include <stdarg.h>

@@ -238,7 +238,7 @@ static void refuse_library(const char *mtl, const char *rest) {
     assert_string_equal(message + strlen(library), rest);
 }
 
-/* How many of a file's warnings end like that. */
+/* Counts a file's warnings that end like that. */
 static size_t warnings(const char *obj, const char *end) {
     size_t found = 0;
     sl_scene *scene = load_scene(scene_file_text("m.obj", obj));

@@ -92,7 +92,7 @@ static void try_path(const fault_case *c, long index) {
         complain(c, index, "does not say in one line what is wrong", o.error.message);
 }
 
-/* What it gives with all memory there is. A library that was refused some may have broken the heap, for
+/* Runs the case with all memory there is. A library that was refused some may have broken the heap, for
  * whatever comes after it in this process. */
 static void run_whole(const fault_case *c, long index) {
     fault_outcome o;
@@ -147,7 +147,7 @@ static _Noreturn void be_trier(const fault_case *c, long from, long step, bool f
         done++;
     }
     run_whole(c, i - 1);
-    /* What foreign code loses is not ours to mend, also where everything failed after one of ours did. */
+    /* Leaks of foreign code are not ours to mend, also where everything failed after one of ours did. */
     if (!foreign && !board->foreign_before && __lsan_do_recoverable_leak_check &&
         __lsan_do_recoverable_leak_check())
         complain(c, i - 1, "leaks, or one of those before it", NULL);

@@ -33,7 +33,7 @@ typedef struct fault_path {
     char owner[27];
 } fault_path;
 
-/* What parent and children share. */
+/* Shared by parent and children. */
 typedef struct fault_board {
     long allocations, path_count;
     fault_path path[FAULT_PATHS];
@@ -153,7 +153,7 @@ static void note_path(long number, void *caller) {
     atomic_flag_clear(&lock);
 }
 
-/* Whether this allocation is to fail. */
+/* Tells whether this allocation is to fail. */
 static __attribute__((no_sanitize("address", "undefined"))) bool is_refused(void *caller) {
     if (inside || !atomic_load(&window_open) || !(all_threads || opened_window)) return false;
     long number = atomic_fetch_add(&allocation_number, 1);

@@ -1,5 +1,5 @@
-/* What the tests of picture files share: whole files as bytes, and EXR files written
- * through OpenEXR itself with every layout that it knows. */
+/* Shared by the tests of picture files: whole files as bytes, and EXR files written through OpenEXR itself
+ * with every layout that it knows. */
 #ifndef TESTS_IMAGE_SUPPORT_H
 #define TESTS_IMAGE_SUPPORT_H
 

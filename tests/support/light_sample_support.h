@@ -1,4 +1,4 @@
-/* What the tests of single lights share: a scene with everything around it, and samples of its lights at
+/* Shared by the tests of single lights: a scene with everything around it, and samples of its lights at
  * points. */
 #ifndef TESTS_LIGHT_SAMPLE_SUPPORT_H
 #define TESTS_LIGHT_SAMPLE_SUPPORT_H

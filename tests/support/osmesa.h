@@ -46,7 +46,7 @@ typedef struct osmesa_target {
 osmesa_target osmesa_target_create(int width, int height, int planes, const osmesa_format *formats,
                                    bool depth);
 void osmesa_target_destroy(osmesa_target *target);
-/* What follows draws here, the whole target being the viewport. */
+/* Draws here from then on, the whole target being the viewport. */
 void osmesa_draw_to(const osmesa_target *target);
 void osmesa_viewport(int x, int y, int width, int height);
 /* Whatever the viewport: unsigned planes to 0xffffffff (SL_NO_INDEX), float planes to 0, depth to 1. */

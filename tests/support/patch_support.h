@@ -1,4 +1,4 @@
-/* What tests of patches share: scenes with their primitives and patches, whole levels of splits, and
+/* Shared by the tests of patches: scenes with their primitives and patches, whole levels of splits, and
  * everything that must hold of any hierarchy. */
 #ifndef TESTS_PATCH_SUPPORT_H
 #define TESTS_PATCH_SUPPORT_H

@@ -1,4 +1,4 @@
-/* What the rasterizer's tests share: scenes from triangle lists, plain views, small renders. */
+/* Shared by the rasterizer's tests: scenes from triangle lists, plain views, small renders. */
 #ifndef TESTS_RASTER_SUPPORT_H
 #define TESTS_RASTER_SUPPORT_H
 

@@ -1,4 +1,4 @@
-/* What tests of whole pictures share: every function fails the test, with the library's message, where
+/* Shared by the tests of whole pictures: every function fails the test, with the library's message, where
  * anything fails. */
 #ifndef SL_TESTS_RENDERING_H
 #define SL_TESTS_RENDERING_H

@@ -1,4 +1,4 @@
-/* What tests of priorities, work, change and display share: vertices with shading as if it had been computed,
+/* Shared by tests of priorities, work, change and display: vertices with shading as if it had been computed,
  * displays of them. */
 #ifndef TESTS_SHADING_CACHE_SUPPORT_H
 #define TESTS_SHADING_CACHE_SUPPORT_H

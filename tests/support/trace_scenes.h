@@ -42,7 +42,7 @@ void trace_mesh_discard(trace_mesh *mesh);
 sl_scene *trace_scene_lit_by(unsigned lights, bool mirrors);
 sl_transport transport_of(const char *name);
 
-/* What a path tracer makes of a scene. */
+/* A path tracer's picture of a scene. */
 typedef struct trace_picture {
     float *plane[3][3]; /* of all samples, the even and the odd ones: R, G and B, one behind the other */
     sl_counters counters;

@@ -23,7 +23,7 @@ char *browser_text(browser *browser, const char *script);
 void browser_click(browser *browser, int x, int y);
 /* Keys as WebDriver has them, UTF-8. */
 void browser_press(browser *browser, const char *key);
-/* How many messages of level SEVERE the console has had; each is printed. */
+/* Counts the console's messages of level SEVERE; each is printed. */
 int browser_errors(browser *browser);
 
 #define KEY_HOME "\xee\x80\x91"

@@ -1,4 +1,4 @@
-/* What the parts of the second-level cache share. */
+/* Shared by the parts of the second-level cache. */
 #ifndef SL_CACHE_BOUNCES_SECOND_LEVEL_H
 #define SL_CACHE_BOUNCES_SECOND_LEVEL_H
 

@@ -1,4 +1,4 @@
-/* What a picture shows, ready to be lit: kinds of surfaces, and tiles of them in lanes (passes 5 and 6). */
+/* Readies a picture's surfaces for light: kinds of surfaces, and tiles of them in lanes (passes 5 and 6). */
 #include "base/counters.h"
 #include "cache/direct_radiance/direct_radiance.h"
 #include "cache/direct_radiance/receivers.h"

@@ -1,4 +1,4 @@
-/* How much of a picture's light a method finds, measured by a few thousand paths: lamps and sky as they are
+/* Measures by a few thousand paths how much of a picture's light a method finds. Lamps and sky as they are
  * seen are left out, since they are the same whatever is counted. */
 #ifndef SL_FRAME_ALL_LIGHT_H
 #define SL_FRAME_ALL_LIGHT_H

@@ -1,5 +1,5 @@
-/* How methods tell observers of their passes: each with the picture that it made, and with what the counters
- * have grown by since the last one. Without an observer it costs nothing. */
+/* Tells observers of a method's passes: each with the picture that it made, and with what the counters have
+ * grown by since the last one. Without an observer it costs nothing. */
 #ifndef SL_FRAME_ANNOUNCE_H
 #define SL_FRAME_ANNOUNCE_H
 

@@ -42,7 +42,7 @@ typedef struct sl_window_class {
                       sl_error *error);
 } sl_window_class;
 
-/* What a method takes, in bytes, beside the scene: an upper estimate by counts, before anything is there
+/* Bytes that a method takes beside the scene: an upper estimate by counts, before anything is there
  * (cache/frame/budget.h). */
 typedef struct sl_memory_need {
     double hierarchies; /* clusters of the rasterizer, the rays' */
@@ -85,14 +85,14 @@ typedef struct sl_method_class {
     /* The paths that the method models with these settings (for the tracers: `full`). */
     void (*transport)(const sl_settings *settings, sl_transport *transport);
     void (*plan)(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
-    /* What made a pixel, column x and row y of the target (bottom row first), from the state as it was last
-     * resolved, which may keep what it wants for other explanations; NULL: no explanation. */
+    /* Explains what made a pixel, column x and row y of the target (bottom row first), from the state as it
+     * was last resolved, which may keep what it wants for other explanations; NULL: no explanation. */
     sl_status (*explanation)(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
     const sl_raster *(*raster)(const void *state); /* of the scene */
     bool asks; /* the cache grows by what sub-frames see (scene/scene.h), and is asked before any is shown */
     bool any_transport; /* takes --transport: a reference tracer */
     const sl_window_class *window; /* NULL: pictures are resolved between updates alone */
-    /* How wrong what is seen seems to be, in displayed levels (0 to 255), as the last update found it; NULL:
+    /* Estimates the error of what is seen, in displayed levels (0 to 255), as the last update found it; NULL:
      * nobody knows. */
     double (*error_levels)(const void *state);
 } sl_method_class;

@@ -1,5 +1,5 @@
-/* What a picture holds where radiance is beyond floats (a light of 1e37 W/sr a millimetre away): the largest
- * float; and nothing where an infinite light met a zero, which is no number. */
+/* Limits a picture's values: the largest float where radiance is beyond floats (a light of 1e37 W/sr a
+ * millimetre away); and nothing where an infinite light met a zero, which is no number. */
 #ifndef SL_FRAME_PICTURE_VALUE_H
 #define SL_FRAME_PICTURE_VALUE_H
 

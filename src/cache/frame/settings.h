@@ -1,5 +1,4 @@
-/* What a method is asked for, field by field, and the table of options that sets, checks and tells the
- * fields. */
+/* The settings of a method, field by field, and the table of options that sets, checks and tells them. */
 #ifndef SL_FRAME_SETTINGS_H
 #define SL_FRAME_SETTINGS_H
 

@@ -16,8 +16,8 @@
 #include "cache/light/shadow_maps.h"
 #include "trace/trace.h"
 
-/* What lies between the plane's picture and the horizon: as the mean of the picture [LC04], or as the
- * outermost pixels along the meridians. */
+/* Radiance between the plane's picture and the horizon: the mean of the picture [LC04], or the outermost
+ * pixels' along the meridians. */
 typedef enum sl_border { SL_BORDER_LC04, SL_BORDER_RADIAL } sl_border;
 
 typedef struct sl_second_points {
@@ -27,9 +27,9 @@ typedef struct sl_second_points {
     const float *normal_x, *normal_y, *normal_z;
 } sl_second_points;
 
-/* What the surfaces that gathers see receive besides direct light: with more than one bounce, the irradiance
+/* Light that surfaces seen by gathers receive besides direct light: with more than one bounce, the irradiance
  * of the bounce before. Adds it to r, g, b at `count` points with unit shading normals; points whose triangle
- * is SL_NO_INDEX are nowhere. Thread-safe, and what it adds to a point does not depend on the others. */
+ * is SL_NO_INDEX are nowhere. Thread-safe, and the amount added to a point does not depend on the others. */
 typedef struct sl_second_light {
     const void *context;
     void (*irradiance)(const void *context, const sl_second_points *points, float *r, float *g, float *b,

@@ -1,4 +1,4 @@
-/* What the parts of a gather share: the steps of one gather are
+/* Shared by the parts of a gather, whose steps are
  *
  *     see      raster_gather.c or ray_gather.c: which triangle, where, in every cell
  *     shade    hit_shading.c: outgoing radiance of what is seen, lit directly, and by more bounces

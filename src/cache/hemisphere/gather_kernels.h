@@ -28,7 +28,7 @@ typedef struct sl_ray_cells {
     float *x, *y, *z; /* unit directions in the world */
 } sl_ray_cells;
 
-/* What was seen in the cells, by slot: slot k is cell order[k], those beyond are further rays of some cells
+/* Things seen in the cells, by slot: slot k is cell order[k], those beyond are further rays of some cells
  * (more_rays.c). */
 typedef struct sl_gather_hits {
     uint32_t *triangle;                             /* SL_NO_INDEX: nothing */

@@ -149,10 +149,10 @@ static void set_curvature(float *xx, float *xy, float *yy, sl_curvature k) {
     *yy = (float)k.yy;
 }
 
-/* How the walls between a cell and those to its left and below it, and the corner where four of them meet,
- * move with the receiver, to the second order (Schwarzhaupt, Jensen, Jarosz 2012 have the idea that occlusion
- * belongs into the Hessian). Seen along the wall, the cell lies on its right. Walls where the hemicube's side
- * faces meet, at azimuths of 45 degrees, are left out. */
+/* Derives how the walls between a cell and those to its left and below it, and the corner where four of them
+ * meet, move with the receiver, to the second order (Schwarzhaupt, Jensen, Jarosz 2012 have the idea that
+ * occlusion belongs into the Hessian). Seen along the wall, the cell lies on its right. Walls where the
+ * hemicube's side faces meet, at azimuths of 45 degrees, are left out. */
 static void fill_walls(sl_gather_tables *t, size_t i, int x, int y) {
     sl_vec3d here = sl_gather_direction(t, x, y), right = sl_gather_direction(t, x + 1, y),
              up = sl_gather_direction(t, x, y + 1);

@@ -1,4 +1,4 @@
-/* What the ways to light a gather's hits by rays share. */
+/* Shared by the ways to light a gather's hits by rays. */
 #ifndef SL_CACHE_GATHER_HIT_LIGHT_H
 #define SL_CACHE_GATHER_HIT_LIGHT_H
 

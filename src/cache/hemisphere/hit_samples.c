@@ -23,7 +23,7 @@
 #include "cache/hemisphere/hit_light.h"
 #include "cache/light/near_light.h"
 
-/* How much of the budget is spread evenly over the hits. */
+/* This share of the budget is spread evenly over the hits. */
 #define EVEN_SHARE 0.2
 
 static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
@@ -241,7 +241,7 @@ static bool is_above(const sl_gather_hits *h, const sl_polygon_light *light, siz
     return true;
 }
 
-/* What the side gives unhindered is known: the point tells whether it is seen. */
+/* Takes the side's unhindered light as known, and lets the point tell whether it is seen. */
 static void light_by_side(const sl_gather_view *view, sl_shadow_queue *q, const sl_hit_sample *sample,
                           float u1, float u2) {
     const sl_gather_hits *h = &view->scratch->hits;

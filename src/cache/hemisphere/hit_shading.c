@@ -1,4 +1,4 @@
-/* What the gather sees, lit by direct light (hit_light.c, or shadow maps) and by what more bounces bring:
+/* Shades what the gather sees, lit by direct light (hit_light.c, or shadow maps) and by further bounces:
  * outgoing radiance L = kd / pi * E of a Lambertian bounce. */
 #include "cache/hemisphere/hit_light.h"
 

@@ -1,4 +1,4 @@
-/* What arrives from a source at many points, shadows aside, and sums of it. */
+/* Light that arrives from a source at many points, shadows aside, and sums of it. */
 #include "cache/light/light_kernels.h"
 
 static inline float above(float value) { return value > 0.0f ? value : 0.0f; } /* 0 for NaN */

@@ -140,8 +140,8 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
         add_light_sample(&q, u, counters);
     }
     end_light_samples(&q, counters);
-    /* What the samples bring to a diffuse surface is known (direct_exact.c): how far they are off tells of
-     * the lobe, too. */
+    /* The light that the samples bring to a diffuse surface is known (direct_exact.c): the samples' error
+     * there tells of the lobe, too. */
     float off = q.irradiance > 0.0f ? exact / q.irradiance : 0.0f;
     if (!by_angle && off > 0.0f && isfinite(off)) q.sum = sl_rgb_scale(q.sum, off);
     for (uint32_t s = 0; s < lobes; s++) {

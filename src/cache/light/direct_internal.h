@@ -1,4 +1,4 @@
-/* What the parts of direct light share. Read in this order:
+/* Shared by the parts of direct light. Read in this order:
  *
  *     direct.c          strips of rows, what each pixel is, and how its light adds up
  *     direct_maps.c     by shadow maps
@@ -53,7 +53,7 @@ uint32_t sl_direct_samples(const sl_direct *direct);
 sl_light_points sl_lit_points(const sl_lit_block *block);
 void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, sl_lit_block *block);
 
-/* What is summed up for the pixels of a strip and the rows around it. Irradiance, but for glossy. */
+/* Sums for the pixels of a strip and the rows around it. Irradiance, but for glossy. */
 typedef struct sl_direct_sums {
     size_t first, count;    /* pixels [first, first + count) of the G-buffer */
     float *exact[3];        /* emitters, unoccluded, in units: their samples are of the next two */
@@ -84,7 +84,7 @@ void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sam
 void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample,
                         uint64_t stream, float u[2]);
 
-/* What shadow rays aim at: from the point to the light itself, or a direction. */
+/* Aims of shadow rays: from the point to the light itself, or a direction. */
 typedef struct sl_aims {
     const float *x, *y, *z;
     bool far_away;

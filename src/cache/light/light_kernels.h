@@ -34,7 +34,7 @@ typedef struct sl_light_source {
     sl_rgb colour;              /* intensity, irradiance, or radiance x area */
 } sl_light_source;
 
-/* What arrives from a source at the points of a block: irradiance = colour x weight. */
+/* Light that arrives from a source at the points of a block: irradiance = colour x weight. */
 typedef struct sl_arrivals {
     float x[SL_LIGHT_BLOCK], y[SL_LIGHT_BLOCK], z[SL_LIGHT_BLOCK]; /* unit, towards the light */
     float weight[SL_LIGHT_BLOCK]; /* cosine over squared distance and the like; 0 below either horizon */

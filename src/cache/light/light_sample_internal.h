@@ -1,4 +1,4 @@
-/* What the estimators of a single light share (light_sample.h tells in which order to read them). */
+/* Shared by the estimators of a single light (light_sample.h tells in which order to read them). */
 #ifndef SL_CACHE_LIGHT_SAMPLE_INTERNAL_H
 #define SL_CACHE_LIGHT_SAMPLE_INTERNAL_H
 
@@ -10,14 +10,14 @@
 /* Lights seen smaller than that (their size over their distance) are points: Lambert's formula and the
  * point's are as good as each other here, and in float pictures of them would be coarse. */
 #define SL_TINY_LIGHT 5e-5
-/* What lies within this share of the way to the light, at the light, is the light, or too near it to be told
+/* A thing within this share of the way to the light, at the light, is the light, or too near it to be told
  * from it. */
 #define SL_LIGHT_MARGIN 1e-4
 
 /* sums are read back at so many pixels a side, or as many as there are */
 enum { SL_REDUCED = 16 };
 
-/* What is known of an area light beforehand. */
+/* Known of an area light beforehand. */
 typedef struct sl_light_shape_info {
     sl_light_surface surface;
     double size;               /* across: largest distance of a corner from the centroid, twice */

@@ -1,5 +1,5 @@
-/* What a glossy lobe reflects of area lights: of their points, weighed in shadow_ray.c, and of directions
- * that are drawn from the lobe. */
+/* Light of area lights that a glossy lobe reflects: of their points, weighed in shadow_ray.c, and of
+ * directions that are drawn from the lobe. */
 #include "base/math.h"
 #include "cache/light/light_sample_internal.h"
 

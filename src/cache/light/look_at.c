@@ -57,11 +57,11 @@ sl_light_sums sl_light_reduce(const sl_light_query *query, int size) {
     return sums;
 }
 
-/* How the picture lies in its frustum's rectangle, each half of whose sides counts as 1: turned, and so much
- * larger that it holds it. The paper's lies along an edge of the light. Edges of a scene run along its lamps
- * more often than not, and an edge along the pixels hides whole columns at a time, which shows as bands. So
- * for the ratio it is turned, by a slope of 0.382: of all numbers one of those that fractions come near the
- * least, so that an edge cuts pixels evenly. */
+/* The picture's position in its frustum's rectangle, each half of whose sides counts as 1: turned, and so
+ * much larger that it holds it. The paper's lies along an edge of the light. Edges of a scene run along its
+ * lamps more often than not, and an edge along the pixels hides whole columns at a time, which shows as
+ * bands. So for the ratio it is turned, by a slope of 0.382: of all numbers one of those that fractions come
+ * near the least, so that an edge cuts pixels evenly. */
 typedef struct {
     double cosine, sine, size;
 } turn;

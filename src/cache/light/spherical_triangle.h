@@ -17,7 +17,7 @@ bool sl_spherical_triangle_make(const sl_vec3 corner[3], sl_vec3 p, sl_spherical
  * = 1 goes from a to c. */
 sl_vec3d sl_spherical_triangle_point(const sl_spherical_triangle *triangle, double u1, double u2);
 
-/* What of a triangle lies above the horizon of p, whose normal is n: as up to two spherical triangles. */
+/* The part of a triangle above the horizon of p, whose normal is n: up to two spherical triangles. */
 typedef struct sl_seen_triangle {
     int parts;                   /* 0: nothing, or too little for angles */
     sl_spherical_triangle part[2];

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* How far the sky in the octree may rise above its own mean. */
+/* The sky in the octree rises above its own mean by this factor at most. */
 static const double sky_contrast = 10.0;
 
 /* ---- what there is, and its end ---- */

@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
-/* What lies around the central region takes light from it, too. */
+/* Things around the central region take light from it, too. */
 static const double AROUND_CENTRE = 1.5;
 
 enum { CHUNK = 2048, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS };

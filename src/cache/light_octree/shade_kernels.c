@@ -13,7 +13,7 @@ typedef struct light_sum {
     lanes irradiance[3], lobe[3];
 } light_sum;
 
-/* What of the points the loops need. */
+/* The part of the points that the loops need. */
 typedef struct point_lanes {
     lanes tx, ty, tz, nx, ny, nz, mx, my, mz, exponent;
     const sl_shade_cells *cells;
@@ -89,7 +89,7 @@ static inline lanes suits(const point_lanes *p, const sl_shade_corner *corner, c
     return cosine - (lanes)((masks)above & 0x7fffffff);
 }
 
-/* What a voxel gives the points: light, and how far it faces them, (n . n_v)+, 1 where there is no normal. */
+/* A voxel's share at the points: light, and the cosine towards it, (n . n_v)+, 1 where there is no normal. */
 typedef struct voxel_share {
     light_sum light;
     lanes facing;

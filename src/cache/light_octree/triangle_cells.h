@@ -26,7 +26,7 @@ typedef struct sl_triangle_part {
 /* Boxes are closed: what touches one leaves a point or an edge. */
 void sl_triangle_in_box(const sl_cell_triangle *triangle, sl_vec3d low, sl_vec3d high,
                         sl_triangle_part *clipped);
-/* What has sign * (p_axis - plane) <= 0; its corners alone. */
+/* Cuts off the part with sign * (p_axis - plane) <= 0; its corners alone. */
 void sl_triangle_part_below(const sl_triangle_part *part, int axis, double plane, double sign,
                             sl_triangle_part *below);
 

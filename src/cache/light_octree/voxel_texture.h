@@ -14,7 +14,7 @@ typedef struct sl_unpacked_light {
     float direction[3], color[3];
 } sl_unpacked_light;
 
-/* What a leaf's address leads to: a set of lights for each of its groups of normals, one after the other in
+/* Texels behind a leaf's address: a set of lights for each of its groups of normals, one after the other in
  * one row: a head, whose direction is the group's normal, and as many lights as there are. Leaves without
  * light share the first texel. */
 typedef struct sl_voxel_texture {
@@ -30,7 +30,7 @@ typedef struct sl_voxel_texture {
     sl_unpacked_light *light;   /* row by row, the last not full */
 } sl_voxel_texture;
 
-/* What a set's head says, and its lights. */
+/* A set's head, and its lights. */
 typedef struct sl_shade_set {
     const sl_unpacked_light *light;
     int lights;
@@ -47,9 +47,9 @@ sl_shade_set sl_voxel_texture_set(const sl_voxel_texture *texture, size_t texel)
 sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights *lights,
                                   sl_voxel_texture **texture, sl_error *error);
 void sl_voxel_texture_destroy(sl_voxel_texture *texture);
-/* What the hardware would hold of bricks and lights. */
+/* Returns the bytes of bricks and lights that the hardware would hold. */
 size_t sl_voxel_texture_bytes(const sl_voxel_texture *texture);
-/* What this takes. */
+/* Returns the bytes that this takes. */
 size_t sl_voxel_texture_resident_bytes(const sl_voxel_texture *texture);
 /* Descends to a cell of the deepest level: the place of its leaf's first texel, or SIZE_MAX where it is void
  * or outside the root. fetches is added to. */

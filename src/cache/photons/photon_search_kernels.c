@@ -81,7 +81,7 @@ static void scan_bucket(const sl_photon_bucket *b, sl_photon_search *s) {
     if (count + SL_PHOTON_BUCKET > s->room) tighten(s);
 }
 
-/* What a query asks of boxes. */
+/* A query in the form in which it is held against boxes. */
 typedef struct box_query {
     float centre[3], normal[3], across[3]; /* across: |normal| */
     float stretch, shrink;

@@ -21,8 +21,8 @@ enum { BUCKETS_A_TASK = 256, SPLIT_LEVELS = 6, SAMPLE = 31 };
 
 /* ---- splitting ------------------------------------------------------------------------------- */
 
-/* What of a photon the building moves about: its coordinates as integers of the same order, so that comparing
- * needs no branch. */
+/* The part of a photon that building moves about: its coordinates as integers of the same order, so that
+ * comparing needs no branch. */
 typedef struct tree_point {
     _Alignas(16) uint32_t coordinate[3];
     uint32_t id;

@@ -60,7 +60,7 @@ typedef struct path_block {
     uint32_t places[SL_PHOTON_CHUNK];
 } path_block;
 
-/* What a chunk leaves. */
+/* Result of a chunk. */
 typedef struct chunk_result {
     size_t count, capacity;
     sl_photon *photon, *ordered; /* bounce by bounce, and path by path */

@@ -1,5 +1,5 @@
-/* What the passes need, made when it is needed and not before: light and hierarchy at the start, a cache when
- * the first pixel of its class has been seen. */
+/* Makes what the passes need, when it is needed and not before: light and hierarchy at the start, a cache
+ * when the first pixel of its class has been seen. */
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"

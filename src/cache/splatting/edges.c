@@ -1,4 +1,4 @@
-/* What pixels show, and which records they ask for.
+/* Finds what pixels show, and which records they ask for.
  *
  * Pixels at edges are looked at again by rays. The rasterizer snaps vertices to 1/256 of a pixel, as hardware
  * does: at the outline of a thing one pixel of a thousand shows what lies behind it, or its far side. That

@@ -25,7 +25,7 @@ static void irradiance_at(const sl_record_pass *pass, const sl_record *record, s
     for (int c = 0; c < 3; c++) e[c] = sl_record_extrapolate(&k, c, &o, turn);
 }
 
-/* What the pixel's glossy lobe reflects of a radiance record, per unit ks. */
+/* Computes what the pixel's glossy lobe reflects of a radiance record, per unit ks. */
 static void reflected_at(const sl_record_cache *cache, size_t index, size_t i, float radiance[3]) {
     const sl_record *record = &cache->list.records[index];
     const sl_glossy_record glossy = {record->position, sl_frame_from_normal(record->normal),

@@ -27,7 +27,7 @@ int sl_glossy_order_for(const sl_scene *scene);
  * exponent. 0 without glossy materials. */
 double sl_glossy_truncation(const sl_scene *scene, int order, double *exponent);
 
-/* What a view's pixels are to the glossy part of the fragment program. */
+/* A view's pixels for the glossy part of the fragment program. */
 typedef struct sl_glossy_view {
     const sl_glossy *glossy;
     const sl_splat_receivers *receivers;

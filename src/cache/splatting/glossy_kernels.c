@@ -1,6 +1,6 @@
-/* What a radiance record sends to the eye from a pixel (Krivanek et al. 2005): the pixel's lobe moved into
- * the record's frame (cache/hemisphere/lobes.c). Vectors of coefficients have an even part (cos m phi)
- * and an odd one (sin m phi), each padded with zeros to groups of sixteen. */
+/* Radiance that a record sends to the eye from a pixel (Krivanek et al. 2005): the pixel's lobe moved into
+ * the record's frame (cache/hemisphere/lobes.c). Vectors of coefficients have an even part (cos m phi) and an
+ * odd one (sin m phi), each padded with zeros to groups of sixteen. */
 #include "cache/splatting/glossy.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* What radiance cache splatting takes, and where records end if memory does. */
+/* Memory of radiance cache splatting, and its end of records if memory ends. */
 #include "cache/frame/budget.h"
 #include "cache/hemisphere/projection.h"
 #include "cache/splatting/state.h"

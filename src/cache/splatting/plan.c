@@ -1,5 +1,5 @@
-/* What will run: the qualities, the paths, and which passes a scene needs. Only what the plan asks for is
- * made. */
+/* Decides what will run: the qualities, the paths, and which passes a scene needs. Only what the plan asks
+ * for is made. */
 #include "cache/splatting/state.h"
 
 #include "scene/features.h"

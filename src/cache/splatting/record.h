@@ -62,7 +62,7 @@ typedef struct sl_radius_rules {
     sl_radius_metric metric;   /* decided: AUTO counts as HARMONIC here */
 } sl_radius_rules;
 
-/* How far a record reaches, by metric (record.c has the formulas):
+/* A record's reach, by metric (record.c has the formulas):
  *
  *   harmonic  a times the cosine-weighted harmonic mean distance: what can change is near
  *   hessian   so far that the error of linear extrapolation, summed over what it lights, is the same for all
@@ -104,7 +104,7 @@ void sl_record_set_radius(sl_record *record, float radius);
 
 /* ---- weights ---- */
 
-/* What the fragment program reads per pixel: one class of receivers, bottom row first. */
+/* Pixels as the fragment program reads them: one class of receivers, bottom row first. */
 typedef struct sl_splat_receivers {
     int width, height;
     const float *position_x, *position_y, *position_z;

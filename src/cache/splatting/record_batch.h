@@ -41,8 +41,8 @@ typedef struct sl_record_batch {
 /* Makes a record for each point. */
 void sl_record_batch_gather(sl_record_batch *batch, sl_counters *counters);
 
-/* How many candidates to take next, after `committed` of `count` have become records: it follows the waste
- * and never changes which records there are. */
+/* Returns the number of candidates to take next, after `committed` of `count` have become records: it follows
+ * the waste and never changes which records there are. */
 static inline size_t sl_record_batch_size(size_t size, size_t count, size_t committed) {
     const size_t wasted = count - committed;
     if (wasted * 32 <= count && size < SL_BATCH_MAX) return 2 * size;

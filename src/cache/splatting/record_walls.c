@@ -17,7 +17,7 @@ static const float around[DIRECTIONS][2] = {
     {0.0f, -1.0f}, {0.38268343f, -0.92387953f},  {0.70710678f, -0.70710678f},  {0.92387953f, -0.38268343f},
 };
 
-/* What a ray along the tangent plane met, relative to the point, its normal on the point's side. */
+/* A ray's hit along the tangent plane, relative to the point, its normal on the point's side. */
 typedef struct {
     sl_vec3 direction, point, normal;
     float distance; /* infinite: nothing, or nothing any more */

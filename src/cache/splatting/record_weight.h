@@ -1,5 +1,5 @@
-/* How much a record counts at a point, and what it says there: (2), (3) and (8) of Gautron et al. 2005, as
- * they are inlined into the loops over a splat's pixels and over the records around a point. */
+/* Weight and value of a record at a point: (2), (3) and (8) of Gautron et al. 2005, as they are inlined into
+ * the loops over a splat's pixels and over the records around a point. */
 #ifndef SL_CACHE_SPLATTING_RECORD_WEIGHT_H
 #define SL_CACHE_SPLATTING_RECORD_WEIGHT_H
 
@@ -13,7 +13,7 @@ static inline float sl_record_least_distance(float accuracy) {
     return 0.1f * accuracy < 1e-3f ? 0.1f * accuracy : 1e-3f;
 }
 
-/* What all points that a record is asked about have in common. */
+/* Common to all points that a record is asked about. */
 typedef struct sl_record_terms {
     sl_vec3 position, normal;
     float inverse_radius, accuracy, least, offset;

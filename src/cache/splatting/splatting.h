@@ -38,7 +38,7 @@ sl_status sl_look_at_edges(const sl_scene *scene, const sl_tracer *tracer, unsig
 
 /* ---- pixels that show something by way of mirrors ---- */
 
-/* What is seen in a mirror lies elsewhere than where the picture shows it, so the rectangle about a record's
+/* Things seen in a mirror lie elsewhere than where the picture shows them, so the rectangle about a record's
  * sphere on the screen (step 1 of Algorithm 1) misses those pixels. All of them are looked at where the
  * sphere reaches the box of what they show. */
 typedef struct sl_mirror_pixels {
@@ -86,7 +86,7 @@ typedef struct sl_traversal {
     size_t batch;             /* candidates taken at once, adapted to how many turned out covered */
 } sl_traversal;
 
-/* What a traversal works on. */
+/* Input of a traversal. */
 typedef struct sl_record_pass {
     const sl_scene *scene;
     const sl_tracer *tracer;  /* or NULL: the guard alone keeps records from reaching through walls */

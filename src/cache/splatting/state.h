@@ -1,4 +1,4 @@
-/* What radiance cache splatting holds between updates. */
+/* The state of radiance cache splatting between updates. */
 #ifndef SL_CACHE_SPLATTING_STATE_H
 #define SL_CACHE_SPLATTING_STATE_H
 

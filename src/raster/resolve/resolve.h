@@ -70,8 +70,7 @@ typedef struct sl_surface_block {
     sl_vector_planes position, normal, geometric; /* out */
 } sl_surface_block;
 
-/* What the materials of a block say: kd, black on the background, and the texture that it is multiplied by,
- * or NULL. */
+/* Materials of a block: kd, black on the background, and the texture that it is multiplied by, or NULL. */
 typedef struct sl_albedo_block {
     float red[SL_RESOLVE_RUNS], green[SL_RESOLVE_RUNS], blue[SL_RESOLVE_RUNS];
     const sl_texture *texture[SL_RESOLVE_RUNS];

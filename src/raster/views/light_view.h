@@ -1,4 +1,4 @@
-/* What a surface point sees of an area light: the off-axis pyramid that just holds the light's part above the
+/* View of an area light from a surface point: the off-axis pyramid that just holds the light's part above the
  * point's horizon. Rendering the scene into it samples the light's visibility with every pixel ("sub-frustum"
  * of multi-mesh caching with hardware sampling).
  *

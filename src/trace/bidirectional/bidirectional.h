@@ -10,7 +10,7 @@
 
 typedef struct sl_path_pairs sl_path_pairs;
 
-/* What falls on other pixels is kept in so many lists. */
+/* Light that falls on other pixels is kept in so many lists. */
 enum { SL_PAIR_LISTS = 64 };
 
 /* But with SL_FILTER_BOX light subpaths are not joined to the camera. */

@@ -188,7 +188,7 @@ bool sl_connect_camera(const sl_path_maker *m, const sl_path_vertex *light, unsi
 
 /* ---- all of them ----------------------------------------------------------------------------- */
 
-/* What waits for its shadow rays. */
+/* Connections that wait for their shadow rays. */
 typedef struct queue {
     const sl_path_maker *maker;
     const sl_path_receiver *receiver;

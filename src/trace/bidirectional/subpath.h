@@ -54,7 +54,7 @@ typedef struct sl_subpath {
     sl_path_vertex vertex[SL_SUBPATH_VERTICES_MAX];
 } sl_subpath;
 
-/* What all paths of a picture, or of a set of points, have in common. */
+/* Common to all paths of a picture, or of a set of points. */
 typedef struct sl_path_maker {
     const sl_scene *scene;
     const sl_tracer *tracer;
@@ -163,8 +163,7 @@ typedef struct sl_connection {
     sl_vec3 from, towards;    /* the ray between them, from v_(t-1) to v_t */
     float far;
     uint32_t skip;
-    /* What each walk's end becomes known to the other by the connection: densities of the last vertices and
-     * of those before. */
+    /* Densities that the connection tells of each walk's end: of the last vertices and of those before. */
     double eye_last, eye_before, light_last, light_before;
 } sl_connection;
 

@@ -28,7 +28,7 @@ static double light_density(const sl_connection *c, unsigned i) {
     return c->eye[i].pdf_reverse;
 }
 
-/* What decides which ways there are. */
+/* The ways in which a path can have been made, and why. */
 typedef struct ways {
     unsigned last;       /* m */
     unsigned first;      /* i of x1, the first vertex that is no mirror */

@@ -1,4 +1,4 @@
-/* What the tests of sample photons share: scenes with one light, and the pictures taken from it. */
+/* Shared by the tests of sample photons: scenes with one light, and the pictures taken from it. */
 #ifndef TESTS_RADIANCE_MAPS_H
 #define TESTS_RADIANCE_MAPS_H
 

@@ -1,5 +1,5 @@
-/* What the tests of Direct Radiance Mapping's passes 6 and 7 share: receivers placed by hand, and photons
- * made on the CPU in shapes whose light is known. Every function fails the test where anything fails. */
+/* Shared by the tests of Direct Radiance Mapping's passes 6 and 7: receivers placed by hand, and photons made
+ * on the CPU in shapes whose light is known. Every function fails the test where anything fails. */
 #ifndef SL_TESTS_RECEIVER_SUPPORT_H
 #define SL_TESTS_RECEIVER_SUPPORT_H
 

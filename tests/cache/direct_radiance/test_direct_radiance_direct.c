@@ -87,9 +87,9 @@ static void point_light_falls_with_cosine_and_squared_distance(void **state) {
     }
 }
 
-/* What taking an area light for "very distant" costs: (9) over the exact irradiance of a square light of side
- * s, at height d above a parallel plane, d / s = 0.5, 1, 2, 5. E of a square is the sum over four corners,
- * (L/2) sum of x / sqrt(1 + x^2) atan(y / sqrt(1 + x^2)) + likewise. */
+/* The error of taking an area light for "very distant": (9) over the exact irradiance of a square light of
+ * side s, at height d above a parallel plane, d / s = 0.5, 1, 2, 5. E of a square is the sum over four
+ * corners, (L/2) sum of x / sqrt(1 + x^2) atan(y / sqrt(1 + x^2)) + likewise. */
 static double corner_factor(double x, double y) {
     double p = sqrt(1.0 + x * x), q = sqrt(1.0 + y * y);
     return 0.5 * (x / p * atan(y / p) + y / q * atan(x / q));

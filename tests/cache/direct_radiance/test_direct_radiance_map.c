@@ -168,7 +168,7 @@ static void every_position_lies_on_its_triangle_where_its_ray_points(void **stat
             assert_true(fabsf(sl_length(g) - 1.0f) < 1e-5f && fabsf(sl_length(n) - 1.0f) < 1e-5f);
             if (directional) continue;
             assert_true(fabsf(map->path[i] - sl_length(d)) < 1e-5f * map->path[i]);
-            /* What was drawn may lie a hundredth of a texel beside the ray, where vertices are snapped. */
+            /* The drawn point may lie a hundredth of a texel beside the ray, where vertices are snapped. */
             assert_true(sl_length(sl_sub(sl_scale(d, 1.0f / map->path[i]), ray_of(face, i))) <
                         0.02f * 2.0f / 16.0f);
         }

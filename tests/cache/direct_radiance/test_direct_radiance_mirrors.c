@@ -68,7 +68,7 @@ static void a_mirror_shows_what_its_image_of_the_eye_sees_and_dims_it(void **sta
     sl_image_destroy(straight);
 }
 
-/* What neither ends in nor leaves is black, and finite. */
+/* A ray that neither ends nor leaves is black, and finite. */
 static void mirrors_face_to_face_come_to_an_end(void **state) {
     (void)state;
     sl_image *image =

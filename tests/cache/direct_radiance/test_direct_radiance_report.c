@@ -1,5 +1,5 @@
-/* What pictures of direct radiance mapping tell of their maps: flux that they hold, flux that arrives, and a
- * warning where (15) is lost. */
+/* Reports of direct radiance mapping on its maps: flux that they hold, flux that arrives, and a warning where
+ * (15) is lost. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

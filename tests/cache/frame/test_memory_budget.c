@@ -163,8 +163,8 @@ static void pictures_of_many_triangles_stay_within_every_budget(void **state) {
     check_budgets(bumpy_ball, 32, 1, 2.5);
 }
 
-/* What the program takes for itself hides no mistake here: by how much more is taken for more pixels or
- * triangles. */
+/* Holds forecast against measured growth: by how much more is taken for more pixels or triangles, so that the
+ * program's own memory hides no mistake. */
 static void check_growth(const char *method, sl_scene *(*few)(void), int small, sl_scene *(*many)(void),
                          int large) {
     const double slack = 2.0 * mega;

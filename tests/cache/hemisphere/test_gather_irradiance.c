@@ -1,4 +1,4 @@
-/* What gathers return against closed forms: furnaces, polygon lights, mean distances, the integrating sphere.
+/* Results of gathers against closed forms: furnaces, polygon lights, mean distances, the integrating sphere.
  */
 #include <setjmp.h>
 #include <stdarg.h>

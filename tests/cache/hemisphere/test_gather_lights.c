@@ -1,4 +1,4 @@
-/* How hits are lit by samples: what is drawn means the light that there is. */
+/* Light at a gather's hits by samples: their mean is the light that there is. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -243,7 +243,8 @@ static sl_scene *posts_on_a_lamp(void) {
     return trace_mesh_build(&mesh);
 }
 
-/* What lies between the posts is a fortieth of the lamp, but nearly all of what would arrive without them. */
+/* The part between the posts is a fortieth of the lamp, but gives nearly all of what would arrive without
+ * them. */
 static void between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them(void **state) {
     (void)state;
     const sl_vec3d between[4] = {{0, 0, -0.5}, {0, 0, 0.5}, {0.2, 0, 0.5}, {0.2, 0, -0.5}};

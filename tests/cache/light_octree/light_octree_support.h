@@ -1,4 +1,4 @@
-/* What the light octree's tests share: octrees of scenes, and lights of voxels made by hand. */
+/* Shared by the light octree's tests: octrees of scenes, and lights of voxels made by hand. */
 #ifndef TESTS_LIGHT_OCTREE_SUPPORT_H
 #define TESTS_LIGHT_OCTREE_SUPPORT_H
 

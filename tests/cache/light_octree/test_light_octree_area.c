@@ -1,5 +1,5 @@
-/* How much surface an ellipsoid holds, in closed form, by counting points, and where photons tell: at edges
- * and in corners. */
+/* Area of the surface within an ellipsoid, in closed form, by counting points, and where photons tell: at
+ * edges and in corners. */
 #include "light_octree_photons.h"
 
 #include "cache/light_octree/photon_area.h"

@@ -1,4 +1,4 @@
-/* What the light octree says made a pixel is what made it, whatever its settings, and in pictures that were
+/* The light octree's explanation of a pixel is what made it, whatever its settings, and in pictures that were
  * stopped anywhere. */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -3,7 +3,7 @@
 
 #include "trace_scenes.h"
 
-/* What whole voxels hold. */
+/* Returns the lights of whole voxels. */
 static sl_voxel_lights *whole_voxels(const sl_scene *scene, const sl_octree *octree) {
     const sl_light_octree_settings options = plain_options(1);
     return lights_of(scene, octree, &options);

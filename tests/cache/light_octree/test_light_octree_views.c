@@ -152,8 +152,8 @@ static sl_image *next_frame(sl_method *method, unsigned changes) {
     return image;
 }
 
-/* What moves, and what shines anew, leaves nothing behind: not in photons, not in voxels, not in the atlas.
- */
+/* Things that move, and lights that change, leave nothing behind: not in photons, not in voxels, not in the
+ * atlas. */
 static void a_frame_of_a_series_is_that_frame_alone(void **state) {
     (void)state;
     const char *const scenes[] = {"scenes/moving-light.json", "scenes/moving-ball.json"};

@@ -1,4 +1,4 @@
-/* What tests of displayed meshes share: a mesh over a scene, seen by a camera, whose samples come from a
+/* Shared by tests of displayed meshes: a mesh over a scene, seen by a camera, whose samples come from a
  * field, a function of position and nothing else. Every function fails the test where anything fails. */
 #ifndef TESTS_MULTI_MESH_FIELD_H
 #define TESTS_MULTI_MESH_FIELD_H

@@ -1,4 +1,4 @@
-/* What tests of coarse meshes and gathers share. */
+/* Shared by tests of coarse meshes and gathers. */
 #ifndef TESTS_MULTI_MESH_GATHER_SUPPORT_H
 #define TESTS_MULTI_MESH_GATHER_SUPPORT_H
 
@@ -79,7 +79,7 @@ static inline sl_mesh_point face_point(const sl_scene *scene, uint32_t face, flo
                            face};
 }
 
-/* What bounces off at a point of a face, as gathers look it up: after sl_coarse_finish(). */
+/* Returns what bounces off at a point of a face, as gathers look it up: after sl_coarse_finish(). */
 static inline sl_rgb coarse_colour(const sl_coarse *c, uint32_t face, float w1, float w2) {
     float a, b, value[3];
     int at = c->face[face].first + sl_lattice_locate(w1, w2, c->face[face].rows, &a, &b);

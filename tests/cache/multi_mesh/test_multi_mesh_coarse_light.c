@@ -84,7 +84,7 @@ static void where_nothing_is_between_all_lights_count_though_few_are_asked(void 
     discard(&h);
 }
 
-/* What those that are not asked could give is a thirtieth of all at most. */
+/* Lights that are not asked could give a thirtieth of all at most. */
 static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(void **state) {
     (void)state;
     lit_hall h = hall(LAMPS / 2, 1);

@@ -105,7 +105,7 @@ static sl_image *exact_direct_light(const sl_scene *scene, int width, int height
 
 static bool nearly(float a, float b, float room) { return fabsf(a - b) <= room; }
 
-/* Whether the exact picture jumps within `reach` pixels of this one. */
+/* Tells whether the exact picture jumps within `reach` pixels of this one. */
 static bool near_a_border(const float *exact, int x, int y, int reach, float jump) {
     float least = INFINITY, most = 0.0f;
     for (int j = y - reach; j <= y + reach; j++) {
@@ -118,8 +118,8 @@ static bool near_a_border(const float *exact, int x, int y, int reach, float jum
     return most - least > jump;
 }
 
-/* How many pixels differ from exact direct light by more than a tenth of its most, farther than `reach`
- * pixels from where that jumps. */
+/* Counts the pixels that differ from exact direct light by more than a tenth of its most, farther than
+ * `reach` pixels from where that jumps. */
 static int count_wrong(const sl_scene *scene, sl_quality quality, int reach) {
     sl_settings settings = mesh_settings(SIDE, SIDE);
     settings.quality = quality;

@@ -120,7 +120,7 @@ static void no_leaf_is_deeper_than_what_was_asked_for(void **state) {
     }
 }
 
-/* What was found once is not sampled again, and lies between its leaf's corners where it was not. */
+/* Values found once are not sampled again, and lie between their leaf's corners where they were not. */
 static void a_light_without_shadows_stays_coarse_and_is_sampled_once(void **state) {
     (void)state;
     lit_floor f;

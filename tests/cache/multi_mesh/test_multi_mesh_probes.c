@@ -98,7 +98,7 @@ static void range_within(const sl_image *image, const sl_image *lit, double x, d
     }
 }
 
-/* How many of the positions, from `left` on to the right, show nothing of what is there; `shadow`: it is dark
+/* Counts the positions, from `left` on to the right, that show nothing of what is there; `shadow`: it is dark
  * within, else lit. */
 static int not_found(const char *floor, double left, const char *light,
                      void (*occluder)(char *, size_t, double, double, double), bool shadow) {

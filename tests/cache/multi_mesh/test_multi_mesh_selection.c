@@ -28,7 +28,7 @@ static void assert_priorities(const sl_displayed *d) {
     assert_true(sl_displayed_priority(d) == all);
 }
 
-/* What the incremental updates have left is what comes out anew. */
+/* Holds the priorities that incremental updates have left against those computed anew. */
 static void assert_priorities_are_up_to_date(rig *r) {
     const sl_patches *mesh = r->mesh->mesh;
     float *priority = malloc(mesh->patch_count * sizeof *priority);

@@ -164,7 +164,7 @@ static sl_image *picture_at_the_end(sl_method *method) {
     return image;
 }
 
-/* What was nobody's light until then is what it sees. */
+/* Shading that concerned nobody until then is what the eye sees. */
 static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
     (void)state;
     sl_scene *scene = scene_from_text(light_in_box, box_in_floor);

@@ -1,4 +1,4 @@
-/* What an eye can tell apart: display levels, the threshold map. */
+/* Differences that an eye can tell: display levels, the threshold map. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* What the hierarchy stands on: quadrilaterals found among triangles, points of roots and back, edges and
- * poles that are shared. */
+/* Ground of the hierarchy: quadrilaterals found among triangles, points of roots and back, edges and poles
+ * that are shared. */
 #include "patch_support.h"
 
 #include <math.h>

@@ -69,7 +69,8 @@ static void run_frames(world *w, int frames) {
     render_cache_show(w->cache, false);
 }
 
-/* What the pixel's ray says, with an arithmetic of its own; object: what it hits, or SL_NO_INDEX. */
+/* Returns the light along the pixel's ray, with an arithmetic of its own; object: the one hit, or
+ * SL_NO_INDEX. */
 static sl_rgb truth(const world *w, int x, int y, uint32_t *object) {
     const sl_camera *c = &w->scene->camera;
     double top = sl_tan(0.5 * (double)c->vertical_fov), u = top * (2.0 * (x + 0.5) / SIZE - 1.0),

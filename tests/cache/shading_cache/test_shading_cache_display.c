@@ -266,7 +266,7 @@ static void a_split_without_samples_is_not_seen(void **state) {
 
 /* ---- hanging vertices ------------------------------------------------------------------------ */
 
-/* What the leaf at one side of a point shows there: (u, v) moved by next to nothing. */
+/* Reads the value that the leaf at one side of a point shows there: (u, v) moved by next to nothing. */
 static void value_beside(const sl_display *d, uint32_t root, double u, double v, float value[6]) {
     const sl_display_copy *copy = &d->copy[d->shown];
     bool triangle = d->primitives->kind[root / 2] == SL_PRIMITIVE_TRIANGLE;

@@ -120,7 +120,7 @@ static sl_live_state frames_until_done(sl_live *live, float picture[3 * PIXELS])
     return frame_of(live, picture); /* drawn after the last update */
 }
 
-/* What the method itself shows of a scene at a time before any sample. */
+/* Draws what the method itself shows of a scene at a time before any sample. */
 static void first_picture_at(const char *path, double time, float picture[3 * PIXELS]) {
     sl_scene *scene = load_scene(path);
     sl_settings settings = show_settings();

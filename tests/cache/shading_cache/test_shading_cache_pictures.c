@@ -76,7 +76,7 @@ static void to_the_end(sl_method *method) {
     while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
 }
 
-/* What moves is shown where it is before any update. */
+/* Moving things are shown where they are before any update. */
 static void a_moved_object_is_shown_in_its_place_at_once(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/moving-ball.json");
@@ -114,9 +114,8 @@ static void a_still_scene_never_seems_to_change(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* What a picture takes beyond what it takes before its
- * first split (both copies of the display there, the list of visible leaves, too), for each patch that splits
- * have made. */
+/* Counts a picture's memory beyond that before its first split (both copies of the display there, the list of
+ * visible leaves, too), for each patch that splits have made. */
 static void a_patch_takes_at_most_125_bytes_with_both_copies_of_the_display_and_all_else_that_grows(
     void **state) {
     (void)state;

@@ -211,8 +211,8 @@ static void the_cornell_box_with_four_bounces_is_what_the_path_tracer_says(void 
 }
 
 /* A camera that moves keeps the second-level records; a light that moves does not. */
-/* What sees the sky receives its light once: from the gathers that it escapes, or from samples where a gather
- * hits. */
+/* A surface that sees the sky receives its light once: from the gathers that it escapes, or from samples
+ * where a gather hits. */
 static void the_light_of_a_sky_bounces_as_the_path_tracer_says(void **state) {
     (void)state;
     static const char text[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": "

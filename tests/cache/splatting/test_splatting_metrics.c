@@ -1,4 +1,4 @@
-/* How far records reach, by metric: the formulas, walls, and what it buys. */
+/* The reach of records, by metric: the formulas, walls, and their gain. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

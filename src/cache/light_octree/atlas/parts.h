@@ -1,5 +1,5 @@
-/* What the steps of the atlas hand to each other. Faces are the scene's triangles; corner 3 f + k is corner k
- * of face f, and the half-edge 3 f + k runs from that corner to the next one of its face. */
+/* Data that the steps of the atlas hand to each other. Faces are the scene's triangles; corner 3 f + k is
+ * corner k of face f, and the half-edge 3 f + k runs from that corner to the next one of its face. */
 #ifndef SL_CACHE_LIGHT_OCTREE_ATLAS_PARTS_H
 #define SL_CACHE_LIGHT_OCTREE_ATLAS_PARTS_H
 
