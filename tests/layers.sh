@@ -27,7 +27,7 @@ allow cache/splatting "($below|cache/(splatting|bounces|hemisphere|reflect|light
 allow cache/direct_radiance "($below|cache/(direct_radiance|reflect|light|frame/))"
 allow cache/photons "($below|cache/photons)/"
 allow cache/light_octree "($below|cache/(light_octree|photons|reflect|light|frame/))"
-allow cache/patches "($below|cache/(patches|light))/"
+allow cache/patches "($below|cache/(patches|light/|frame/picture_value))"
 allow cache/multi_mesh "($below|cache/(patches|multi_mesh|light|hemisphere/gather|frame/))"
 allow cache/shading_cache "($below|cache/(patches|shading_cache|photons|light|frame/))"
 allow cache/reference "($below|cache/(reference|frame/))"

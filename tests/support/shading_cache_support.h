@@ -4,7 +4,7 @@
 #define TESTS_SHADING_CACHE_SUPPORT_H
 
 #include "base/counters.h"
-#include "cache/shading_cache/display.h"
+#include "cache/patches/display/display.h"
 #include "patch_support.h"
 
 static inline void evaluate(hierarchy *h, uint32_t vertex, float irradiance, uint32_t now) {

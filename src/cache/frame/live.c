@@ -6,7 +6,7 @@
  *   thread   follow: scene, edit ── update ── update ── follow ...              rests when all is refined
  *
  * They meet under one lock, held for a few assignments: where things are to be, and how far updates have
- * come. Shading goes from one to the other in the display's two copies (shading_cache/window.c); of methods
+ * come. Shading goes from one to the other in the display's two copies (patches/display/window.c); of methods
  * without such a display, in pictures that are handed over whole. */
 #include <math.h>
 #include <string.h>

@@ -18,7 +18,7 @@
 #define SL_MULTI_MESH_COARSE_H
 
 #include "cache/hemisphere/gather.h"
-#include "cache/multi_mesh/irradiance.h"
+#include "cache/patches/irradiance.h"
 
 typedef struct sl_coarse_settings {
     float edge;                /* scene units: longer edges are split, */

@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "cache/multi_mesh/coarse.h"
 #include "cache/multi_mesh/direct.h"
-#include "cache/multi_mesh/irradiance.h"
+#include "cache/patches/irradiance.h"
 
 /* Lights that are not asked could give no more than this share of all light. */
 static const double UNASKED = 0.03;

@@ -17,20 +17,4 @@ sl_rgb sl_direct_diffuse(const sl_sampled_lights *lights, const float *share);
 sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_mesh_point *point,
                           float exponent, sl_vec3 eye);
 
-/* ---- where light is asked for: a little beside the vertices, which lie on edges and may lie inside other
- * geometry ---- */
-
-/* Moves a point on an edge into its face, at least `inwards` from all its edges unless the face is too small.
- */
-void sl_step_inside(const sl_scene *scene, double inwards, sl_mesh_point *at);
-
-/* Nudges the point of a vertex that lies inside a solid until it does not. False: it still does, and no light
- * there is anybody's. */
-bool sl_leave_solid(const sl_patches *mesh, const sl_tracer *tracer, uint32_t vertex, sl_mesh_point *at,
-                    bool *moved, sl_counters *counters);
-
-static inline sl_lit_point sl_lit_point_of(const sl_mesh_point *at) {
-    return (sl_lit_point){at->position, at->normal, at->geometric_normal, at->triangle};
-}
-
 #endif

@@ -23,7 +23,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cache/multi_mesh/pixels.h"
+#include "cache/patches/display/pixels.h"
 #include "cache/patches/mesh.h"
 #include "cache/patches/perception.h"
 

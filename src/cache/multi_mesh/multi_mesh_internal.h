@@ -4,24 +4,23 @@
  *   plan.c             which passes a scene needs
  *   multi_mesh.c       the paper: the passes of a picture, update by update
  *   world.c, state.c   what a picture is made from; made, edited, measured
- *   pixels.c           visible sizes (image pass 1)
  *   displayed.h        a mesh as the eye uses it: priorities, tests, drawing (progressive sampling, pass 3)
- *   irradiance.c       a mesh for each light, refined only where radiance asks for it
  *   direct.c           direct diffuse and specular radiance from them
  *   coarse.h           the coarse mesh of the whole scene, which indirect gathers see
  *   merge.c            materials, and the five pictures into one (passes 2 and 4)
  *   explanation.c      a pixel told backwards; what can be seen of the meshes while they are made
  *
- * Faces, their shared corners and the quadtrees on them are those of cache/patches, gathers those of
- * cache/hemisphere; single lights are sampled in cache/light. Here are the method's state, and the functions
- * of its parts. */
+ * Faces, their shared corners and the quadtrees on them are those of cache/patches, and so are visible sizes
+ * (image pass 1, display/pixels.c) and a mesh for each light, refined only where radiance asks for it
+ * (irradiance.c); gathers are those of cache/hemisphere; single lights are sampled in cache/light. Here are the
+ * method's state, and the functions of its parts. */
 #ifndef SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 #define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 
 #include "cache/frame/announce.h"
 #include "cache/multi_mesh/coarse.h"
 #include "cache/multi_mesh/displayed.h"
-#include "cache/multi_mesh/irradiance.h"
+#include "cache/patches/irradiance.h"
 #include "cache/multi_mesh/merge.h"
 #include "cache/multi_mesh/plan.h"
 

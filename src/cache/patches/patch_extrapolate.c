@@ -6,29 +6,6 @@
  * wrong by all of it (sl_patch_error()), down to the size at which nothing is split any more. */
 #include "base/math.h"
 #include "cache/patches/patches.h"
-#include "cache/patches/primitive_parts.h"
-
-/* The root's own corners are on all grids. */
-static int32_t side_of_patches(const sl_patch_vertex *v) {
-    uint32_t places = v->u | v->v | SL_PATCH_DYADIC;
-    return (int32_t)(places & -places);
-}
-
-static int32_t at_most(int32_t way, int32_t most) { return way > most ? most : way < -most ? -most : way; }
-
-sl_root_place sl_vertex_nudged(const sl_patches *p, uint32_t vertex, int nudge) {
-    static const int32_t ways[SL_NUDGES + 1] = {256, 100, 20, 5};
-    const sl_patch_vertex *v = &p->vertex[vertex];
-    int corners = sl_primitive_corners(p->primitives, v->root / 2);
-    int32_t centre = SL_PATCH_DYADIC / (corners == 3 ? 3 : 2), u = v->u, w = v->v;
-    int32_t side = nudge ? side_of_patches(v) : SL_PATCH_DYADIC;
-    uint32_t t;
-    if (nudge || sl_edge_at(corners, v->u, v->v, &t) >= 0) {
-        u += at_most(centre - u, side) / ways[nudge];
-        w += at_most(centre - w, side) / ways[nudge];
-    }
-    return (sl_root_place){v->root, (uint16_t)u, (uint16_t)w};
-}
 
 void sl_patches_set_extrapolated(sl_patches *p, uint32_t vertex) {
     p->vertex[vertex].extrapolated = 1;

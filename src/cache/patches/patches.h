@@ -22,8 +22,11 @@
  *   patch_evict.c      children that nobody has seen for long, or that are below a pixel
  *   fan.h              where vertices lie on leaves' edges
  *   patch_marks.c      edges and shares as those who look on are shown them
+ *   sample_points.c    where vertices are sampled
  *   screen_size.c      sizes in the picture
- *   mesh.h             values between vertices, for multi-mesh caching */
+ *   mesh.h             values between vertices, for multi-mesh caching
+ *   irradiance.h       a mesh for each light
+ *   display/           drawn by the hardware; visible pixels by roots */
 #ifndef SL_PATCHES_PATCHES_H
 #define SL_PATCHES_PATCHES_H
 

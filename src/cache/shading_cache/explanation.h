@@ -2,20 +2,8 @@
 #ifndef SL_SHADING_CACHE_EXPLANATION_H
 #define SL_SHADING_CACHE_EXPLANATION_H
 
-#include "cache/shading_cache/leaf_lookup.h"
+#include "cache/patches/display/leaf_lookup.h"
 #include "cache/shading_cache/state.h"
-
-/* A pixel of the last frame in the display's own window: L_e + kd E / pi + L_s, in parts. */
-typedef struct sl_shown_pixel {
-    const sl_display_copy *copy;
-    uint32_t root;             /* SL_NO_INDEX: the background; emission is that */
-    bool wanted;               /* false: it shows the guess */
-    bool lobe;                 /* L_s, too */
-    sl_leaf leaf;
-    sl_rgb emission, diffuse, guess;
-} sl_shown_pixel;
-/* draw.c: by the functions that draw it. pixel: bottom row first. */
-void sl_display_pixel(sl_display *display, size_t pixel, sl_shown_pixel *shown);
 
 /* See sl_method_explanation(). */
 sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);

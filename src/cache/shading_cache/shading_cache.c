@@ -13,13 +13,13 @@
  * and any number of frames are drawn from the copy that is shown meanwhile. The parts:
  *
  *   plan.c, method.c      which of it a scene needs; a cache made, edited, shown; state.h: its fields
- *   cache/patches         triangles, quadrilaterals and bicubic patches, and the hierarchy on them
+ *   cache/patches         triangles, quadrilaterals and bicubic patches, and the hierarchy on them; its
+ *                         display: arrays, tessellation, drawing
  *   priority.c            interpolation error, age, normalisation
  *   selection.c           visible leaves and their pixels; choices kept; sorted selection
  *   work.c                patches grouped, corners asked for, splits
  *   renderers.h           direct light (cache/light), bidirectional paths, caustics (cache/photons)
  *   samples.c, change.c   requests, commits; change detection, resolution drop, blending
- *   display.h             arrays, tessellation, drawing
  *   explanation.c         the terms of a pixel, for observers */
 #include "base/error.h"
 #include "base/memory.h"

@@ -4,7 +4,7 @@
 
 #include "cache/frame/announce.h"
 #include "cache/shading_cache/change.h"
-#include "cache/shading_cache/display.h"
+#include "cache/patches/display/display.h"
 #include "cache/shading_cache/plan.h"
 #include "cache/shading_cache/priority.h"
 #include "cache/shading_cache/renderers.h"

@@ -3,7 +3,7 @@
 
 #include "base/counters.h"
 #include "cache/multi_mesh/coarse.h"
-#include "cache/multi_mesh/irradiance.h"
+#include "cache/patches/irradiance.h"
 
 enum { LAMPS = 40, POINTS = 50 };
 

@@ -1,7 +1,7 @@
 /* The id map's pixels in the order of the faces that they show: what "visible sizes" (image pass 1) come to,
  * and what each mesh deals down its quadtrees to know exactly which pixels show which leaf. */
-#ifndef SL_MULTI_MESH_PIXELS_H
-#define SL_MULTI_MESH_PIXELS_H
+#ifndef SL_PATCHES_PIXELS_H
+#define SL_PATCHES_PIXELS_H
 
 #include "cache/patches/screen_size.h"
 

@@ -9,8 +9,8 @@
  *   another leaf                                    its edges are tested, then it is closed or cut, and on
  *
  * Samples that are not there yet are put on a list; once they are taken the fetch is made again: a round. */
-#ifndef SL_MULTI_MESH_IRRADIANCE_H
-#define SL_MULTI_MESH_IRRADIANCE_H
+#ifndef SL_PATCHES_IRRADIANCE_H
+#define SL_PATCHES_IRRADIANCE_H
 
 #include "cache/light/light_sample.h"
 #include "cache/patches/mesh.h"

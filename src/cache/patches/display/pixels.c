@@ -1,5 +1,5 @@
 /* Visible sizes (image pass 1): a counting sort of the id map's pixels by the faces that they show. */
-#include "cache/multi_mesh/pixels.h"
+#include "cache/patches/display/pixels.h"
 
 #include <string.h>
 

@@ -7,7 +7,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/frame/picture_value.h"
-#include "cache/shading_cache/display_parts.h"
+#include "cache/patches/display/display_parts.h"
 
 bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes) {
     if (wanted <= *capacity) return true;

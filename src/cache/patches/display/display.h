@@ -13,8 +13,8 @@
  *   tessellate.c     curved surfaces, from the view: chord within half a pixel; never shaded
  *   draw.c           id map, Gouraud, texture, emission
  */
-#ifndef SL_SHADING_CACHE_DISPLAY_H
-#define SL_SHADING_CACHE_DISPLAY_H
+#ifndef SL_PATCHES_DISPLAY_H
+#define SL_PATCHES_DISPLAY_H
 
 #include "cache/patches/patches.h"
 #include "raster/raster.h"

@@ -3,7 +3,7 @@
 #include "light_sample_support.h"
 
 #include "base/math.h"
-#include "cache/multi_mesh/irradiance.h"
+#include "cache/patches/irradiance.h"
 
 enum { DEPTH = 6, LEFT = 0, RIGHT = 1 };
 

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/shading_cache/display_parts.h"
+#include "cache/patches/display/display_parts.h"
 #include "scene/bicubic.h"
 
 /* Pieces along a side. */

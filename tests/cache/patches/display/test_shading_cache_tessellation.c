@@ -8,7 +8,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/shading_cache/display_parts.h"
+#include "cache/patches/display/display_parts.h"
 #include "scene/bicubic.h"
 
 enum { W = 160, H = 160, PIXELS = W * H };

@@ -6,8 +6,7 @@
 #include "base/math.h"
 #include "base/parallel.h"
 #include "cache/frame/picture_value.h"
-#include "cache/shading_cache/leaf_lookup.h"
-#include "cache/shading_cache/explanation.h"
+#include "cache/patches/display/leaf_lookup.h"
 #include "scene/surface_rules.h"
 
 /* ---- visibility ------------------------------------------------------------------------------ */

@@ -4,7 +4,7 @@
  * to. A frame never waits; a build that would write to what an unfinished frame reads does. */
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/shading_cache/display_parts.h"
+#include "cache/patches/display/display_parts.h"
 
 static size_t pixels_of(const sl_display *d) {
     return (size_t)d->settings.width * (size_t)d->settings.height;

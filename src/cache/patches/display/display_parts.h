@@ -1,9 +1,9 @@
 /* Between arrays.c, window.c, tessellate.c and draw.c. */
-#ifndef SL_SHADING_CACHE_DISPLAY_PARTS_H
-#define SL_SHADING_CACHE_DISPLAY_PARTS_H
+#ifndef SL_PATCHES_DISPLAY_PARTS_H
+#define SL_PATCHES_DISPLAY_PARTS_H
 
 #include "base/thread.h"
-#include "cache/shading_cache/display.h"
+#include "cache/patches/display/display.h"
 
 /* A patch in the display is a leaf, a leaf with a fan, or the block of four that its children are. */
 enum { SL_FAN_BIT = 0x40000000 };

@@ -1,11 +1,11 @@
 /* From a point of a root to its leaf in the display arrays, and to what the leaf shows there: the same leaf
  * as sl_patch_locate() finds. */
-#ifndef SL_SHADING_CACHE_LEAF_LOOKUP_H
-#define SL_SHADING_CACHE_LEAF_LOOKUP_H
+#ifndef SL_PATCHES_LEAF_LOOKUP_H
+#define SL_PATCHES_LEAF_LOOKUP_H
 
 #include <string.h>
 
-#include "cache/shading_cache/display_parts.h"
+#include "cache/patches/display/display_parts.h"
 
 /* Places in a root count in 2^-24: so many digits has a float below 1, and no leaf is smaller than 2^-14. All
  * is exact. */
@@ -191,5 +191,19 @@ static inline void sl_leaf_value(const sl_display_copy *copy, size_t colours, co
         value[i] = field->k[0][i] + place.out * (on_edge - field->k[0][i]);
     }
 }
+
+/* ---- a pixel, told ------------------------------------------------------------------------------ */
+
+/* A pixel of the last frame in the display's own window: L_e + kd E / pi + L_s, in parts. */
+typedef struct sl_shown_pixel {
+    const sl_display_copy *copy;
+    uint32_t root;             /* SL_NO_INDEX: the background; emission is that */
+    bool wanted;               /* false: it shows the guess */
+    bool lobe;                 /* L_s, too */
+    sl_leaf leaf;
+    sl_rgb emission, diffuse, guess;
+} sl_shown_pixel;
+/* draw.c: by the functions that draw it. pixel: bottom row first. */
+void sl_display_pixel(sl_display *display, size_t pixel, sl_shown_pixel *shown);
 
 #endif

@@ -6,14 +6,13 @@
  *   samples: all that are wanted are taken, by all threads, and put into the meshes in the order in which
  *   they were wanted;
  *   rounds (sl_irradiance_at()): fetches for many points and all lights, then samples, until none waits. */
-#include "cache/multi_mesh/irradiance.h"
+#include "cache/patches/irradiance.h"
 
 #include "base/batch.h"
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/direct.h"
 
 /* Of what an eye can tell. Errors of the lights' meshes add up, and to those of the mesh that asks: with 8
  * lights, meshes as coarse as the threshold allows make pictures that one mesh for all makes from fewer

@@ -10,7 +10,7 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "base/thread.h"
-#include "cache/shading_cache/display_parts.h"
+#include "cache/patches/display/display_parts.h"
 #include "rendering.h"
 #include "scene/copy.h"
 
