@@ -192,8 +192,8 @@ typedef struct compare_pictures {
 } compare_pictures;
 
 static sl_status check_picture(const sl_image *image, const char *path, sl_error *error) {
-    if (sl_image_channel(image, "R") && sl_image_channel(image, "G") && sl_image_channel(image, "B"))
-        return SL_OK;
+    const float *planes[3];
+    if (sl_layer_planes(image, NULL, planes)) return SL_OK;
     return sl_fail(error, SL_ERROR_INPUT, "%s: no R, G, B channels to compare", path);
 }
 
@@ -218,31 +218,36 @@ static sl_status read_pictures(const compare_request *q, compare_pictures *p, sl
 
 /* ---- surfaces alone -------------------------------------------------------------------------- */
 
-static bool has_emission(const sl_image *image) {
-    return sl_image_channel(image, "emission.R") && sl_image_channel(image, "emission.G") &&
-           sl_image_channel(image, "emission.B");
+/* The layer of emission; `told`: there is one. */
+typedef struct emission {
+    bool told;
+    const float *planes[3];
+} emission;
+
+static emission emission_of(const sl_image *image) {
+    emission e;
+    e.told = sl_layer_planes(image, "emission", e.planes);
+    return e;
 }
 
-static bool shows_light(const sl_image *image, size_t i) {
-    return has_emission(image) && (sl_image_channel(image, "emission.R")[i] != 0.0f ||
-                                   sl_image_channel(image, "emission.G")[i] != 0.0f ||
-                                   sl_image_channel(image, "emission.B")[i] != 0.0f);
+static bool shines(const emission *e, size_t i) {
+    return e->told && (e->planes[0][i] != 0.0f || e->planes[1][i] != 0.0f || e->planes[2][i] != 0.0f);
 }
 
 /* NaN where neither picture tells what shines, or nothing is left. */
 static double rel_rmse_of_surfaces(const compare_pictures *p) {
-    static const char *const names[3] = {"R", "G", "B"};
+    const emission of_image = emission_of(p->image), of_reference = emission_of(p->reference);
     const float *x[3], *r[3];
     size_t pixels = (size_t)p->image->width * (size_t)p->image->height, count = 0;
     double squares = 0.0, sum = 0.0;
-    if (!has_emission(p->image) && !has_emission(p->reference)) return (double)NAN;
-    for (int k = 0; k < 3; k++)
-        x[k] = sl_image_channel(p->image, names[k]), r[k] = sl_image_channel(p->reference, names[k]);
+    if (!of_image.told && !of_reference.told) return (double)NAN;
+    sl_layer_planes(p->image, NULL, x);
+    sl_layer_planes(p->reference, NULL, r);
     for (size_t i = 0; i < pixels; i++) {
         bool finite = true;
         for (int k = 0; k < 3; k++) finite = finite && isfinite(x[k][i]) && isfinite(r[k][i]);
-        if (!finite || (p->mask && !(p->mask->planes[i] > 0.5f)) || shows_light(p->image, i) ||
-            shows_light(p->reference, i))
+        if (!finite || (p->mask && !(p->mask->planes[i] > 0.5f)) || shines(&of_image, i) ||
+            shines(&of_reference, i))
             continue;
         for (int k = 0; k < 3; k++) {
             double d = (double)x[k][i] - (double)r[k][i];

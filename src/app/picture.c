@@ -29,12 +29,12 @@ static sl_tone tone_of(const sl_render_options *o) {
 static const double nearly_all = 0.98, most = 0.9;
 
 static bool is_black(const sl_image *image) {
-    static const char *const names[3] = {"R", "G", "B"};
+    const float *planes[3];
     const size_t pixels = (size_t)image->width * (size_t)image->height;
+    sl_layer_planes(image, NULL, planes);
     for (int c = 0; c < 3; c++) {
-        const float *plane = sl_image_channel(image, names[c]);
-        for (size_t i = 0; plane && i < pixels; i++) {
-            if (plane[i] != 0.0f) return false;
+        for (size_t i = 0; planes[c] && i < pixels; i++) {
+            if (planes[c][i] != 0.0f) return false;
         }
     }
     return true;

@@ -131,15 +131,10 @@ static sl_status relative_metrics(const comparison *c, sl_comparison *result, sl
  * Against the true picture the squared error is therefore smaller than measured by just that. Pixels whose
  * halves are not finite tell nothing. */
 static void noise_of_reference(const comparison *c, const sl_image *reference, sl_comparison *result) {
-    static const char *const names[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
     double floor_squared = 0.01 * result->mean_reference * result->mean_reference, sum = 0.0;
     const float *a[3], *b[3];
     size_t count = 0;
-    for (int channel = 0; channel < 3; channel++) {
-        a[channel] = sl_image_channel(reference, names[0][channel]);
-        b[channel] = sl_image_channel(reference, names[1][channel]);
-        if (!a[channel] || !b[channel]) return;
-    }
+    if (!sl_layer_planes(reference, "even", a) || !sl_layer_planes(reference, "odd", b)) return;
     for (size_t i = 0; i < c->pixels; i++) {
         double term = 0.0;
         if (c->state[i] != COMPARED) continue;

@@ -1,5 +1,6 @@
 /* Portable float maps: a text header, then rows of floats from the bottom up. */
 #include "image/formats.h"
+#include "image/tone.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -103,17 +104,11 @@ static sl_status write_rows(const sl_image *image, const float *const *planes, s
 }
 
 sl_status sl_pfm_write(const sl_image *image, sl_output_file *file, sl_error *error) {
-    const float *planes[3] = {sl_image_channel(image, "R"), sl_image_channel(image, "G"),
-                              sl_image_channel(image, "B")};
-    size_t channels = 3;
-    if (!planes[0] || !planes[1] || !planes[2]) {
-        planes[0] = sl_image_channel(image, "Y");
-        channels = 1;
-    }
-    if (!planes[0]) {
+    const float *planes[3];
+    const size_t channels = sl_layer_planes(image, NULL, planes) ? 3 : 1;
+    if (!sl_picture_planes(image, planes))
         return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: a PFM needs the channels R, G, B or Y",
                        file->name);
-    }
     char header[64];
     int length = snprintf(header, sizeof header, "%s\n%d %d\n-1.0\n", channels == 3 ? "PF" : "Pf",
                           image->width, image->height);

@@ -8,16 +8,22 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
+
+bool sl_layer_planes(const sl_image *image, const char *layer, const float *planes[3]) {
+    bool whole = true;
+    for (int c = 0; c < 3; c++) {
+        char name[SL_CHANNEL_NAME_MAX];
+        snprintf(name, sizeof name, "%s%s%c", layer ? layer : "", layer ? "." : "", "RGB"[c]);
+        planes[c] = sl_image_channel(image, name);
+        whole = whole && planes[c];
+    }
+    return whole;
+}
 
 bool sl_picture_planes(const sl_image *image, const float *planes[3]) {
-    static const char *const names[3] = {"R", "G", "B"};
     const float *gray = sl_image_channel(image, "Y");
-    bool colour = true;
-    for (int c = 0; c < 3; c++) {
-        planes[c] = sl_image_channel(image, names[c]);
-        colour = colour && planes[c];
-    }
-    if (colour) return true;
+    if (sl_layer_planes(image, NULL, planes)) return true;
     for (int c = 0; c < 3; c++) planes[c] = gray;
     return gray != NULL;
 }

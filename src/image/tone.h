@@ -4,6 +4,9 @@
 
 #include "softlux.h"
 
+/* Finds the planes LAYER.R, LAYER.G, LAYER.B of a layer, NULL where they are missing; R, G, B of the picture
+ * itself where `layer` is NULL. False: one is missing. */
+bool sl_layer_planes(const sl_image *image, const char *layer, const float *planes[3]);
 /* The planes R, G, B, or, where one of them is missing, Y three times; false where there is no Y either. */
 bool sl_picture_planes(const sl_image *image, const float *planes[3]);
 /* log2 of the factor that tone's exposure means for an image, finite: its stops, and where it is automatic

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "image/formats.h"
+#include "image/tone.h"
 #include "scene/file.h"
 #include "scene/scene_file.h"
 
@@ -141,10 +142,9 @@ static void picture_sky(sl_scene_file *file, const cJSON *item, const char *name
     if (status == SL_OK) status = sl_sky_read(path, &image, &problem);
     sl_free(path);
     const float *plane[3] = {NULL};
-    static const char *const channels[3] = {"R", "G", "B"};
-    for (int c = 0; c < 3 && status == SL_OK; c++) plane[c] = sl_image_channel(image, channels[c]);
+    const bool coloured = status == SL_OK && sl_layer_planes(image, NULL, plane);
     sl_json_take(json, item, "environment:", status, &problem);
-    if (status == SL_OK && (!plane[0] || !plane[1] || !plane[2])) {
+    if (status == SL_OK && !coloured) {
         sl_json_fail(json, item, "environment: expected a picture with channels R, G and B: %s", name);
     } else if (status == SL_OK) {
         sl_environment *e = &file->model.scene.environment;

@@ -1,5 +1,6 @@
 #include "app/bench/judge.h"
 #include "base/error.h"
+#include "image/tone.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,14 +12,7 @@ typedef struct halves {
 } halves;
 
 static sl_status find_halves(const sl_image *reference, halves *h, sl_error *error) {
-    static const char *const names[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
-    bool found = true;
-    for (int k = 0; k < 3; k++) {
-        h->a[k] = sl_image_channel(reference, names[0][k]);
-        h->b[k] = sl_image_channel(reference, names[1][k]);
-        found = found && h->a[k] && h->b[k];
-    }
-    if (found) return SL_OK;
+    if (sl_layer_planes(reference, "even", h->a) && sl_layer_planes(reference, "odd", h->b)) return SL_OK;
     return sl_fail(error, SL_ERROR_INPUT, "a reference without its two halves");
 }
 
@@ -50,12 +44,8 @@ typedef struct squares {
 /* Var (x-A)(x-B) = 2 e^2 s^2 + s^4 where the error is e and A and B have the variance s^2; and that is what
  * (x-R)^2 (A-B)^2 is on average. A pixel's three channels count as one value, since their noise is mostly
  * one. */
-static squares squared_errors(const sl_image *picture, const halves *h) {
-    static const char *const names[3] = {"R", "G", "B"};
-    const float *x[3] = {sl_image_channel(picture, names[0]), sl_image_channel(picture, names[1]),
-                         sl_image_channel(picture, names[2])};
+static squares squared_errors(const float *const x[3], size_t pixels, const halves *h) {
     double product = 0.0, count = 0.0, variance = 0.0;
-    size_t pixels = (size_t)picture->width * (size_t)picture->height;
     for (size_t i = 0; i < pixels; i++) {
         double spread = 0.0;
         for (int k = 0; k < 3; k++) {
@@ -77,19 +67,18 @@ static const double confidence = 2.0;
 sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, sl_bench_error *e,
                            sl_error *error) {
     halves h;
+    const float *x[3];
     double mean;
     memset(e, 0, sizeof *e);
     sl_status status = find_halves(reference, &h, error);
     if (status == SL_OK) status = sl_judge_noise(reference, &e->noise, &mean, error);
     bool alike = picture->width == reference->width && picture->height == reference->height &&
-                 sl_image_channel(picture, "R") && sl_image_channel(picture, "G") &&
-                 sl_image_channel(picture, "B");
-    if (status == SL_OK && !alike) {
+                 sl_layer_planes(picture, NULL, x);
+    if (status == SL_OK && !alike)
         status =
             sl_fail(error, SL_ERROR_INPUT, "a picture without R, G, B or of another size than its reference");
-    }
     if (status != SL_OK || !(mean > 0.0)) return status;
-    squares s = squared_errors(picture, &h);
+    squares s = squared_errors(x, (size_t)picture->width * (size_t)picture->height, &h);
     double doubt = confidence * s.deviation,
            most = sqrt(fmax(s.less_noise, 0.0) + doubt) / mean; /* a lucky draw lowers no bound */
     e->known = true;

@@ -3,6 +3,7 @@
 #include "app/options.h"
 #include "app/page.h"
 #include "app/clock.h"
+#include "cache/frame/method.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -52,11 +53,15 @@ static sl_status show_first(made *m, double from, sl_error *error) {
     return status;
 }
 
-static sl_status make_picture(const sl_scene *scene, const sl_settings *settings, sl_pass_times *watch,
-                              made *m, sl_error *error) {
+/* Leaves in the settings how many bounces matter, for the estimate. */
+static sl_status make_picture(const sl_scene *scene, sl_settings *settings, sl_pass_times *watch, made *m,
+                              sl_error *error) {
+    const sl_settings asked = *settings;
     double wall = sl_seconds_now(), cpu = sl_process_seconds();
+    sl_transport ignored;
     sl_pass_times_begin(watch, sl_process_seconds);
-    sl_status status = sl_method_create(scene, settings, &m->method, error);
+    sl_status status = sl_method_choose(scene, &asked, settings, &ignored, NULL, error);
+    if (status == SL_OK) status = sl_method_create(scene, settings, &m->method, error);
     while (status == SL_OK && !m->progress.done) {
         status = sl_method_update(m->method, &m->progress, error);
         if (settings->observer && status == SL_OK && !(m->first_picture > 0.0))

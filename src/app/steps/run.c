@@ -68,7 +68,7 @@ static void add_reference(cJSON *run, const sl_steps_options *o, const sl_image 
 
 /* ---- the film ---- */
 
-/* Makes a map of the layer `samples`: a quarter brighter with every doubling of the pilot's four. */
+/* Makes a map of the layer `samples`, in proportion to it: a fiftieth where there are the pilot's four. */
 static sl_status map_samples(const sl_image *picture, sl_image **map, sl_error *error) {
     const size_t pixels = (size_t)picture->width * (size_t)picture->height;
     const float *samples = sl_image_channel(picture, "samples");

@@ -20,6 +20,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "image/metrics.h"
+#include "image/tone.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -244,17 +245,11 @@ sl_status sl_audit_view_of(const sl_image *image, const sl_image *mask, sl_audit
  * error: it has no bias, and the variance of (a + b)/2 is estimated by (a - b)^2 / 4. */
 
 static sl_status half_planes(const sl_image *image, const float *halves[2][3], sl_error *error) {
-    static const char *const names[2][3] = {{"even.R", "even.G", "even.B"}, {"odd.R", "odd.G", "odd.B"}};
-    for (int half = 0; half < 2; half++) {
-        for (int c = 0; c < 3; c++) {
-            halves[half][c] = sl_image_channel(image, names[half][c]);
-            if (!halves[half][c])
-                return sl_fail(error, SL_ERROR_INPUT,
-                               "the image has no layer %s: only those of path and bidirectional do",
-                               names[half][c]);
-        }
-    }
-    return SL_OK;
+    bool even = sl_layer_planes(image, "even", halves[0]);
+    if (even && sl_layer_planes(image, "odd", halves[1])) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT,
+                   "the image has no layer %s.R: only those of path and bidirectional do",
+                   even ? "odd" : "even");
 }
 
 /* s = ((a - b)/2)^2 for each value, which has a variance of 2 s^2 at most, were the three channels' noise

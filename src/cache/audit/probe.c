@@ -48,7 +48,7 @@ sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settin
     *out = NULL;
     sl_transport transport;
     sl_settings asked;
-    sl_status status = sl_method_choose(scene, settings, &asked, &transport, error);
+    sl_status status = sl_method_choose(scene, settings, &asked, &transport, NULL, error);
     if (status != SL_OK) return status;
     sl_error_probe *p = sl_allocate(1, sizeof *p);
     if (!p) return sl_fail_memory(error, "error probes");
@@ -111,10 +111,9 @@ static void set_chances(audit *a) {
     }
     for (size_t i = 0; i < pixels; i++) {
         double even = sl_audit_is_judged(&a->view, i) ? 1.0 / judged : 0.0,
-               anywhere = sum > 0.0 ? a->chance[i] / sum : even,
-               there = on_surfaces > 0.0 && sl_audit_is_masked(&a->view, i) ? a->chance[i] / on_surfaces
-                       : on_surfaces > 0.0                                  ? 0.0
-                                                                            : anywhere;
+               anywhere = sum > 0.0 ? a->chance[i] / sum : even, there = anywhere;
+        if (on_surfaces > 0.0)
+            there = sl_audit_is_masked(&a->view, i) ? a->chance[i] / on_surfaces : 0.0;
         a->chance[i] = 0.5 * even + 0.25 * (anywhere + there);
     }
 }

@@ -216,7 +216,7 @@ static double bytes_of_show(const sl_scene *scene, const sl_settings *settings) 
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
     sl_settings own;
     sl_transport ignored;
-    sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, error);
+    sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, NULL, error);
     own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
     own.filter = SL_FILTER_CENTRE;           /* frames are drawn beside updates, once each */
     if (status == SL_OK)

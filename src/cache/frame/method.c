@@ -83,15 +83,17 @@ sl_status sl_method_transport(const sl_settings *settings, sl_transport *transpo
 }
 
 sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *chosen,
-                           sl_transport *transport, sl_error *error) {
+                           sl_transport *transport, sl_bounces_measured *measured, sl_error *error) {
+    sl_bounces_measured found = {0};
+    if (measured) *measured = found;
     if (!scene || !asked) return sl_fail_null(error, "a scene and settings");
     *chosen = *asked;
     if (chosen->width == 0 && chosen->height == 0) sl_scene_film(scene, &chosen->width, &chosen->height);
     sl_status status = sl_method_transport(chosen, transport, error);
     if (status == SL_OK) status = sl_settings_check(chosen, error);
     if (status != SL_OK || chosen->bounces || !sl_has_bounces(chosen)) return status;
-    sl_bounces_measured found;
     status = sl_measure_bounces(scene, chosen, &found, error);
+    if (measured) *measured = found;
     chosen->bounces = found.bounces;
     return status == SL_OK ? sl_method_transport(chosen, transport, error) : status;
 }
@@ -184,7 +186,7 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
     *method = NULL;
     sl_settings chosen;
     sl_transport transport;
-    sl_status status = sl_method_choose(scene, settings, &chosen, &transport, error);
+    sl_status status = sl_method_choose(scene, settings, &chosen, &transport, NULL, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = find_class(chosen.method);
     sl_method *m = sl_allocate(1, sizeof *m);
@@ -369,7 +371,7 @@ sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settin
     *bytes = 0;
     sl_settings completed;
     sl_transport ignored;
-    sl_status status = sl_method_choose(scene, settings, &completed, &ignored, error);
+    sl_status status = sl_method_choose(scene, settings, &completed, &ignored, NULL, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = find_class(completed.method);
     completed.memory_bytes = 0;
@@ -460,25 +462,13 @@ void sl_plan_limit(sl_plan_writer *writer, const char *limit, ...) {
     plan_append(writer, "\n");
 }
 
-/* Tells how the number of bounces was found. */
-static sl_status plan_bounces(const sl_scene *scene, const sl_settings *asked, const sl_settings *completed,
-                              sl_plan_writer *writer, sl_error *error) {
-    sl_bounces_measured found;
-    if (asked->bounces || !sl_has_bounces(completed)) return SL_OK;
-    sl_status status = sl_measure_bounces(scene, completed, &found, error);
-    if (status == SL_OK)
-        sl_plan_pass(writer, true, "bounces",
-                     "%u: one more would add %.1f %% of the light, as a few paths tell", found.bounces,
-                     100.0 * found.next);
-    return status;
-}
-
 sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error) {
     if (!text) return sl_fail_null(error, "a place for a plan");
     *text = NULL;
     sl_settings completed;
     sl_transport ignored;
-    sl_status status = sl_method_choose(scene, settings, &completed, &ignored, error);
+    sl_bounces_measured found;
+    sl_status status = sl_method_choose(scene, settings, &completed, &ignored, &found, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = find_class(completed.method);
     char reduced[512] = "";
@@ -492,11 +482,10 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
                      "4 sub-frames of all pixels, others where edges are or light differs: "
                      "%u samples at most",
                      completed.sub_samples);
-    status = plan_bounces(scene, settings, &completed, &writer, error);
-    if (status != SL_OK) {
-        free(writer.text);
-        return status;
-    }
+    if (found.bounces)
+        sl_plan_pass(&writer, true, "bounces",
+                     "%u: one more would add %.1f %% of the light, as a few paths tell", found.bounces,
+                     100.0 * found.next);
     if (reduced[0]) sl_plan_pass(&writer, true, "with less memory", "%s", reduced);
     if (writer.failed) {
         free(writer.text);

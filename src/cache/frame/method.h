@@ -3,6 +3,7 @@
 #ifndef SL_FRAME_METHOD_H
 #define SL_FRAME_METHOD_H
 
+#include "cache/frame/all_light.h"
 #include "cache/frame/film.h"
 #include "cache/frame/settings.h"
 #include "scene/scene.h"
@@ -144,9 +145,10 @@ static inline bool sl_method_has_film(const sl_method_class *class, const sl_set
  * was asked for. */
 sl_status sl_method_transport(const sl_settings *settings, sl_transport *transport, sl_error *error);
 /* Checks what was asked for, whatever is to be done with it: a method and light paths that there are,
- * settings in their ranges. chosen has the scene's film where no size was asked for. */
+ * settings in their ranges. chosen has the scene's film where no size was asked for, and as many bounces as
+ * matter where no number was: *measured (or NULL) tells how they were found, or is 0. */
 sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *chosen,
-                           sl_transport *transport, sl_error *error);
+                           sl_transport *transport, sl_bounces_measured *measured, sl_error *error);
 
 /* The explanation of a pixel of a picture that the state resolved last, rows from the top; see
  * sl_method_explanation(). */
