@@ -21,7 +21,7 @@ below='base|image|scene|raster|trace'
 allow cache/frame "($below|cache/frame)/"
 allow cache/light "($below|cache/(light/|frame/picture_value))"
 allow cache/hemisphere "($below|cache/(hemisphere|light))/"
-allow cache/reflect "($below|cache/reflect)/"
+allow cache/reflect "($below|cache/(reflect/|frame/picture_value))"
 allow cache/bounces "($below|cache/(bounces|hemisphere|light|splatting/record|frame/))"
 allow cache/splatting "($below|cache/(splatting|bounces|hemisphere|reflect|light|frame/))"
 allow cache/direct_radiance "($below|cache/(direct_radiance|reflect|light|frame/))"

@@ -11,21 +11,17 @@
 #include "cache/direct_radiance/receivers.h"
 #include "image/unset.h"
 
-#include <float.h>
-#include <math.h>
 #include <string.h>
 
 /* APART: floats between planes, lest at widths that are powers of two the same pixel of all of them fell into
  * the same lines of the cache. */
-enum { LIGHT_PLANES = 9, APART = 112 };
+enum { LIGHT_PLANES = 6, APART = 112 };
 
 /* A thread's part of the picture. */
 typedef struct {
     int first_row;
     sl_gbuffer *gbuffer;
-    float *light;   /* planes: direct, indirect, emission */
-    bool shines;    /* there is something in those of emission, which there seldom is */
-    float *emission[3];
+    float *light;   /* planes: direct, indirect */
     sl_tile_target target;
     sl_reflections *reflections; /* NULL: no mirror */
     sl_status status;
@@ -38,7 +34,6 @@ typedef struct {
     sl_view view;
     sl_light_pass light;
     sl_resolver *resolver;
-    bool nothing_shines;
     sl_direct_light direct;
     sl_photon_sums *sums; /* NULL: no indirect light */
     sl_image *image;
@@ -57,7 +52,6 @@ static sl_status allocate_strip(const drawing *d, strip *s, sl_error *error) {
     for (size_t k = 0; k < 3; k++) {
         s->target.direct[k] = s->light + k * d->room;
         s->target.indirect[k] = s->light + (3 + k) * d->room;
-        s->emission[k] = s->light + (6 + k) * d->room;
     }
     return SL_OK;
 }
@@ -95,93 +89,24 @@ static void resolve_strip(const drawing *d, strip *s, unsigned worker, sl_counte
                                       &s->error);
 }
 
-static void put_emission(const strip *s, size_t i, sl_rgb light) {
-    s->emission[0][i] = light.r;
-    s->emission[1][i] = light.g;
-    s->emission[2][i] = light.b;
-}
-
-/* Leaves of what mirror pixels show what the mirrors reflect. */
-static void dim_mirrors(const drawing *d, const strip *s) {
-    const sl_reflections *r = s->reflections;
-    for (size_t k = 0; r && k < r->count; k++) {
-        const size_t i = r->pixel[k];
-        const float throughput[3] = {r->throughput[k].r, r->throughput[k].g, r->throughput[k].b};
-        put_emission(s, i, sl_reflections_emission(d->scene, s->gbuffer, r, k));
-        for (int c = 0; c < 3; c++) {
-            s->target.direct[c][i] *= throughput[c];
-            s->target.indirect[c][i] *= throughput[c];
-        }
-    }
-}
-
-/* ---- light seen directly, L S* E: it takes no light pass, only what each pixel shows ---- */
-
-static bool is_dark(const sl_scene *scene, uint32_t material) {
-    if (material == SL_NO_INDEX) return !scene->environment.present;
-    return !sl_material_is_emitter(&scene->materials[material]);
-}
-
-static void add_emission(const drawing *d, strip *s, sl_counters *counters) {
-    const int width = s->gbuffer->width, height = s->gbuffer->height;
-    for (int y = 0; y < height; y++) {
-        for (int x = 0; x < width; x++) {
-            const size_t i = (size_t)y * (size_t)width + (size_t)x;
-            if (is_dark(d->scene, s->gbuffer->material[i])) continue;
-            s->shines = true;
-            put_emission(s, i, sl_gbuffer_emission(d->scene, &d->view, s->gbuffer, i, x,
-                                                   s->first_row + y));
-        }
-    }
-    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, (size_t)width * (size_t)height);
-}
-
 /* ---- pass 8: the accumulation targets as a picture ---- */
 
 static const char *const layer_names[SL_RADIANCE_CHANNELS] = {
     "R",        "G",        "B",        "emission.R", "emission.G", "emission.B",
     "direct.R", "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B"};
 
-/* sl_picture_value(), without a branch. */
-static inline float value(float v) {
-    float large = v > 0.0f ? FLT_MAX : 0.0f;
-    return fabsf(v) <= FLT_MAX ? v : large;
-}
-
-/* One channel of a row; out: the picture, emission, direct and indirect light, pixels apart. */
-static void compose(size_t width, const float *restrict emission, const float *restrict direct,
-                    const float *restrict indirect, size_t pixels, float *restrict out) {
-    float *restrict e = out + SL_RADIANCE_EMISSION * pixels, *restrict d = out + SL_RADIANCE_DIRECT * pixels,
-          *restrict i = out + SL_RADIANCE_INDIRECT * pixels;
-#pragma omp simd
-    for (size_t x = 0; x < width; x++) {
-        e[x] = value(emission[x]);
-        d[x] = value(direct[x]);
-        i[x] = value(indirect[x]);
-        out[x] = value(e[x] + d[x] + i[x]);
-    }
-}
-
-static void compose_without_layers(size_t width, const float *restrict emission, const float *restrict direct,
-                                   const float *restrict indirect, float *restrict out) {
-#pragma omp simd
-    for (size_t x = 0; x < width; x++)
-        out[x] = value(value(emission[x]) + value(direct[x]) + value(indirect[x]));
-}
-
-/* Composes a row. Rows count from the bottom, as on the hardware; images have row 0 at the top. */
-static void compose_row(const drawing *d, const strip *s, size_t row) {
-    const sl_image *image = d->image;
-    const size_t width = (size_t)image->width, height = (size_t)image->height, pixels = width * height;
-    const size_t from = row * width, to = (height - 1 - (size_t)s->first_row - row) * width;
-    for (size_t k = 0; k < 3; k++) {
-        const float *emission = s->emission[k] + from, *direct = s->target.direct[k] + from,
-                    *indirect = s->target.indirect[k] + from;
-        float *out = image->planes + k * pixels + to;
-        if (d->state->settings.radiance_map.without_layers)
-            compose_without_layers(width, emission, direct, indirect, out);
-        else compose(width, emission, direct, indirect, pixels, out);
-    }
+static void compose(const drawing *d, const strip *s, sl_counters *counters) {
+    float *const *direct = s->target.direct, *const *indirect = s->target.indirect;
+    const sl_composition composition = {
+        .scene = d->scene, .view = &d->view, .gbuffer = s->gbuffer, .first_row = s->first_row,
+        .reflections = s->reflections,
+        .layer = {{{direct[0], direct[1], direct[2]}, SL_RADIANCE_DIRECT},
+                  {{indirect[0], indirect[1], indirect[2]}, SL_RADIANCE_INDIRECT}},
+        .image = d->image};
+    for (int row = 0; row < s->gbuffer->height; row++) sl_compose_row(&composition, row);
+    sl_compose_mirrors(&composition);
+    if (d->scene->environment.present || d->scene->emitter_count > 0)
+        sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, (size_t)s->gbuffer->width * (size_t)s->gbuffer->height);
 }
 
 static void draw_strip(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
@@ -191,13 +116,10 @@ static void draw_strip(void *context, size_t index, unsigned worker, void *resul
     const sl_direct_light *direct = d->light.lights->count > 0 ? &d->direct : NULL;
     set_rows(d, s, index);
     resolve_strip(d, s, worker, counters);
-    memset(s->light, 0, (s->shines ? LIGHT_PLANES : LIGHT_PLANES - 3) * d->room * sizeof *s->light);
-    s->shines = s->reflections != NULL; /* which may show the sky */
-    if (!d->nothing_shines) add_emission(d, s, counters);
+    memset(s->light, 0, LIGHT_PLANES * d->room * sizeof *s->light);
     if (direct || d->sums)
         sl_light_strip(direct, d->sums, d->scene, s->gbuffer, 0, &s->target, counters);
-    dim_mirrors(d, s);
-    for (size_t row = 0; row < (size_t)s->gbuffer->height; row++) compose_row(d, s, row);
+    compose(d, s, counters);
 }
 
 /* ---- the picture ---- */
@@ -237,7 +159,6 @@ sl_status sl_radiance_draw_image(const sl_radiance_state *state, sl_image **imag
                  .scene = scene,
                  .view = sl_view_scene(scene, state->settings.width, state->settings.height),
                  .light = sl_radiance_lighting(state),
-                 .nothing_shines = !scene->environment.present && scene->emitter_count == 0,
                  .workers = sl_thread_count(state->settings.threads)};
     const size_t strips = (size_t)((d.view.height + SL_TILE_HEIGHT - 1) / SL_TILE_HEIGHT);
     d.direct = sl_direct_light_of(&d.light);

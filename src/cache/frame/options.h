@@ -57,12 +57,10 @@
       "how it is told whether a light is seen") \
     O(sl_traversal_order, order, "order", "coarse-to-fine|linear", 0, 0, NOTHING, "", RESEARCH, \
       "in which pixels are visited; the paper's is linear") \
-    O(sl_radius_metric, metric, "metric", "auto|harmonic|minimum|hessian|adaptive", 0, 0, NOTHING, "R_k", \
+    O(sl_radius_metric, metric, "metric", "auto|harmonic|hessian", 0, 0, NOTHING, "R_k", \
       RESEARCH, "what decides how far records reach; the paper's is harmonic") \
     O(int, harmonics_order, "harmonics", "N", 1, 12, TOLD("by the lobes"), "n", RESEARCH, \
       "order of the radiance records' harmonics") \
-    O(bool, glossy_hits, "glossy-hits", "", 0, 1, NOTHING, "", RESEARCH, \
-      "what gathers see reflects its glossy lobe too") \
     O(uint32_t, hit_samples, "hit-samples", "N", 1, 256, IS(1), "", RESEARCH, \
       "light samples for each thing that a gather sees") \
     O(uint32_t, records_per_frame, "records-per-frame", "N", 1, 1e9, TOLD("no limit"), "", RESEARCH, \

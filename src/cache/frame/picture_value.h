@@ -6,6 +6,10 @@
 #include <float.h>
 #include <math.h>
 
-static inline float sl_picture_value(float v) { return isfinite(v) ? v : v > 0.0f ? FLT_MAX : 0.0f; }
+/* Without a branch, for loops in lanes. */
+static inline float sl_picture_value(float v) {
+    float large = v > 0.0f ? FLT_MAX : 0.0f;
+    return fabsf(v) <= FLT_MAX ? v : large;
+}
 
 #endif

@@ -1,66 +1,28 @@
 /* A picture: emission, direct and indirect light, and what mirrors leave of them; its metadata; memory. */
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/print.h"
-#include "cache/frame/picture_value.h"
 #include "cache/light_octree/light_octree.h"
 
 #include <stdio.h>
 
-enum { PICTURE = 0, EMISSION = 3, DIRECT = 6, INDIRECT = 9, LAYERS = 12 };
+enum { DIRECT = 6, INDIRECT = 9, LAYERS = 12 };
 
 static const char *const layer_names[LAYERS] = {"R",          "G",          "B",          "emission.R",
                                                 "emission.G", "emission.B", "direct.R",   "direct.G",
                                                 "direct.B",   "indirect.R", "indirect.G", "indirect.B"};
 
-typedef struct {
-    const sl_octree_state *state;
-    sl_view view;
-    float *out;
-} composing;
-
-/* ---- pixels ---- */
-
-static void put(const composing *c, size_t pixel, sl_rgb emission, sl_rgb share) {
-    const sl_octree_state *p = c->state;
-    size_t width = (size_t)p->gbuffer->width, height = (size_t)p->gbuffer->height, pixels = width * height;
-    size_t to = (height - 1 - pixel / width) * width + pixel % width;
-    const float emitted[3] = {emission.r, emission.g, emission.b}, left[3] = {share.r, share.g, share.b};
-    for (size_t k = 0; k < 3; k++) {
-        float e = sl_picture_value(emitted[k]), d = sl_picture_value(left[k] * p->direct_light[k][pixel]);
-        float i = sl_picture_value(left[k] * p->indirect_light[k][pixel]);
-        c->out[(EMISSION + k) * pixels + to] = e;
-        c->out[(DIRECT + k) * pixels + to] = d;
-        c->out[(INDIRECT + k) * pixels + to] = i;
-        c->out[(PICTURE + k) * pixels + to] = sl_picture_value(e + d + i);
-    }
-}
-
-static void compose_row(void *context, size_t row, unsigned worker) {
-    (void)worker;
-    const composing *c = context;
-    const sl_octree_state *p = c->state;
-    size_t width = (size_t)p->gbuffer->width;
-    for (size_t x = 0; x < width; x++) {
-        size_t i = row * width + x;
-        put(c, i, sl_gbuffer_emission(p->scene, &c->view, p->gbuffer, i, (int)x, (int)row), sl_grey(1.0f));
-    }
-}
-
-static void compose_reflections(const composing *c) {
-    const sl_octree_state *p = c->state;
-    const sl_reflections *r = p->reflections;
-    for (size_t k = 0; r && k < r->count; k++)
-        put(c, r->pixel[k], sl_reflections_emission(p->scene, p->gbuffer, r, k), r->throughput[k]);
-}
-
 sl_status sl_octree_compose(const sl_octree_state *s, sl_image **image, sl_error *error) {
     const sl_gbuffer *g = s->gbuffer;
+    float *const *direct = s->direct_light, *const *indirect = s->indirect_light;
     sl_status status = sl_image_create(g->width, g->height, LAYERS, layer_names, image, error);
     if (status != SL_OK || s->phase == SL_OCTREE_PHASE_GBUFFER) return status; /* nothing is drawn yet */
-    composing c = {s, sl_view_scene(s->scene, g->width, g->height), (*image)->planes};
-    sl_parallel_for(s->settings.threads, (size_t)g->height, compose_row, &c);
-    compose_reflections(&c);
+    const sl_view view = sl_view_scene(s->scene, g->width, g->height);
+    const sl_composition composition = {
+        .scene = s->scene, .view = &view, .gbuffer = g, .reflections = s->reflections,
+        .layer = {{{direct[0], direct[1], direct[2]}, DIRECT},
+                  {{indirect[0], indirect[1], indirect[2]}, INDIRECT}},
+        .image = *image};
+    sl_compose_picture(&composition, s->settings.threads);
     return SL_OK;
 }
 

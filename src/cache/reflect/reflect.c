@@ -217,25 +217,3 @@ sl_status sl_reflect_pixels(const sl_scene *scene, const sl_tracer *tracer, unsi
     const sl_viewer camera = {.eye = scene->camera.eye};
     return sl_reflect_seen(scene, tracer, threads, &camera, gbuffer, reflections, counters, error);
 }
-
-/* ---- emission ---- */
-
-static sl_rgb surface_emission(const sl_scene *scene, const sl_gbuffer *g, size_t i) {
-    return sl_scene_emission(scene, g->id[i],
-                             plane_vector(g->geometric_x, g->geometric_y, g->geometric_z, i));
-}
-
-sl_rgb sl_gbuffer_emission(const sl_scene *scene, const sl_view *view, const sl_gbuffer *g, size_t i, int x,
-                           int y) {
-    if (g->material[i] != SL_NO_INDEX) return surface_emission(scene, g, i);
-    if (!scene->environment.present) return sl_grey(0.0f);
-    return sl_environment_radiance(&scene->environment,
-                                   sl_view_direction(view, (double)x + 0.5, (double)y + 0.5));
-}
-
-sl_rgb sl_reflections_emission(const sl_scene *scene, const sl_gbuffer *g, const sl_reflections *r,
-                               size_t k) {
-    const size_t i = r->pixel[k];
-    if (g->material[i] == SL_NO_INDEX) return r->background[k];
-    return sl_rgb_mul(r->throughput[k], surface_emission(scene, g, i));
-}

@@ -1,5 +1,5 @@
 /* Pixels that show a mirror show what it reflects: rays are followed from mirror to mirror, and what they
- * find takes the mirror's place in the G-buffer. And what a G-buffer's pixels emit, by way of mirrors too. */
+ * find takes the mirror's place in the G-buffer. And the picture of what a G-buffer shows, mirrors included. */
 #ifndef SL_CACHE_REFLECT_H
 #define SL_CACHE_REFLECT_H
 
@@ -38,13 +38,37 @@ void sl_gbuffer_show(const sl_scene *scene, sl_gbuffer *g, size_t i, uint32_t tr
 /* Returns what the mirrors before a pixel leave of its light: 1 where there are none, or no reflections at
  * all (NULL). */
 sl_rgb sl_reflections_throughput(const sl_reflections *reflections, size_t pixel);
-/* Returns light seen without further reflection, L S* E: of pixel (x, y) of a view, the G-buffer's i-th, L_e
- * on the shining side of emitters, or the environment; and of mirror pixel k what its mirrors leave of that.
- */
-sl_rgb sl_gbuffer_emission(const sl_scene *scene, const sl_view *view, const sl_gbuffer *g, size_t i, int x,
-                           int y);
-sl_rgb sl_reflections_emission(const sl_scene *scene, const sl_gbuffer *g, const sl_reflections *reflections,
-                               size_t k);
 void sl_reflections_destroy(sl_reflections *reflections);
+
+/* ---- a picture of what a G-buffer shows (compose.c) ---- */
+
+/* One kind of light: radiance of the G-buffer's pixels as if there were no mirrors before them, and the first
+ * of the three channels of the picture that show it. */
+typedef struct sl_light_layer {
+    const float *radiance[3];
+    int channel;
+} sl_light_layer;
+
+enum { SL_COMPOSED_LAYERS = 3, SL_COMPOSED_EMISSION = 3 };
+
+/* R, G and B are the sum of what is seen without further reflection (L S* E: L_e on the shining side of
+ * emitters, or the environment), which is the channels from SL_COMPOSED_EMISSION on, and of all layers, times
+ * what mirrors leave of each. A picture of three channels has the sum alone. */
+typedef struct sl_composition {
+    const sl_scene *scene;
+    const sl_view *view;
+    const sl_gbuffer *gbuffer; /* of the view's rows from first_row on */
+    int first_row;
+    const sl_reflections *reflections; /* or NULL */
+    sl_light_layer layer[SL_COMPOSED_LAYERS]; /* no channel: none */
+    sl_image *image;
+} sl_composition;
+
+/* Composes one row of the G-buffer, which counts from the bottom as on the hardware; images have row 0 at the
+ * top. Then come the pixels that show mirrors. */
+void sl_compose_row(const sl_composition *composition, int row);
+void sl_compose_mirrors(const sl_composition *composition);
+/* All of it. */
+void sl_compose_picture(const sl_composition *composition, unsigned threads);
 
 #endif

@@ -200,7 +200,7 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     int layers = s->plan.radiance ? SL_LAYERS_GLOSSY : SL_LAYERS;
     status = sl_image_create(s->settings.width, s->settings.height, layers, sl_layer_names, image, error);
     if (status != SL_OK || s->phase == SL_PHASE_GBUFFER) return status; /* nothing is drawn yet */
-    status = sl_compose(s, *image, error);
+    status = sl_splat_compose(s, *image, error);
     if (status != SL_OK) {
         sl_image_destroy(*image);
         *image = NULL;

@@ -103,7 +103,7 @@ double sl_splat_fraction(const sl_splat_state *state);
 /* ---- compose.c ---- */
 
 /* Writes the layers of an image that has SL_LAYERS channels, SL_LAYERS_GLOSSY where the plan has radiance. */
-sl_status sl_compose(const sl_splat_state *state, sl_image *image, sl_error *error);
+sl_status sl_splat_compose(const sl_splat_state *state, sl_image *image, sl_error *error);
 
 /* ---- create.c ---- */
 

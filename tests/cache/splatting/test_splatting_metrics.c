@@ -185,7 +185,8 @@ static void the_hessian_needs_fewer_records_at_equal_error(void **state) {
     settings.seed = 0;
     settings.accuracy = 0.3;
     image[0] = render(scene, &settings, &counters[0]);
-    settings.metric = SL_METRIC_HESSIAN;
+    assert_int_equal(sl_settings_set(&settings, "metric", "hessian", NULL), SL_OK);
+    assert_int_equal(settings.metric, SL_METRIC_HESSIAN);
     settings.accuracy = 0.28;
     image[1] = render(scene, &settings, &counters[1]);
     uint64_t harmonic = counters[0].value[SL_COUNT_RECORDS], hessian = counters[1].value[SL_COUNT_RECORDS];

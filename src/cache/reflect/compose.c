@@ -1,0 +1,123 @@
+#include "cache/reflect/reflect.h"
+
+#include <string.h>
+
+#include "base/math.h"
+#include "base/parallel.h"
+#include "cache/frame/picture_value.h"
+
+static bool has_layers(const sl_composition *c) { return c->image->channels > SL_COMPOSED_EMISSION; }
+
+/* Channel `channel` of the picture, at the G-buffer's row. */
+static float *row_of(const sl_composition *c, int channel, int row) {
+    const size_t width = (size_t)c->image->width, height = (size_t)c->image->height;
+    return c->image->planes + ((size_t)channel + 1) * width * height -
+           ((size_t)c->first_row + (size_t)row + 1) * width;
+}
+
+/* ---- emission ---- */
+
+static sl_rgb surface_emission(const sl_composition *c, size_t i) {
+    const sl_gbuffer *g = c->gbuffer;
+    return sl_scene_emission(c->scene, g->id[i],
+                             sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]));
+}
+
+static bool is_dark(const sl_scene *scene, uint32_t material) {
+    if (material == SL_NO_INDEX) return !scene->environment.present;
+    return !sl_material_is_emitter(&scene->materials[material]);
+}
+
+static sl_rgb emission_at(const sl_composition *c, size_t i, int x, int row) {
+    if (c->gbuffer->material[i] != SL_NO_INDEX) return surface_emission(c, i);
+    const double y = (double)(c->first_row + row) + 0.5;
+    return sl_environment_radiance(&c->scene->environment,
+                                   sl_view_direction(c->view, (double)x + 0.5, y));
+}
+
+/* Begins the sums with it. */
+static void emit(const sl_composition *c, int row) {
+    const sl_gbuffer *g = c->gbuffer;
+    const size_t width = (size_t)g->width;
+    float *sum[3];
+    for (int k = 0; k < 3; k++) memset(sum[k] = row_of(c, k, row), 0, width * sizeof **sum);
+    if (c->scene->environment.present || c->scene->emitter_count > 0) {
+        const size_t before = (size_t)c->first_row * width;
+        for (size_t x = 0, i = (size_t)row * width; x < width; x++, i++) {
+            if (is_dark(c->scene, g->material[i])) continue;
+            if (!sl_sub_frame_shows(&c->scene->sub_frame, before + i)) continue;
+            const sl_rgb light = emission_at(c, i, (int)x, row);
+            sum[0][x] = sl_picture_value(light.r);
+            sum[1][x] = sl_picture_value(light.g);
+            sum[2][x] = sl_picture_value(light.b);
+        }
+    }
+    for (int k = 0; has_layers(c) && k < 3; k++)
+        memcpy(row_of(c, SL_COMPOSED_EMISSION + k, row), sum[k], width * sizeof **sum);
+}
+
+/* ---- light ---- */
+
+static void add(size_t width, const float *restrict radiance, float *restrict sum) {
+#pragma omp simd
+    for (size_t x = 0; x < width; x++) sum[x] = sl_picture_value(sum[x] + sl_picture_value(radiance[x]));
+}
+
+static void add_layer(size_t width, const float *restrict radiance, float *restrict layer,
+                      float *restrict sum) {
+#pragma omp simd
+    for (size_t x = 0; x < width; x++) {
+        layer[x] = sl_picture_value(radiance[x]);
+        sum[x] = sl_picture_value(sum[x] + layer[x]);
+    }
+}
+
+void sl_compose_row(const sl_composition *c, int row) {
+    const size_t width = (size_t)c->gbuffer->width, from = (size_t)row * width;
+    emit(c, row);
+    for (int l = 0; l < SL_COMPOSED_LAYERS && c->layer[l].channel; l++) {
+        for (int k = 0; k < 3; k++) {
+            const float *radiance = c->layer[l].radiance[k] + from;
+            if (has_layers(c))
+                add_layer(width, radiance, row_of(c, c->layer[l].channel + k, row), row_of(c, k, row));
+            else add(width, radiance, row_of(c, k, row));
+        }
+    }
+}
+
+/* ---- mirrors ---- */
+
+static void compose_mirror(const sl_composition *c, size_t slot) {
+    const sl_reflections *r = c->reflections;
+    const size_t i = r->pixel[slot], width = (size_t)c->gbuffer->width, x = i % width;
+    const int row = (int)(i / width);
+    const sl_rgb left = r->throughput[slot],
+                 seen = c->gbuffer->material[i] == SL_NO_INDEX ? r->background[slot]
+                                                               : sl_rgb_mul(left, surface_emission(c, i));
+    const float emission[3] = {seen.r, seen.g, seen.b}, share[3] = {left.r, left.g, left.b};
+    for (int k = 0; k < 3; k++) {
+        float sum = sl_picture_value(emission[k]);
+        if (has_layers(c)) row_of(c, SL_COMPOSED_EMISSION + k, row)[x] = sum;
+        for (int l = 0; l < SL_COMPOSED_LAYERS && c->layer[l].channel; l++) {
+            const float light = sl_picture_value(sl_picture_value(c->layer[l].radiance[k][i]) * share[k]);
+            if (has_layers(c)) row_of(c, c->layer[l].channel + k, row)[x] = light;
+            sum += light;
+        }
+        row_of(c, k, row)[x] = sl_picture_value(sum);
+    }
+}
+
+void sl_compose_mirrors(const sl_composition *c) {
+    for (size_t k = 0; c->reflections && k < c->reflections->count; k++) compose_mirror(c, k);
+}
+
+static void compose_one_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    sl_compose_row(context, (int)row);
+}
+
+void sl_compose_picture(const sl_composition *composition, unsigned threads) {
+    sl_composition c = *composition;
+    sl_parallel_for(threads, (size_t)c.gbuffer->height, compose_one_row, &c);
+    sl_compose_mirrors(&c);
+}
