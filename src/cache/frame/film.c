@@ -34,8 +34,9 @@ struct sl_film {
     uint8_t *wanted;       /* of the next sub-frame, behind the pilot */
     sl_image *sums;        /* NULL: no sub-frame yet */
     float *low, *high;     /* of the pilot's samples, in luminance; rows from the bottom */
-    uint8_t *rim;          /* pixels at lamps' rims, */
-    float *rim_emission;   /* ... whose emission is seen from near, three floats a pixel */
+    double mean;           /* luminance of the pilot's pictures */
+    uint8_t *rim;          /* pixels at lamps' rims; NULL: there are none */
+    float *rim_emission;   /* what a close-up sees of lamps and sky there, three floats a pixel */
     sl_counters counters, with_method;
 };
 
@@ -54,10 +55,8 @@ sl_status sl_film_create(const sl_scene *scene, const sl_settings *settings, boo
     f->wanted = sl_allocate(pixels, sizeof *f->wanted);
     f->low = sl_allocate(pixels, sizeof *f->low);
     f->high = sl_allocate(pixels, sizeof *f->high);
-    f->rim = sl_allocate(pixels, sizeof *f->rim);
-    f->rim_emission = sl_allocate_unset(pixels, 3 * sizeof *f->rim_emission);
     sl_sequence_make(&f->sequence);
-    const bool room = f->count && f->edge && f->wanted && f->low && f->high && f->rim && f->rim_emission;
+    const bool room = f->count && f->edge && f->wanted && f->low && f->high;
     sl_status status = room ? SL_OK : sl_fail_memory(error, "a film");
     if (status == SL_OK) status = sl_mips_create(scene, settings->threads, &f->mips, error);
     if (status == SL_OK) return SL_OK;
@@ -66,8 +65,16 @@ sl_status sl_film_create(const sl_scene *scene, const sl_settings *settings, boo
     return status;
 }
 
+static void forget_rims(sl_film *f) {
+    sl_free(f->rim);
+    sl_free(f->rim_emission);
+    f->rim = NULL;
+    f->rim_emission = NULL;
+}
+
 void sl_film_destroy(sl_film *f) {
     if (!f) return;
+    forget_rims(f);
     sl_outlines_destroy(f->outlines);
     sl_image_destroy(f->sums);
     sl_mips_destroy(f->scene, f->mips);
@@ -76,8 +83,6 @@ void sl_film_destroy(sl_film *f) {
     sl_free(f->wanted);
     sl_free(f->low);
     sl_free(f->high);
-    sl_free(f->rim);
-    sl_free(f->rim_emission);
     sl_free(f);
 }
 
@@ -126,7 +131,7 @@ void sl_film_begin(sl_film *f, bool objects_moved) {
     sl_image_destroy(f->sums);
     f->sums = NULL;
     f->asked = f->drawn = 0;
-    memset(f->rim, 0, pixels_of(f));
+    forget_rims(f);
     f->edges_known = false;
     f->most = f->samples > PILOT ? PILOT + f->samples : f->samples;
     if (!objects_moved) return;
@@ -243,31 +248,50 @@ static unsigned samples_for(const sl_film *f, float contrast, double mean, unsig
     return smaller(n, f->samples);
 }
 
-/* Beyond such a contrast, in means of the picture, a pixel at an edge is at a lamp's rim. */
-static const float rim_contrast = 4.0f;
-
 static void settle_counts(sl_film *f) {
-    double mean = 0.0;
-    for (size_t i = 0; i < pixels_of(f); i++) mean += 0.5 * ((double)f->low[i] + (double)f->high[i]);
-    mean /= (double)pixels_of(f);
+    f->mean = 0.0;
+    for (size_t i = 0; i < pixels_of(f); i++) f->mean += 0.5 * ((double)f->low[i] + (double)f->high[i]);
+    f->mean /= (double)pixels_of(f);
     f->most = PILOT;
     for (size_t i = 0; i < pixels_of(f); i++) {
         const float contrast = contrast_around(f, (int)(i % (size_t)f->width), (int)(i / (size_t)f->width));
-        const unsigned n = f->edge[i] ? PILOT + samples_for(f, contrast, mean, EDGE_LEAST)
-                                      : samples_for(f, contrast, mean, PILOT);
+        const unsigned n = f->edge[i] ? PILOT + samples_for(f, contrast, f->mean, EDGE_LEAST)
+                                      : samples_for(f, contrast, f->mean, PILOT);
         f->count[i] = (uint16_t)n;
-        f->rim[i] = f->edge[i] && contrast > rim_contrast * (float)mean;
         if (n > f->most) f->most = n;
     }
 }
 
-/* Looks at lamps' rims where the picture has a layer of emission and pixels are boxes. */
+/* ---- lamps' rims ---- */
+
+/* What shines by more than so many means of the picture makes a rim. */
+static const float rim_brightness = 4.0f;
+
+/* Marks the pixels in which the pilot saw emission that is much brighter than the picture. */
+static bool mark_lamps(sl_film *f, const float *emission) {
+    const size_t pixels = pixels_of(f);
+    bool any = false;
+    for (size_t i = 0; i < pixels; i++) {
+        const float *e = emission + image_place(f, i);
+        f->rim[i] = e[0] + e[pixels] + e[2 * pixels] > 0.0f && f->high[i] > rim_brightness * (float)f->mean;
+        any = any || f->rim[i];
+    }
+    return any;
+}
+
+/* Takes from near what pixels at lamps' edges see of emission, where the picture has a layer of it and pixels
+ * are boxes. */
 static sl_status look_at_rims(sl_film *f, const sl_raster *raster, sl_error *error) {
-    if (f->shape.radius > 0.5f || !sl_image_channel(f->sums, "emission.R")) {
-        memset(f->rim, 0, pixels_of(f));
+    const float *emission = sl_image_channel(f->sums, "emission.R"); /* the other two follow */
+    if (f->shape.radius > 0.5f || !emission) return SL_OK;
+    f->rim = sl_allocate(pixels_of(f), sizeof *f->rim);
+    if (!f->rim) return sl_fail_memory(error, "a film");
+    if (!mark_lamps(f, emission)) {
+        forget_rims(f);
         return SL_OK;
     }
-    sl_status status = widen(f, f->rim, error);
+    f->rim_emission = sl_allocate_unset(pixels_of(f), 3 * sizeof *f->rim_emission);
+    sl_status status = f->rim_emission ? widen(f, f->rim, error) : sl_fail_memory(error, "a film");
     for (size_t i = 0; i < pixels_of(f); i++) f->rim[i] = f->rim[i] && f->edge[i];
     if (status != SL_OK) return status;
     return sl_rims_look(f->scene, raster, f->width, f->height, f->rim, f->rim_emission, &f->counters, error);
@@ -300,11 +324,12 @@ sl_status sl_film_add(sl_film *f, const sl_raster *raster, const sl_image *pictu
     if (f->drawn < PILOT) note_contrast(f, picture);
     add_samples(f, picture);
     f->drawn++;
+    if (f->drawn == PILOT && f->samples > PILOT) {
+        settle_counts(f);
+        status = look_at_rims(f, raster, error);
+    }
     if (f->drawn >= PILOT) set_wanted(f, f->drawn);
-    if (f->drawn != PILOT || f->samples <= PILOT) return SL_OK;
-    settle_counts(f);
-    set_wanted(f, f->drawn);
-    return look_at_rims(f, raster, error);
+    return status;
 }
 
 /* Puts what a close-up saw of lamps and sky in the place of what the pixel's own samples saw. */
@@ -331,7 +356,7 @@ sl_status sl_film_develop(const sl_film *f, sl_image **image, sl_error *error) {
         for (size_t c = 0; c < channels; c++)
             (*image)->planes[c * pixels + at] =
                 sl_picture_value(f->sums->planes[c * pixels + at] / (float)count);
-        if (f->drawn > PILOT && f->rim[i]) put_rim(f, i, at, *image);
+        if (f->rim && f->rim[i]) put_rim(f, i, at, *image);
     }
     return status;
 }
@@ -344,17 +369,18 @@ const sl_counters *sl_film_counters(sl_film *f, const sl_counters *of_method) {
 
 /* ---- memory ---- */
 
-enum { BYTES_OF_PLANES = 5 + 5 * sizeof(float), LAYERS_AT_MOST = 17 };
+enum { BYTES_OF_PLANES = 4 + 2 * sizeof(float), BYTES_OF_RIMS = 1 + 3 * sizeof(float), LAYERS_AT_MOST = 17 };
 
 size_t sl_film_bytes(const sl_film *f) {
     const size_t channels = f->sums ? (size_t)f->sums->channels : 0;
-    return sizeof *f + pixels_of(f) * (BYTES_OF_PLANES + channels * sizeof(float)) +
+    const size_t rims = f->rim ? BYTES_OF_RIMS : 0, pixel = BYTES_OF_PLANES + rims + channels * sizeof(float);
+    return sizeof *f + pixels_of(f) * pixel +
            (f->outlines ? sl_outlines_bytes(f->outlines) : 0) + (f->mips ? sl_mips_need(f->scene) : 0);
 }
 
 double sl_film_need(const sl_scene *scene, const sl_settings *settings) {
     const double pixels = (double)settings->width * (double)settings->height;
     const double pictures = 2.0 * LAYERS_AT_MOST * sizeof(float); /* the sums, and one that is developed */
-    return pixels * (BYTES_OF_PLANES + pictures + sizeof(float)) +
+    return pixels * (BYTES_OF_PLANES + BYTES_OF_RIMS + pictures + sizeof(float)) +
            sl_outlines_need((double)scene->triangle_count) + (double)sl_mips_need(scene);
 }

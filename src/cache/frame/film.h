@@ -22,7 +22,7 @@ sl_status sl_film_create(const sl_scene *scene, const sl_settings *settings, boo
 void sl_film_destroy(sl_film *film);
 /* Begins a picture; objects_moved: since the last one. */
 void sl_film_begin(sl_film *film, bool objects_moved);
-/* What to draw next. False: the picture is whole. */
+/* Tells the sub-frame to draw next. False: the picture is whole. */
 bool sl_film_next(const sl_film *film, sl_sub_frame *next);
 /* The next one is drawn: its picture, rows from the top; NULL where it was only asked for. raster: of the
  * scene. */
