@@ -6,6 +6,9 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "trace/bidirectional/bidirectional.h"
+#include "trace/path_lamps.h"
+
+#include <math.h>
 
 enum { TILE = 4, TILES_A_TASK = 16 };
 
@@ -16,6 +19,8 @@ struct sl_path_tracer {
     sl_light_sampler *lights;
     sl_sequence sequence;
     sl_path_walk walk;
+    sl_path_lamps lamps;
+    uint8_t *rims; /* tiles in which the edge of a lamp is seen; NULL: not known yet */
     sl_path_pairs *pairs; /* where walks from the lights are joined; or NULL */
     sl_halves halves;
 };
@@ -29,6 +34,7 @@ static sl_status make_film(sl_path_tracer *path, const sl_tracer *tracer, sl_err
     sl_sequence_make(&path->sequence);
     path->walk = (sl_path_walk){path->scene, tracer, path->lights, &path->sequence, s->transport,
                                 sl_pixel_shape_of(s->transport.filter, s->transport.filter_radius)};
+    path->lamps = sl_path_lamps_of(&path->walk);
     if (!s->bidirectional) return SL_OK;
     sl_path_lens lens = sl_path_lens_of(path->scene, s->width, s->height);
     return sl_path_pairs_create(&path->walk, &lens, s->threads, &path->pairs, error);
@@ -64,6 +70,7 @@ void sl_path_tracer_destroy(sl_path_tracer *path) {
     if (!path) return;
     sl_path_pairs_destroy(path->pairs);
     sl_halves_release(&path->halves);
+    sl_free(path->rims);
     sl_light_sampler_destroy(path->lights);
     sl_free(path);
 }
@@ -78,11 +85,76 @@ typedef struct sample_pass {
     sl_path_lens lens;
 } sample_pass;
 
+static size_t tile_count(const sl_path_tracer *path) {
+    size_t across = ((size_t)path->settings.width + TILE - 1) / TILE,
+           down = ((size_t)path->settings.height + TILE - 1) / TILE;
+    return across * down;
+}
+
+static int tile_left(const sl_path_tracer *path, size_t tile) {
+    return (int)(tile % (((size_t)path->settings.width + TILE - 1) / TILE)) * TILE;
+}
+
+static int tile_top(const sl_path_tracer *path, size_t tile) {
+    return (int)(tile / (((size_t)path->settings.width + TILE - 1) / TILE)) * TILE;
+}
+
 static uint64_t stream_key(const sl_path_tracer *path, unsigned half, uint64_t stream) {
     return sl_random_key(path->stream_seed, 2 * stream + half);
 }
 
-static void find_radiance(const sample_pass *pass, size_t task, unsigned worker, unsigned count,
+/* ---- lamps that the eye sees ----------------------------------------------------------------- */
+
+typedef struct rim_search {
+    const sl_path_tracer *path;
+    sl_path_lens lens;
+} rim_search;
+
+/* Looks at two by two pixels at once, a pixel farther than the tile reaches. */
+static void look_at_tile(void *context, size_t tile, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker;
+    enum { SIDE = 2 };
+    const rim_search *s = context;
+    const int left = tile_left(s->path, tile) - 1, top = tile_top(s->path, tile) - 1;
+    sl_path_lamp_view all = {sl_grey(0.0f), INFINITY, 0.0f};
+    for (int y = top; y < top + TILE + 2; y += SIDE) {
+        for (int x = left; x < left + TILE + 2; x += SIDE) {
+            const uint64_t key = sl_random_key((uint64_t)(x - left), tile * (TILE + 2) + (uint64_t)(y - top));
+            const sl_path_lamp_view view =
+                sl_path_see_lamps(&s->path->lamps.lamps, &s->lens, x, y, SIDE, key, 0, counters);
+            all = (sl_path_lamp_view){sl_rgb_add(all.mean, view.mean), fminf(all.low, view.low),
+                              fmaxf(all.high, view.high)};
+        }
+    }
+    all.mean = sl_rgb_scale(all.mean, 1.0f / ((TILE / SIDE + 1) * (TILE / SIDE + 1)));
+    *(sl_path_lamp_view *)result = all;
+}
+
+/* Marks the tiles in which lamps differ by more than what the picture shows of them in the mean. */
+static sl_status find_rims(sl_path_tracer *path, const sl_path_lens *lens, sl_counters *counters,
+                           sl_error *error) {
+    const size_t tiles = tile_count(path);
+    const bool some = path->settings.transport.emission &&
+                      path->settings.transport.filter != SL_FILTER_CENTRE && !path->pairs;
+    rim_search search = {path, *lens};
+    path->rims = sl_allocate(tiles, sizeof *path->rims);
+    if (!path->rims) return sl_fail_memory(error, "the path tracer");
+    if (!some) return SL_OK;
+    sl_path_lamp_view *views = sl_allocate_unset(tiles, sizeof *views);
+    if (!views) return sl_fail_memory(error, "the path tracer");
+    sl_batch_run(&(sl_batch){tiles, look_at_tile, &search, views, sizeof *views}, path->settings.threads,
+                 counters);
+    double sum = 0.0;
+    for (size_t i = 0; i < tiles; i++) sum += (double)sl_luminance(views[i].mean);
+    for (size_t i = 0; i < tiles; i++)
+        path->rims[i] = (double)views[i].high - (double)views[i].low > sum / (double)tiles;
+    sl_free(views);
+    return SL_OK;
+}
+
+/* ---- tiles ----------------------------------------------------------------------------------- */
+
+static void find_radiance(const sample_pass *pass, size_t task, unsigned worker, bool rim, unsigned count,
                           const sl_path_place *place, const uint64_t *key, sl_rgb *radiance,
                           sl_counters *counters) {
     sl_path_tracer *path = pass->path;
@@ -92,39 +164,40 @@ static void find_radiance(const sample_pass *pass, size_t task, unsigned worker,
     }
     sl_ray16 rays;
     for (unsigned i = 0; i < count; i++) sl_path_lens_ray(path->scene, &pass->lens, place[i], &rays, i);
-    sl_path_walk_radiance(&path->walk, &rays, count, true, key, pass->index, radiance, counters);
+    sl_path_walk_radiance(rim ? &path->lamps.rest : &path->walk, &rays, count, true, key, pass->index,
+                          radiance, counters);
 }
 
 static void sample_tile(const sample_pass *pass, size_t task, unsigned worker, size_t tile,
                         sl_counters *counters) {
     sl_path_tracer *path = pass->path;
-    int width = path->settings.width, height = path->settings.height;
-    int across = (width + TILE - 1) / TILE, left = (int)(tile % (size_t)across) * TILE,
-        top = (int)(tile / (size_t)across) * TILE;
+    const int width = path->settings.width, left = tile_left(path, tile), top = tile_top(path, tile);
+    const bool rim = path->rims[tile];
     uint64_t keys[SL_PACKET];
     size_t pixels[SL_PACKET];
     sl_path_place places[SL_PACKET];
     unsigned count = 0;
     for (int i = 0; i < SL_PACKET; i++) {
         int x = left + i % TILE, y = top + i / TILE;
-        if (x >= width || y >= height) continue;
+        if (x >= width || y >= path->settings.height) continue;
         pixels[count] = (size_t)y * (size_t)width + (size_t)x;
         keys[count] = stream_key(path, pass->half, pixels[count]);
         places[count] = sl_path_place_in(&path->walk, x, y, keys[count], pass->index);
         count++;
     }
     sl_rgb radiance[SL_PACKET];
-    find_radiance(pass, task, worker, count, places, keys, radiance, counters);
+    find_radiance(pass, task, worker, rim, count, places, keys, radiance, counters);
     sl_count(counters, SL_COUNT_SAMPLES, count);
     for (unsigned i = 0; i < count; i++) {
-        sl_halves_add(&path->halves, pass->half, pixels[i], sl_path_finite_or_black(radiance[i], counters));
+        const int x = (int)(pixels[i] % (size_t)width), y = (int)(pixels[i] / (size_t)width);
+        sl_rgb light = sl_path_finite_or_black(radiance[i], counters);
+        if (rim) {
+            const sl_path_lamp_view lamps = sl_path_see_lamps(&path->lamps.lamps, &pass->lens, x, y, 1.0f,
+                                                              keys[i], pass->index, counters);
+            light = sl_rgb_add(light, lamps.mean);
+        }
+        sl_halves_add(&path->halves, pass->half, pixels[i], light);
     }
-}
-
-static size_t tile_count(const sl_path_tracer *path) {
-    size_t across = ((size_t)path->settings.width + TILE - 1) / TILE,
-           down = ((size_t)path->settings.height + TILE - 1) / TILE;
-    return across * down;
 }
 
 static void sample_tiles(void *context, size_t task, unsigned worker, void *result, sl_counters *counters) {
@@ -141,6 +214,8 @@ sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counte
     if (sample / SL_HALVES > UINT32_MAX) return sl_fail(error, SL_ERROR_USAGE, "too many samples a pixel");
     sample_pass pass = {path, (unsigned)(sample % SL_HALVES), (uint32_t)(sample / SL_HALVES), 0,
                         sl_path_lens_of(path->scene, path->settings.width, path->settings.height)};
+    sl_status status = path->rims ? SL_OK : find_rims(path, &pass.lens, counters, error);
+    if (status != SL_OK) return status;
     const size_t tasks = (tile_count(path) + TILES_A_TASK - 1) / TILES_A_TASK,
                  at_once = path->pairs ? SL_PAIR_LISTS : tasks;
     for (; pass.first_task < tasks; pass.first_task += at_once) {
@@ -163,6 +238,6 @@ void sl_path_tracer_mean(const sl_path_tracer *path, int half, float *r, float *
 }
 
 size_t sl_path_tracer_memory_bytes(const sl_path_tracer *path) {
-    return sizeof *path + sl_halves_memory_bytes(&path->halves) +
+    return sizeof *path + sl_halves_memory_bytes(&path->halves) + (path->rims ? tile_count(path) : 0) +
            (path->pairs ? sl_path_pairs_memory_bytes(path->pairs) : 0);
 }

@@ -24,10 +24,9 @@ static const uint64_t probe_salt = 0x70726f6265u;
 
 struct sl_error_probe {
     sl_probe_tracer tracer;
-    sl_image *surfaces; /* the pixels that show no lamp: judged with all, and by themselves */
-    uint64_t probes;    /* that the last estimate asked for, */
-    uint32_t samples;   /* and samples of each */
-    bool of_surfaces;   /* ... which told of these alone */
+    uint64_t probes;  /* that the last estimate asked for, */
+    uint32_t samples; /* and samples of each */
+    bool of_surfaces; /* ... which told of pixels that show no lamp alone */
     bool blind;
 };
 
@@ -55,8 +54,6 @@ sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settin
     p->blind = is_blind(scene, &transport);
     status = sl_probe_tracer_create(&p->tracer, scene, &transport, asked.width, asked.height, asked.threads,
                                     sl_hash64(asked.seed ^ probe_salt), error);
-    if (status == SL_OK)
-        status = sl_audit_surfaces(&p->tracer.walk, &p->tracer.lens, p->tracer.threads, &p->surfaces, error);
     if (status != SL_OK) {
         sl_error_probe_destroy(p);
         return status;
@@ -68,11 +65,10 @@ sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settin
 void sl_error_probe_destroy(sl_error_probe *p) {
     if (!p) return;
     sl_probe_tracer_release(&p->tracer);
-    sl_image_destroy(p->surfaces);
     sl_free(p);
 }
 
-const sl_image *sl_error_probe_surfaces(const sl_error_probe *p) { return p->surfaces; }
+const sl_image *sl_error_probe_surfaces(const sl_error_probe *p) { return p->tracer.surfaces; }
 
 const sl_counters *sl_error_probe_counters(const sl_error_probe *p) { return &p->tracer.counters; }
 
@@ -140,7 +136,7 @@ static sl_status audit_begin(audit *a, sl_error_probe *p, const sl_image *image,
         return sl_fail(error, SL_ERROR_INPUT,
                        "the image has %d x %d pixels, the probes are of one with %d x %d", image->width,
                        image->height, lens->width, lens->height);
-    sl_status status = sl_audit_view_of(image, p->surfaces, &a->view, error);
+    sl_status status = sl_audit_view_of(image, p->tracer.surfaces, &a->view, error);
     if (status == SL_OK) status = sl_probe_tracer_pilot(&p->tracer, error);
     if (status != SL_OK) return status;
     size_t pixels = p->tracer.pixels;
@@ -286,7 +282,7 @@ sl_status sl_error_probe_left(sl_error_probe *p, const sl_image *first, const sl
     if (!p->probes)
         return sl_fail(error, SL_ERROR_USAGE, "expected probes that have judged the second image");
     sl_status status = audit_begin(&a, p, second, error);
-    if (status == SL_OK) status = sl_audit_view_of(first, p->surfaces, &view, error);
+    if (status == SL_OK) status = sl_audit_view_of(first, p->tracer.surfaces, &view, error);
     if (status == SL_OK) choose(&a, p->probes);
     if (status == SL_OK) status = sl_probe_tracer_trace(&p->tracer, a.chosen, a.count, p->samples, error);
     for (double step = 0.5; status == SL_OK && step > ldexp(1.0, -HALVINGS); step *= 0.5) {

@@ -33,33 +33,61 @@ sl_status sl_probe_tracer_create(sl_probe_tracer *t, const sl_scene *scene, cons
     sl_sequence_make(&t->sequence);
     t->walk = (sl_path_walk){scene, t->tracer, t->lights, &t->sequence, *transport,
                              sl_pixel_shape_of(transport->filter, transport->filter_radius)};
+    t->lamps = sl_path_lamps_of(&t->walk);
+    if (status == SL_OK) status = sl_audit_surfaces(&t->walk, &t->lens, t->threads, &t->surfaces, error);
     return status;
 }
 
 void sl_probe_tracer_release(sl_probe_tracer *t) {
     sl_light_sampler_destroy(t->lights);
     sl_tracer_destroy(t->tracer);
+    sl_image_destroy(t->surfaces);
     sl_free(t->pilot);
     sl_free(t->slot);
     sl_free(t->probe);
     *t = (sl_probe_tracer){0};
 }
 
+/* Pixels that show lamps: their view of them is taken apart, so that it does not drown the rest in noise. */
+static bool shows_lamps(const sl_probe_tracer *t, uint32_t pixel) {
+    return t->surfaces && !(t->surfaces->planes[pixel] > 0.5f) &&
+           t->walk.transport.filter != SL_FILTER_CENTRE;
+}
+
+/* Traces sample `index` of those of up to sixteen pixels that show lamps, or of the others. */
+static void trace_those(const sl_probe_tracer *t, const uint32_t *pixels, unsigned count, bool lamps,
+                        unsigned stream, uint32_t index, sl_rgb radiance[SL_PACKET], sl_counters *counters) {
+    sl_ray16 rays;
+    uint64_t keys[SL_PACKET] = {0};
+    unsigned which[SL_PACKET], found = 0;
+    sl_rgb light[SL_PACKET];
+    rays.skip[0] = SL_NO_INDEX;
+    for (unsigned i = 0; i < count; i++) {
+        if (shows_lamps(t, pixels[i]) != lamps) continue;
+        int x = (int)(pixels[i] % (uint32_t)t->lens.width), y = (int)(pixels[i] / (uint32_t)t->lens.width);
+        keys[found] = sl_random_key(t->seed, (uint64_t)STREAMS * pixels[i] + stream);
+        sl_path_place place = sl_path_place_in(&t->walk, x, y, keys[found], index);
+        sl_path_lens_ray(t->scene, &t->lens, place, &rays, found);
+        radiance[i] = lamps ? sl_path_see_lamps(&t->lamps.lamps, &t->lens, x, y, 1.0f, keys[found], index,
+                                                counters).mean
+                            : sl_grey(0.0f);
+        which[found++] = i;
+    }
+    if (!found) return;
+    sl_path_walk_radiance(lamps ? &t->lamps.rest : &t->walk, &rays, found, false, keys, index, light,
+                          counters);
+    for (unsigned k = 0; k < found; k++) {
+        sl_rgb *r = &radiance[which[k]];
+        *r = sl_rgb_add(*r, sl_path_finite_or_black(light[k], counters));
+    }
+}
+
 /* Sample `index` of up to sixteen pixels. */
 static void trace_packet(const sl_probe_tracer *t, const uint32_t *pixels, unsigned count, unsigned stream,
                          uint32_t index, sl_rgb radiance[SL_PACKET], sl_counters *counters) {
-    sl_ray16 rays;
-    uint64_t keys[SL_PACKET] = {0};
-    rays.skip[0] = SL_NO_INDEX;
-    for (unsigned i = 0; i < count; i++) {
-        int x = (int)(pixels[i] % (uint32_t)t->lens.width), y = (int)(pixels[i] / (uint32_t)t->lens.width);
-        keys[i] = sl_random_key(t->seed, (uint64_t)STREAMS * pixels[i] + stream);
-        sl_path_place place = sl_path_place_in(&t->walk, x, y, keys[i], index);
-        sl_path_lens_ray(t->scene, &t->lens, place, &rays, i);
-    }
-    sl_path_walk_radiance(&t->walk, &rays, count, false, keys, index, radiance, counters);
+    trace_those(t, pixels, count, false, stream, index, radiance, counters);
+    trace_those(t, pixels, count, true, stream, index, radiance, counters);
     sl_count(counters, SL_COUNT_SAMPLES, count);
-    for (unsigned i = 0; i < count; i++) radiance[i] = sl_path_finite_or_black(radiance[i], counters);
 }
 
 /* A packet is a task. */

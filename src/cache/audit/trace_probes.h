@@ -4,7 +4,7 @@
 #define SL_CACHE_AUDIT_TRACE_PROBES_H
 
 #include "trace/halves.h"
-#include "trace/path_walk.h"
+#include "trace/path_lamps.h"
 
 /* A pixel that is traced. */
 typedef struct sl_probe {
@@ -18,7 +18,9 @@ typedef struct sl_probe_tracer {
     sl_light_sampler *lights;
     sl_sequence sequence;
     sl_path_walk walk;
+    sl_path_lamps lamps; /* of that walk */
     sl_path_lens lens;
+    sl_image *surfaces;  /* the pixels that show no lamp: sl_audit_surfaces() */
     unsigned threads;
     uint64_t seed;
     size_t pixels;       /* of the picture */

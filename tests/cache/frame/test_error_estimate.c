@@ -371,7 +371,7 @@ static void an_error_a_little_below_what_is_asked_is_found_to_be_within(void **s
 
 static void nothing_is_promised_for_a_picture_with_a_value_that_is_no_number(void **state) {
     (void)state;
-    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_scene *scene = load_scene("scenes/cornell-point.json");
     sl_settings settings = small_settings("path", SIZE, SIZE);
     sl_image *image = reference_of(scene, "full", 16);
     sl_error_probe *probe = probe_of(scene, &settings);

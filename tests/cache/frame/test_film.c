@@ -80,6 +80,27 @@ static void a_pixel_shows_as_much_of_a_lamp_as_covers_it(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* Sixteen rays for each of its sixteen samples look for the lamp alone. */
+static void the_path_tracer_tells_a_lamps_rim_by_more_rays_than_paths(void **state) {
+    (void)state;
+    enum { SIDE = 24 };
+    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
+    sl_settings settings = small_settings("path", SIDE, SIDE);
+    settings.filter = SL_FILTER_BOX;
+    settings.spp = 16;
+    sl_image *image = render(scene, &settings, NULL);
+    const float *red = sl_image_channel(image, "R");
+    double squares = 0.0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double off = (double)red[i] - covered(SIDE, i % SIDE, i / SIDE, 0.9, 0.7, 0.3);
+        squares += off * off;
+        assert_true(fabs(off) < 0.04);
+    }
+    assert_true(sqrt(squares / (SIDE * SIDE)) < 0.003);
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 /* The four-term window over 2 r, 1 in the middle. */
 static double window_at(double x, double r) {
     const double turn = 3.14159265358979323846 * (x / r + 1.0);
@@ -430,6 +451,7 @@ static void a_pixel_of_a_film_is_not_explained(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_pixel_shows_as_much_of_a_lamp_as_covers_it),
+        cmocka_unit_test(the_path_tracer_tells_a_lamps_rim_by_more_rays_than_paths),
         cmocka_unit_test(a_smooth_filter_weighs_what_lies_around_a_pixel),
         cmocka_unit_test(a_hair_of_light_is_as_bright_as_it_is_thick),
         cmocka_unit_test(a_checkerboard_is_grey_towards_the_horizon),
