@@ -72,7 +72,7 @@ static sl_mesh_point point_of(const sl_irradiance_settings *c, const sl_coarse_v
     sl_root_place x = {v->face, (uint16_t)(v->lit_p + nudge * (third - v->lit_p)),
                        (uint16_t)(v->lit_q + nudge * (third - v->lit_q))};
     sl_mesh_point at = sl_mesh_point_at(c->primitives, x);
-    if (at.triangle == SL_NO_INDEX)
+    if (at.lit.triangle == SL_NO_INDEX)
         sl_step_inside(c->scene, 5.0 * sl_light_sampling_step(c->sampling), &at);
     return at;
 }
@@ -84,9 +84,8 @@ static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vert
     static const double nudge[] = {0.0, 0.01, 0.05, 0.2};
     for (size_t i = 0; i < sizeof nudge / sizeof nudge[0]; i++) {
         sl_mesh_point at = point_of(c, v, nudge[i]);
-        sl_lit_point point = sl_lit_point_of(&at);
-        if (!light_point(c, &point, w, counters) &&
-            sl_mesh_point_in_solid(c->primitives, c->tracer, &at, counters))
+        if (!light_point(c, &at.lit, w, counters) &&
+            sl_point_in_solid(c->primitives, c->tracer, NULL, &at.lit, counters))
             continue;
         return sl_direct_diffuse(c->lights, w->share);
     }
@@ -163,12 +162,13 @@ static void look_from_within(const sl_scene *scene, uint32_t face, sl_gather_poi
 
 sl_rgb sl_coarse_gather(const sl_scene *scene, const sl_gather *gather, const sl_mesh_point *at,
                         sl_gather_scratch *scratch, sl_counters *counters) {
-    sl_vec3 normal = sl_normalize_or(at->normal, at->geometric_normal);
-    sl_gather_point point = {.position = at->position,
-                             .geometric_normal = sl_normalize_or(at->geometric_normal, normal),
+    const sl_lit_point *lit = &at->lit;
+    sl_vec3 normal = sl_normalize_or(lit->normal, lit->geometric_normal);
+    sl_gather_point point = {.position = lit->position,
+                             .geometric_normal = sl_normalize_or(lit->geometric_normal, normal),
                              .normal = normal,
-                             .triangle = at->triangle};
-    if (!sl_is_finite(at->position) || !(sl_dot(normal, normal) > 0.5f)) { /* no number, no direction */
+                             .triangle = lit->triangle};
+    if (!sl_is_finite(lit->position) || !(sl_dot(normal, normal) > 0.5f)) { /* no number, no direction */
         sl_count(counters, SL_COUNT_NONFINITE, 1);
         return sl_grey(0.0f);
     }

@@ -20,7 +20,7 @@ sl_rgb sl_direct_diffuse(const sl_sampled_lights *lights, const float *share) {
 /* ---- highlights ---- */
 
 typedef struct highlight {
-    const sl_mesh_point *point;
+    const sl_lit_point *lit;
     sl_vec3 view;
     float exponent;
 } highlight;
@@ -28,7 +28,7 @@ typedef struct highlight {
 /* cos^n alpha of light from a direction. */
 static double lobe_towards(const highlight *h, sl_vec3 to_light) {
     sl_vec3 reflected =
-        sl_sub(sl_scale(h->point->normal, 2.0f * sl_dot(h->point->normal, to_light)), to_light);
+        sl_sub(sl_scale(h->lit->normal, 2.0f * sl_dot(h->lit->normal, to_light)), to_light);
     return (double)sl_powf(sl_dot(reflected, h->view), h->exponent);
 }
 
@@ -39,21 +39,21 @@ static int cuts_of(const sl_vec3 *corner, const highlight *h) {
     sl_vec3 a = sl_sub(corner[1], corner[0]), b = sl_sub(corner[2], corner[0]),
             c = sl_sub(corner[2], corner[1]);
     double longest = sqrt(fmax((double)sl_dot(a, a), fmax((double)sl_dot(b, b), (double)sl_dot(c, c))));
-    double away = (double)sl_length(sl_sub(corner[0], h->point->position)),
+    double away = (double)sl_length(sl_sub(corner[0], h->lit->position)),
            cuts = 1.5 * longest * sqrt((double)h->exponent + 2.0) / fmax(away, 1e-6 * longest);
     return cuts < CUTS_MAX ? 1 + (int)cuts : CUTS_MAX;
 }
 
 /* Adds cos^n alpha of a point of a light, by what an unhidden piece of area there gives. */
 static void add_point(const highlight *h, sl_vec3 at, sl_vec3 area, bool two_sided, double sum[2]) {
-    sl_vec3 way = sl_sub(at, h->point->position);
+    sl_vec3 way = sl_sub(at, h->lit->position);
     double squared = (double)sl_dot(way, way), length = sqrt(squared);
     if (!(length > 0.0)) return;
     sl_vec3 to_light = sl_scale(way, (float)(1.0 / length));
     double facing = -(double)sl_dot(area, to_light),
            weight =
-               (two_sided ? fabs(facing) : facing) * (double)sl_dot(h->point->normal, to_light) / squared;
-    if (!(facing > 0.0 || two_sided) || !(sl_dot(h->point->normal, to_light) > 0.0f) || !(weight <= DBL_MAX))
+               (two_sided ? fabs(facing) : facing) * (double)sl_dot(h->lit->normal, to_light) / squared;
+    if (!(facing > 0.0 || two_sided) || !(sl_dot(h->lit->normal, to_light) > 0.0f) || !(weight <= DBL_MAX))
         return;
     sum[0] += weight;
     sum[1] += weight * lobe_towards(h, to_light);
@@ -83,12 +83,10 @@ static bool has_area(const sl_sampled_light *light) {
 }
 
 static double lobe_of(const sl_sampled_light *light, const highlight *h) {
-    const sl_mesh_point *point = h->point;
-    sl_lit_point lit = {point->position, point->normal, point->geometric_normal, point->triangle};
-    return has_area(light) ? mean_lobe(light, h) : lobe_towards(h, sl_light_direction(light, &lit));
+    return has_area(light) ? mean_lobe(light, h) : lobe_towards(h, sl_light_direction(light, h->lit));
 }
 
-sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_mesh_point *point,
+sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_lit_point *point,
                           float exponent, sl_vec3 eye) {
     sl_vec3 to_eye = sl_sub(eye, point->position);
     float distance = sl_length(to_eye);

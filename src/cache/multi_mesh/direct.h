@@ -14,7 +14,7 @@ sl_rgb sl_direct_diffuse(const sl_sampled_lights *lights, const float *share);
  * mirror direction meets the lamp beside its middle. So cos^n alpha is its mean over the light, by the
  * irradiance that each part of it gives where nothing hides it: as dense a grid of points as the lobe is
  * narrow, 16 to an edge at most. */
-sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_mesh_point *point,
+sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_lit_point *point,
                           float exponent, sl_vec3 eye);
 
 #endif

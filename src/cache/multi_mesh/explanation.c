@@ -213,8 +213,7 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
 static double half_seen(const sl_multi_mesh_state *s, size_t light, uint32_t vertex, sl_lit_point *point) {
     const sl_patches *mesh = sl_irradiance_mesh(s->irradiance, light);
     if (sl_mesh_state(mesh, vertex) != SL_VERTEX_KNOWN) return 0.0;
-    sl_mesh_point at = sl_mesh_point_of(mesh, vertex);
-    *point = sl_lit_point_of(&at);
+    *point = sl_mesh_point_of(mesh, vertex).lit;
     double all = sl_light_unoccluded(&s->lights->light[light], point),
            share = all > 0.0 ? (double)*sl_vertex_value(mesh, vertex) / all : 0.0;
     return share < 0.5 ? share : 1.0 - share;

@@ -53,10 +53,9 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
 static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint32_t vertex,
                            const float *share) {
     if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(s->lights, share); /* equation (4) */
-    sl_mesh_point point;
-    point = sl_mesh_point_of(s->part[part]->mesh, vertex);
+    sl_mesh_point point = sl_mesh_point_of(s->part[part]->mesh, vertex);
     float exponent = sl_face_material(s->scene, point.face)->exponent;
-    return sl_direct_specular(s->lights, share, &point, exponent, s->scene->camera.eye); /* equation (6) */
+    return sl_direct_specular(s->lights, share, &point.lit, exponent, s->scene->camera.eye); /* equation (6) */
 }
 
 static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t count,
@@ -93,8 +92,8 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
     for (size_t i = 0; i < count && status == SL_OK; i++) {
         bool moved;
         points[i] = sl_mesh_point_of(part->mesh, wanted[i].vertex);
-        valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, wanted[i].vertex, &points[i],
-                                                &moved, &s->counters);
+        valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, NULL, wanted[i].vertex,
+                                                &points[i].lit, &moved, &s->counters);
     }
     if (status == SL_OK) sl_multi_mesh_gather(s, count, points, irradiance); /* equation (7) */
     for (size_t i = 0; i < count && status == SL_OK; i++)

@@ -222,12 +222,11 @@ static int enough_rays(const sl_irradiance_meshes *m, size_t light, const sl_lit
     return own <= part[0] * scale * all ? 4 : own <= part[1] * scale * all ? 8 : 0;
 }
 
-static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_mesh_point *at, unsigned worker,
+static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_lit_point *point, unsigned worker,
                   sl_counters *counters) {
-    sl_lit_point point = sl_lit_point_of(at);
-    int rays = m->settings.few_rays ? enough_rays(m, light, &point) : 0;
-    if (rays) return sl_light_sample_by_rays(m->settings.sampling, light, &point, rays, counters);
-    return sl_light_sample_take(m->settings.sampling, light, &point, m->scratch[worker], counters);
+    int rays = m->settings.few_rays ? enough_rays(m, light, point) : 0;
+    if (rays) return sl_light_sample_by_rays(m->settings.sampling, light, point, rays, counters);
+    return sl_light_sample_take(m->settings.sampling, light, point, m->scratch[worker], counters);
 }
 
 /* A vertex that gets nothing although nothing turns it away from the light may lie inside other geometry:
@@ -239,15 +238,15 @@ static void sample_vertex(void *context, size_t index, unsigned worker, void *re
     wanted_sample *wanted = &m->wanted[index];
     const sl_patches *mesh = m->mesh[wanted->light];
     sl_mesh_point at = sl_mesh_point_of(mesh, wanted->vertex);
-    if (at.triangle == SL_NO_INDEX) sl_step_inside(m->settings.scene, m->inwards, &at);
-    wanted->share = take(m, wanted->light, &at, worker, counters);
+    if (at.lit.triangle == SL_NO_INDEX) sl_step_inside(m->settings.scene, m->inwards, &at);
+    wanted->share = take(m, wanted->light, &at.lit, worker, counters);
     wanted->valid = true;
     if (wanted->share > 0.0f) return;
-    sl_lit_point point = sl_lit_point_of(&at);
-    if (!(sl_light_unoccluded(&m->settings.lights->light[wanted->light], &point) > 0.0)) return;
+    if (!(sl_light_unoccluded(&m->settings.lights->light[wanted->light], &at.lit) > 0.0)) return;
     bool moved;
-    wanted->valid = sl_leave_solid(mesh, m->settings.tracer, wanted->vertex, &at, &moved, counters);
-    if (moved) wanted->share = take(m, wanted->light, &at, worker, counters);
+    wanted->valid =
+        sl_leave_solid(mesh, m->settings.tracer, NULL, wanted->vertex, &at.lit, &moved, counters);
+    if (moved) wanted->share = take(m, wanted->light, &at.lit, worker, counters);
 }
 
 /* They are put into the meshes in the order in which they were asked for. */

@@ -45,9 +45,8 @@ sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, f
 sl_mesh_point sl_mesh_point_at(const sl_primitives *primitives, sl_root_place place) {
     sl_lit_point at;
     sl_root_point_at(primitives, place.root, place.u, place.v, &at);
-    bool inside = at.triangle != SL_NO_INDEX;
-    return (sl_mesh_point){at.position, at.normal, inside ? at.geometric_normal : at.normal, at.triangle,
-                           place.root};
+    if (at.triangle == SL_NO_INDEX) at.geometric_normal = at.normal;
+    return (sl_mesh_point){at, place.root};
 }
 
 /* ---- edges ----------------------------------------------------------------------------------- */

@@ -82,17 +82,9 @@ void sl_mesh_weights_within(const sl_patch_place *place, float w1, float w2, flo
 
 /* Where a vertex lies in the world: what samplers need. */
 typedef struct sl_mesh_point {
-    sl_vec3 position;
-    sl_vec3 normal;            /* shading, unit, on the face's side */
-    sl_vec3 geometric_normal;  /* of the face for vertices inside one; else as `normal` */
-    uint32_t triangle;         /* SL_NO_INDEX where several meet */
+    sl_lit_point lit;          /* geometric normal: the face's for vertices inside one, else the shading one */
     uint32_t face;             /* one of those that share it: the lowest */
 } sl_mesh_point;
-static inline bool sl_mesh_point_in_solid(const sl_primitives *primitives, const sl_tracer *tracer,
-                                          const sl_mesh_point *at, sl_counters *counters) {
-    return sl_solids_hold(primitives->solids, tracer, at->position, at->geometric_normal, at->triangle, NULL,
-                          counters);
-}
 sl_mesh_point sl_mesh_point_at(const sl_primitives *primitives, sl_root_place place);
 static inline sl_mesh_point sl_mesh_point_of(const sl_patches *mesh, uint32_t vertex) {
     return sl_mesh_point_at(mesh->primitives, mesh->vertex[vertex].place);
@@ -100,20 +92,9 @@ static inline sl_mesh_point sl_mesh_point_of(const sl_patches *mesh, uint32_t ve
 static inline sl_root_place sl_mesh_face_middle(uint32_t face) {
     return (sl_root_place){face, SL_PATCH_DYADIC / 3, SL_PATCH_DYADIC / 3};
 }
-static inline sl_lit_point sl_lit_point_of(const sl_mesh_point *at) {
-    return (sl_lit_point){at->position, at->normal, at->geometric_normal, at->triangle};
-}
-
-/* ---- sample_points.c: where light is asked for, a little beside the vertices ---- */
-
 /* Moves a point on an edge into its face, at least `inwards` from all its edges unless the face is too small.
  */
 void sl_step_inside(const sl_scene *scene, double inwards, sl_mesh_point *at);
-
-/* Nudges the point of a vertex that lies inside a solid until it does not. False: it still does, and no light
- * there is anybody's. */
-bool sl_leave_solid(const sl_patches *mesh, const sl_tracer *tracer, uint32_t vertex, sl_mesh_point *at,
-                    bool *moved, sl_counters *counters);
 
 /* The values of a leaf: linear between corners where no edge has a known middle; else a fan around the leaf's
  * centre: with b the smallest of the three weights, a point lies s = 1 - 3 b of the way from the centre to a

@@ -270,12 +270,22 @@ void sl_patches_touch(sl_patches *patches, sl_root_place place);
 sl_screen_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place,
                                   const sl_view *view);
 
-/* Returns where a vertex is shaded: on its root's border it is moved inwards by 1/256 of the way to the
- * middle, as in the crease between two walls it would see half of what is behind the other. nudge: 1 to
- * SL_NUDGES where it lies inside other geometry: moved by 1, by 5 and by 20 % of the largest patches that
- * have it for a corner. */
-enum { SL_NUDGES = 3 };
-sl_root_place sl_vertex_nudged(const sl_patches *patches, uint32_t vertex, int nudge);
+/* ---- sample_points.c: where light is asked for, a little beside the vertices ---- */
+
+/* Gives where a vertex is shaded: on its root's border it is moved inwards by 1/256 of the way to the middle,
+ * as in the crease between two walls it would see half of what is behind the other. */
+void sl_vertex_sample_point(const sl_patches *patches, uint32_t vertex, sl_lit_point *at);
+/* Tells whether a point lies inside a solid; eye: as in sl_solids_hold(). */
+static inline bool sl_point_in_solid(const sl_primitives *primitives, const sl_tracer *tracer,
+                                     const sl_vec3 *eye, const sl_lit_point *at, sl_counters *counters) {
+    return sl_solids_hold(primitives->solids, tracer, at->position, at->geometric_normal, at->triangle, eye,
+                          counters);
+}
+/* Nudges the point of a vertex that lies inside a solid until it does not: by 1, by 5 and by 20 % of the
+ * largest patches that have the vertex for a corner. False: it still does, and no light there is anybody's.
+ */
+bool sl_leave_solid(const sl_patches *patches, const sl_tracer *tracer, const sl_vec3 *eye, uint32_t vertex,
+                    sl_lit_point *at, bool *moved, sl_counters *counters);
 /* Marks a vertex as without light of its own: it was asked for, and inside other geometry, or no number came.
  */
 void sl_patches_set_extrapolated(sl_patches *patches, uint32_t vertex);

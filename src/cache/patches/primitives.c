@@ -166,14 +166,12 @@ static sl_status find(sl_primitives *p, bool triangles, sl_error *error) {
     const sl_scene *scene = p->scene;
     if (!allocate_arrays(p)) return sl_fail_memory(error, "primitives");
     find_all(p, triangles);
-    if (triangles) {
-        sl_status status = sl_solids_find(scene, &p->solids, error);
-        if (status != SL_OK) return status;
-    } else if (scene->texture_count) {
+    if (!triangles && scene->texture_count) {
         p->mean_diffuse = sl_allocate(p->count, sizeof *p->mean_diffuse);
         if (!p->mean_diffuse) return sl_fail_memory(error, "primitives");
     }
-    sl_status status = sl_primitives_join(p, error);
+    sl_status status = sl_solids_find(scene, &p->solids, error);
+    if (status == SL_OK) status = sl_primitives_join(p, error);
     for (size_t i = 0; status == SL_OK && p->mean_diffuse && i < p->count; i++) {
         uint32_t material = scene->material_index[p->first_triangle[i]];
         bool plain = scene->materials[material].texture == SL_NO_INDEX;

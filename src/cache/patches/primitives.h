@@ -42,7 +42,7 @@ typedef struct sl_primitives {
      * are one, and the next of them in a ring. */
     uint32_t *edge_first, *edge_next, *corner_first, *corner_next;
     uint8_t *edge_kind;         /* SL_EDGE_ bits */
-    sl_solids *solids;          /* of sl_primitives_of_triangles(), else NULL */
+    sl_solids *solids;          /* of the scene: sl_solids_edit() after objects or lights have moved */
 } sl_primitives;
 
 enum { SL_EDGE_BACKWARDS = 1, /* it runs against the way that the ring agrees on */

@@ -14,8 +14,10 @@ static int32_t side_of_patches(const sl_patch_vertex *v) {
 
 static int32_t at_most(int32_t way, int32_t most) { return way > most ? most : way < -most ? -most : way; }
 
-sl_root_place sl_vertex_nudged(const sl_patches *p, uint32_t vertex, int nudge) {
-    static const int32_t ways[SL_NUDGES + 1] = {256, 100, 20, 5};
+/* nudge: 0 on borders alone; 1 to NUDGES. */
+enum { NUDGES = 3 };
+static void nudge_to(const sl_patches *p, uint32_t vertex, int nudge, sl_lit_point *at) {
+    static const int32_t ways[NUDGES + 1] = {256, 100, 20, 5};
     const sl_patch_vertex *v = &p->vertex[vertex];
     int corners = sl_primitive_corners(p->primitives, v->root / 2);
     int32_t centre = SL_PATCH_DYADIC / (corners == 3 ? 3 : 2), u = v->u, w = v->v;
@@ -25,7 +27,23 @@ sl_root_place sl_vertex_nudged(const sl_patches *p, uint32_t vertex, int nudge) 
         u += at_most(centre - u, side) / ways[nudge];
         w += at_most(centre - w, side) / ways[nudge];
     }
-    return (sl_root_place){v->root, (uint16_t)u, (uint16_t)w};
+    sl_root_point_at(p->primitives, v->root, (uint32_t)u, (uint32_t)w, at);
+}
+
+void sl_vertex_sample_point(const sl_patches *p, uint32_t vertex, sl_lit_point *at) {
+    nudge_to(p, vertex, 0, at);
+}
+
+bool sl_leave_solid(const sl_patches *p, const sl_tracer *tracer, const sl_vec3 *eye, uint32_t vertex,
+                    sl_lit_point *at, bool *moved, sl_counters *counters) {
+    bool inside = sl_point_in_solid(p->primitives, tracer, eye, at, counters);
+    *moved = false;
+    for (int nudge = 1; nudge <= NUDGES && inside; nudge++) {
+        nudge_to(p, vertex, nudge, at);
+        inside = sl_point_in_solid(p->primitives, tracer, eye, at, counters);
+        *moved = !inside;
+    }
+    return !inside;
 }
 
 /* Returns the share of the way to a face's middle that is needed to be so far from those of its edges that a
@@ -48,8 +66,8 @@ static double share_inside(const sl_vec3d corner[3], sl_vec3d middle, sl_vec3d p
  * along the edge.) Where the face falls below the tangent plane (a bulge) it stays in the plane, so as not to
  * dive. */
 void sl_step_inside(const sl_scene *scene, double inwards, sl_mesh_point *at) {
-    sl_vec3d corner[3], middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(at->position),
-                        n = sl_to_double(at->normal);
+    sl_vec3d corner[3], middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(at->lit.position),
+                        n = sl_to_double(at->lit.normal);
     for (int i = 0; i < 3; i++) {
         corner[i] = sl_to_double(sl_scene_position(scene, scene->vertex[i][at->face / 2]));
         middle = sl_addd(middle, sl_scaled(corner[i], 1.0 / 3.0));
@@ -58,17 +76,5 @@ void sl_step_inside(const sl_scene *scene, double inwards, sl_mesh_point *at) {
     if (!isfinite(sl_lengthd(way))) return;
     double rise = sl_dotd(way, n);
     if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
-    at->position = sl_to_float(sl_addd(p, way));
-}
-
-bool sl_leave_solid(const sl_patches *mesh, const sl_tracer *tracer, uint32_t vertex, sl_mesh_point *at,
-                    bool *moved, sl_counters *counters) {
-    bool inside = sl_mesh_point_in_solid(mesh->primitives, tracer, at, counters);
-    *moved = false;
-    for (int nudge = 1; nudge <= SL_NUDGES && inside; nudge++) {
-        *at = sl_mesh_point_at(mesh->primitives, sl_vertex_nudged(mesh, vertex, nudge));
-        inside = sl_mesh_point_in_solid(mesh->primitives, tracer, at, counters);
-        *moved = !inside;
-    }
-    return !inside;
+    at->lit.position = sl_to_float(sl_addd(p, way));
 }

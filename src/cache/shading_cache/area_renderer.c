@@ -15,7 +15,6 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/patches/solids.h"
 #include "cache/shading_cache/renderers.h"
 
 typedef struct area_renderer {
@@ -23,7 +22,6 @@ typedef struct area_renderer {
     sl_sampled_lights *lights;
     sl_light_sampling *sampling;
     sl_sequence sequence;
-    sl_solids *solids;
 } area_renderer;
 
 /* ---- at a point ------------------------------------------------------------------------------ */
@@ -131,10 +129,6 @@ static void render_point(const void *state, const sl_sample_request *request, un
                          sl_sample *sample, sl_counters *counters) {
     (void)worker;
     const area_renderer *r = state;
-    const sl_lit_point *p = &request->point;
-    sample->valid = !sl_solids_hold(r->solids, *r->settings.tracer, p->position, p->geometric_normal,
-                                    p->triangle, &request->eye, counters);
-    if (!sample->valid) return;
     int points = r->settings.cache.area_samples;
     lit at = {.renderer = r,
               .request = request,
@@ -173,36 +167,24 @@ static sl_status make_lights(area_renderer *r, sl_error *error) {
 }
 
 static sl_status edit(void *state, unsigned changes, sl_error *error) {
-    area_renderer *r = state;
-    if (!(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) return SL_OK;
-    sl_status status = make_lights(r, error);
-    if (status == SL_OK) sl_solids_edit(r->solids);
-    return status;
-}
-
-static bool eye_matters(const void *state, sl_vec3 before, sl_vec3 now) {
-    const area_renderer *r = state;
-    return sl_solids_eye_matters(r->solids, before, now);
+    return changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS) ? make_lights(state, error) : SL_OK;
 }
 
 static void destroy(void *state) {
     area_renderer *r = state;
     if (!r) return;
     release_lights(r);
-    sl_solids_destroy(r->solids);
     sl_free(r);
 }
 
 sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
                            sl_error *error) {
-    *renderer = (sl_sample_renderer){
-        .name = "area", .render = render, .edit = edit, .eye_matters = eye_matters, .destroy = destroy};
+    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = edit, .destroy = destroy};
     area_renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;
     sl_sequence_make(&r->sequence);
     sl_status status = make_lights(r, error);
-    if (status == SL_OK) status = sl_solids_find(settings->scene, &r->solids, error);
     if (status != SL_OK) {
         destroy(r);
         return status;

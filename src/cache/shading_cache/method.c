@@ -202,13 +202,11 @@ static sl_status shading_resolve(void *state, sl_image **image, sl_error *error)
     return status;
 }
 
-/* As if a light had been moved: all is shaded again. */
+/* Where an eye that goes into a solid, or leaves one, makes other points valid all is shaded again, as if a
+ * light had been moved. */
 static unsigned of_the_eye(sl_shading_state *s, unsigned what) {
-    bool matters = false;
-    for (int i = 0; i < s->renderer_count && (what & SL_CHANGED_CAMERA); i++) {
-        const sl_sample_renderer *r = &s->renderer[i];
-        matters = matters || (r->eye_matters && r->eye_matters(r->state, s->eye, s->scene->camera.eye));
-    }
+    bool matters = what & SL_CHANGED_CAMERA &&
+                   sl_solids_eye_matters(s->primitives->solids, s->eye, s->scene->camera.eye);
     s->eye = s->scene->camera.eye;
     return matters ? what | SL_CHANGED_LIGHTS : what;
 }
@@ -241,6 +239,7 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     if (changes & SL_CHANGED_OBJECTS) judge_by_light_of_now(s);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = make_tracer(s, error);
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) sl_solids_edit(s->primitives->solids);
     for (int i = 0; i < s->renderer_count && status == SL_OK; i++)
         status = s->renderer[i].edit(s->renderer[i].state, changes, error);
     if (status != SL_OK) s->tracer = NULL;

@@ -29,8 +29,7 @@ typedef struct sl_sample {
     sl_rgb radiance;           /* W/(m^2 sr), of the lobe alone (of a mirror: all of it), towards the eye */
     /* of the irradiance's channel mean, of this mean of samples; 0 where the renderer is exact */
     float variance;
-    /* false: the point lies inside other geometry (the area renderer alone looks), or it is broken */
-    bool valid;
+    bool valid;                /* false: the point lies inside other geometry; no renderer is asked for it */
     bool broken;               /* it could not be computed, or is not finite: it says nothing */
 } sl_sample;
 
@@ -43,8 +42,6 @@ typedef struct sl_sample_renderer {
                    sl_sample *samples, sl_counters *counters);
     /* The scene has changed (SL_CHANGED_ bits); the tracer has been made anew where objects moved. */
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
-    /* Tells whether diffuse points are others, though nothing but the eye has moved. NULL: they never are. */
-    bool (*eye_matters)(const void *state, sl_vec3 before, sl_vec3 now);
     void (*destroy)(void *state);
 } sl_sample_renderer;
 

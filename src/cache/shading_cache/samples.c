@@ -1,5 +1,6 @@
 /* Requests of vertices, their samples, and the commit of one of them: it may show a change, and changing
  * objects are shown with coarser patches (sections on the sample renderer and on moving objects). */
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -10,7 +11,7 @@
 
 /* ---- requests and samples ---- */
 
-void sl_shading_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_sample_request *request) {
+static void make_request(const sl_shading_state *s, uint32_t vertex, sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     const sl_material *material = sl_root_material(s->primitives, v->root);
     const sl_vertex_sets *sets = s->patches->sets ? &s->patches->sets[vertex] : NULL;
@@ -20,40 +21,49 @@ void sl_shading_request(const sl_shading_state *s, uint32_t vertex, int nudge, s
                                    .dense = v->dense,
                                    .radiance = sl_material_has_lobe(material),
                                    .set = more ? sets->count : 0};
-    sl_root_place at = sl_vertex_nudged(s->patches, vertex, nudge);
-    sl_root_point_at(s->primitives, at.root, at.u, at.v, &request->point);
+    sl_vertex_sample_point(s->patches, vertex, &request->point);
+}
+
+/* A corner inside other geometry is asked for further inside its patch. */
+static void request_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker;
+    (void)result;
+    sl_shading_state *s = context;
+    bool moved;
+    make_request(s, s->vertex[i], &s->request[i]);
+    s->sample[i] = (sl_sample){.valid = sl_leave_solid(s->patches, s->tracer, &s->scene->camera.eye, s->vertex[i],
+                                                       &s->request[i].point, &moved, counters)};
 }
 
 static void add_sample(sl_sample *sum, const sl_sample *part) {
     sum->irradiance = sl_rgb_add(sum->irradiance, part->irradiance);
     sum->radiance = sl_rgb_add(sum->radiance, part->radiance);
     sum->variance += part->variance;
-    sum->valid = sum->valid && part->valid;
     sum->broken = sum->broken || part->broken;
 }
 
-/* The next run of requests from `first` that are worth asking for: what one renderer calls invalid no other
- * one is asked about. */
+/* The next run of requests from `first` that are worth asking for. */
 static size_t next_run(const sl_sample *samples, size_t count, size_t *first) {
-    while (*first < count && !samples[*first].valid) ++*first;
+    while (*first < count && (!samples[*first].valid || samples[*first].broken)) ++*first;
     size_t end = *first;
-    while (end < count && samples[end].valid) end++;
+    while (end < count && samples[end].valid && !samples[end].broken) end++;
     return end - *first;
 }
 
-void sl_shading_render(sl_shading_state *s, size_t count, const sl_sample_request *requests,
-                       sl_sample *samples) {
-    for (size_t i = 0; i < count; i++) samples[i] = (sl_sample){.valid = true};
+void sl_shading_sample(sl_shading_state *s, size_t count) {
+    const sl_batch requests = {.count = count, .work = request_one, .context = s};
+    if (count) sl_batch_run(&requests, s->settings.threads, &s->counters);
     for (int r = 0; r < s->renderer_count; r++) {
         size_t first = 0, run;
-        while ((run = next_run(samples, count, &first)) > 0) {
-            s->renderer[r].render(s->renderer[r].state, run, requests + first, s->settings.threads, s->part,
+        while ((run = next_run(s->sample, count, &first)) > 0) {
+            s->renderer[r].render(s->renderer[r].state, run, s->request + first, s->settings.threads, s->part,
                                   &s->counters);
-            for (size_t i = 0; i < run; i++) add_sample(&samples[first + i], &s->part[i]);
+            for (size_t i = 0; i < run; i++) add_sample(&s->sample[first + i], &s->part[i]);
             first += run;
         }
     }
     sl_count(&s->counters, SL_COUNT_POINTS_SHADED, count);
+    sl_announce_pass(&s->announcer, "samples", "lazy evaluation");
 }
 
 /* ---- commit, change ---- */

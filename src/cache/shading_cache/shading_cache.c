@@ -202,24 +202,6 @@ static sl_status evaluate_or_split(sl_shading_state *s, size_t choices, size_t *
     return status;
 }
 
-/* ---- sample renderer: E of diffuse surfaces, L_o towards the eye of others ---- */
-
-/* A corner inside other geometry is asked for again, further inside its patch. */
-void sl_shading_sample(sl_shading_state *s, size_t count) {
-    for (size_t i = 0; i < count; i++) sl_shading_request(s, s->vertex[i], 0, &s->request[i]);
-    sl_shading_render(s, count, s->request, s->sample);
-    for (int nudge = 1; nudge <= SL_NUDGES; nudge++) {
-        for (size_t i = 0; i < count; i++) {
-            if (s->sample[i].valid) continue;
-            sl_sample again;
-            sl_shading_request(s, s->vertex[i], nudge, &s->request[i]);
-            sl_shading_render(s, 1, &s->request[i], &again);
-            s->sample[i] = again;
-        }
-    }
-    sl_announce_pass(&s->announcer, "samples", "lazy evaluation");
-}
-
 /* ---- motion and age ---- */
 
 /* An object changes where |D(new) - D(old)| > tau_c for a corner shaded again by the same samples, until W
@@ -275,7 +257,7 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     status = select_pixels(s, &choices, error);
     if (status == SL_OK) status = evaluate_or_split(s, choices, &vertices, error);
     if (status != SL_OK) return status;
-    sl_shading_sample(s, vertices);
+    sl_shading_sample(s, vertices); /* sample renderer: E of diffuse surfaces, L_o towards the eye of others */
     status = move_and_age(s, vertices, error);
     if (status == SL_OK) status = build_display_arrays(s, error);
     s->done = s->now >= s->last_update || sl_shading_nothing_is_left(s);

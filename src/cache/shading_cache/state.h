@@ -64,9 +64,8 @@ static inline size_t sl_shading_pixels(const sl_shading_state *s) {
     return (size_t)s->settings.width * (size_t)s->settings.height;
 }
 
-/* shading_cache.c: one update. The samples of s->vertex[0 .. count), into s->sample, and their commit. */
+/* shading_cache.c: one update; the commit of the samples of s->vertex[0 .. count). */
 sl_status sl_shading_update(sl_shading_state *s, sl_error *error);
-void sl_shading_sample(sl_shading_state *s, size_t count);
 void sl_shading_commit(sl_shading_state *s, size_t count);
 
 /* selection.c. The id map's leaves with their pixels; a visit to each of them, on all threads. */
@@ -78,10 +77,9 @@ void sl_shading_leave_out_finished(sl_shading_state *s);
 void sl_shading_note_idle(sl_shading_state *s, size_t choices);
 bool sl_shading_nothing_is_left(const sl_shading_state *s);
 
-/* samples.c. nudge: 0, or how often the vertex turned out to be inside other geometry, at most 3. */
-void sl_shading_request(const sl_shading_state *s, uint32_t vertex, int nudge, sl_sample_request *request);
-void sl_shading_render(sl_shading_state *s, size_t count, const sl_sample_request *requests,
-                       sl_sample *samples);
+/* samples.c. The samples of s->vertex[0 .. count), into s->sample: the sample renderer is asked for E of diffuse
+ * surfaces, and for L_o towards the eye of others. */
+void sl_shading_sample(sl_shading_state *s, size_t count);
 void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request,
                               const sl_sample *sample);
 /* Objects of which visible leaves still show values from before their change. */

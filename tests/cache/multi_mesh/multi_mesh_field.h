@@ -85,7 +85,7 @@ static inline void rig_sample(rig *r, const uint32_t *vertex, size_t count) {
     for (size_t i = 0; i < count; i++) {
         sl_mesh_point point;
         point = sl_mesh_point_of(mesh, vertex[i]);
-        sl_rgb value = r->field.value(r->field.context, point.position);
+        sl_rgb value = r->field.value(r->field.context, point.lit.position);
         float *to = sl_vertex_value(mesh, vertex[i]);
         to[0] = value.r;
         to[1] = value.g;

@@ -66,7 +66,7 @@ static inline void set_all(gathering *g, sl_rgb value) {
 
 /* A point in free space. */
 static inline sl_mesh_point free_point(sl_vec3 position, sl_vec3 normal) {
-    return (sl_mesh_point){position, normal, normal, SL_NO_INDEX, SL_NO_INDEX};
+    return (sl_mesh_point){{position, normal, normal, SL_NO_INDEX}, SL_NO_INDEX};
 }
 
 /* A point of a face. */
@@ -75,8 +75,8 @@ static inline sl_mesh_point face_point(const sl_scene *scene, uint32_t face, flo
             b = sl_scene_position(scene, scene->vertex[1][face / 2]);
     sl_vec3 c = sl_scene_position(scene, scene->vertex[2][face / 2]);
     sl_vec3 normal = sl_scale(sl_scene_geometric_normal(scene, face / 2), face % 2 ? -1.0f : 1.0f);
-    return (sl_mesh_point){sl_mad(sl_mad(a, w1, sl_sub(b, a)), w2, sl_sub(c, a)), normal, normal, face / 2,
-                           face};
+    sl_vec3 position = sl_mad(sl_mad(a, w1, sl_sub(b, a)), w2, sl_sub(c, a));
+    return (sl_mesh_point){{position, normal, normal, face / 2}, face};
 }
 
 /* Returns what bounces off at a point of a face, as gathers look it up: after sl_coarse_finish(). */

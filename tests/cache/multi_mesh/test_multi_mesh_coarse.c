@@ -35,7 +35,7 @@ static sl_scene *quad_scene(float diffuse) {
 static sl_vec3 position_of(const meshed *m, size_t v) {
     sl_coarse_vertex at = m->coarse->vertex[v];
     return face_point(m->scene, at.face, (float)at.p / SL_PATCH_DYADIC, (float)at.q / SL_PATCH_DYADIC)
-        .position;
+        .lit.position;
 }
 
 /* ---- what is sampled ------------------------------------------------------------------------- */
@@ -135,7 +135,7 @@ static void assert_linear_field_is_kept(float edge, int depth) {
     for (uint32_t face = 0; face < 6; face++) {
         for (int k = 0; k < 200; k++) {
             float w1 = (float)(k % 14) / 14.0f, w2 = (1.0f - w1) * (float)(k / 14) / 14.0f;
-            sl_vec3 p = face_point(m.scene, face, w1, w2).position;
+            sl_vec3 p = face_point(m.scene, face, w1, w2).lit.position;
             sl_rgb v = sl_rgb_scale(coarse_colour(m.coarse, face, w1, w2), 2.0f); /* of 1/2 reflected */
             assert_true(near((double)v.r, 2.0 + (double)p.x, 1e-5));
             assert_true(near((double)v.g, 3.0 - (double)p.y, 1e-5));

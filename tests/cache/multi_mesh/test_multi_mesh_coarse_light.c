@@ -59,7 +59,7 @@ static void places(uint32_t face, sl_coarse_vertex vertex[POINTS]) {
 /* pi U_dd without occluders, of the lights up to `count`. */
 static double unoccluded(const lit_hall *h, const sl_coarse_vertex *v, size_t count) {
     sl_mesh_point at = sl_mesh_point_at(h->primitives, (sl_root_place){v->face, v->p, v->q});
-    sl_lit_point point = {at.position, at.normal, at.geometric_normal, at.triangle};
+    sl_lit_point point = at.lit;
     double sum = 0.0;
     for (size_t l = 0; l < count; l++)
         sum += sl_light_unoccluded(&h->world.lights->light[l], &point) *

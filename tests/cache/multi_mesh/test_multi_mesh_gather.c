@@ -119,7 +119,7 @@ static void edges_along_the_axes_make_no_bands(void **state) {
     double worst = 0.0, before = 0.0;
     for (int k = 0; k < 100; k++) {
         double c = 0.3 + 0.012 * k;
-        sl_mesh_point p = {sl_v3((float)c, 1, 0), sl_v3(0, 0, 1), sl_v3(0, 0, 1), 0, SL_NO_INDEX};
+        sl_mesh_point p = {{sl_v3((float)c, 1, 0), sl_v3(0, 0, 1), sl_v3(0, 0, 1), 0}, SL_NO_INDEX};
         /* A perpendicular wall at distance c, 1 to either side and 1 high. The more of it is lost the lower
          * it stands. */
         double high = sqrt(1.0 + c * c), truth = sl_atan(1.0 / c) - c / high * sl_atan(1.0 / high),

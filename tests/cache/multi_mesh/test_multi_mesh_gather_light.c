@@ -83,9 +83,9 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
     const int n = picture.width;
     assert_int_equal(n, 128);
     float t = (float)sl_tan(80.0 / 180.0 * SL_PI);
-    sl_frame frame = sl_known_colours_frame(p.normal);
+    sl_frame frame = sl_known_colours_frame(p.lit.normal);
     float offset = 1e-5f * g.scene->scale;
-    sl_view view = sl_view_pyramid(&frame, sl_mad(p.position, offset, p.geometric_normal), -t, t, -t, t, n, n,
+    sl_view view = sl_view_pyramid(&frame, sl_mad(p.lit.position, offset, p.lit.geometric_normal), -t, t, -t, t, n, n,
                                    1e-3f * offset);
     uint32_t *id = malloc(sizeof *id * 128 * 128), *pixel = malloc(sizeof *pixel * 128 * 128);
     float *w1 = malloc(sizeof *w1 * 128 * 128), *w2 = malloc(sizeof *w2 * 128 * 128);
@@ -150,7 +150,7 @@ static void what_lies_below_the_surface_is_black_though_the_shading_normal_faces
     set_all(&g, sl_grey(1.0f));
     for (double alpha = 0.0; alpha < 1.5; alpha += 0.3) {
         sl_mesh_point p = free_point(sl_v3(0, 0, 0), sl_v3((float)sl_sin(alpha), 0, (float)sl_cos(alpha)));
-        p.geometric_normal = sl_v3(0, 0, 1);
+        p.lit.geometric_normal = sl_v3(0, 0, 1);
         assert_true(near((double)take(&g, &p).r, 0.5 * SL_PI * (1.0 + sl_cos(alpha)), 0.026 * SL_PI));
     }
     gathering_destroy(&g);
@@ -208,7 +208,7 @@ static void a_flat_surface_does_not_light_itself(void **state) {
         for (int k = 0; k < 3; k++) {
             const float w[3][2] = {{0.3f, 0.3f}, {0, 0}, {0.5f, 0}};
             sl_mesh_point p = face_point(g.scene, 2 * t, w[k][0], w[k][1]);
-            if (k) p.triangle = SL_NO_INDEX; /* as where several meet */
+            if (k) p.lit.triangle = SL_NO_INDEX; /* as where several meet */
             assert_true(take(&g, &p).r < 1e-6f);
         }
     }
@@ -230,8 +230,8 @@ static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
         /* those corners that lie inside the edge between floor and wall: moved to its middle */
         for (int k = 0; k < 3; k++) {
             sl_mesh_point p = face_point(g.scene, face, 0.0f, 0.0f);
-            p.position = sl_v3(0, 3.0f * (float)k, 0);
-            p.triangle = k ? SL_NO_INDEX : face / 2;
+            p.lit.position = sl_v3(0, 3.0f * (float)k, 0);
+            p.lit.triangle = k ? SL_NO_INDEX : face / 2;
             assert_true(near((double)take(&g, &p).r, 0.5 * SL_PI, 0.01 * SL_PI));
         }
     }
@@ -254,9 +254,9 @@ static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **sta
         set_all(&g, sl_grey(1.0f));
         for (uint32_t t = 0; t < g.scene->triangle_count; t += 7) {
             sl_mesh_point p = face_point(g.scene, 2 * t, 0, 0);
-            p.normal = p.geometric_normal =
-                sl_normalize_or(hollow ? sl_neg(p.position) : p.position, sl_v3(0, 0, 1));
-            p.triangle = SL_NO_INDEX;
+            p.lit.normal = p.lit.geometric_normal =
+                sl_normalize_or(hollow ? sl_neg(p.lit.position) : p.lit.position, sl_v3(0, 0, 1));
+            p.lit.triangle = SL_NO_INDEX;
             sl_rgb e = take(&g, &p);
             assert_true(near((double)(hollow ? e.g : e.r), SL_PI, 0.002));
             assert_true((hollow ? e.r : e.g) < 0.002f);
@@ -276,11 +276,11 @@ static void points_that_are_no_numbers_get_no_light_and_are_counted(void **state
     set_all(&g, sl_grey(1.0f));
     const sl_mesh_point good = face_point(g.scene, 0, 0.3f, 0.3f);
     sl_mesh_point bad[5] = {good, good, good, good, good};
-    bad[0].position.x = NAN;
-    bad[1].position.z = INFINITY;
-    bad[2].normal = bad[2].geometric_normal = sl_v3(0, 0, 0);
-    bad[3].normal = sl_v3(NAN, 0, 1); /* the geometric one stands in */
-    bad[4].position = sl_v3(1e30f, 1e30f, 1e30f);
+    bad[0].lit.position.x = NAN;
+    bad[1].lit.position.z = INFINITY;
+    bad[2].lit.normal = bad[2].lit.geometric_normal = sl_v3(0, 0, 0);
+    bad[3].lit.normal = sl_v3(NAN, 0, 1); /* the geometric one stands in */
+    bad[4].lit.position = sl_v3(1e30f, 1e30f, 1e30f);
     for (int k = 0; k < 5; k++) {
         sl_rgb e = take(&g, &bad[k]);
         assert_true(sl_rgb_is_finite(e) && e.r >= 0.0f);

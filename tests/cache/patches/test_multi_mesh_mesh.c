@@ -106,7 +106,7 @@ static void know_all(sl_patches *mesh, const char *what) {
         sl_mesh_set_state(mesh, v, SL_VERTEX_KNOWN);
         for (int c = 0; c < mesh->settings.channels; c++) {
             float *value = &sl_vertex_value(mesh, v)[c];
-            *value = what[0] == 'l'   ? (float)linear(c, sl_to_double(point.position))
+            *value = what[0] == 'l'   ? (float)linear(c, sl_to_double(point.lit.position))
                      : what[0] == 'r' ? sl_random_unit(stream(77), v * 3 + (uint32_t)c)
                                       : 0.7123f;
         }

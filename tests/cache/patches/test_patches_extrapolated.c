@@ -8,7 +8,6 @@
 #include "base/counters.h"
 #include "cache/shading_cache/state.h"
 #include "rendering.h"
-#include "tests/cache/shading_cache/renderer_support.h"
 
 static uint32_t vertex_at(const hierarchy *h, int u, int v) { /* in quarters of the root */
     sl_patch_place leaf = sl_patch_locate(h->patches, 0, u / 4.0, v / 4.0);
@@ -131,7 +130,7 @@ static void around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere(void **st
         assert_true(even > 0.1f);
         /* the box's top, too */
         for (int i = 0; i < 3 * 64 * 64; i++) assert_true(fabsf(image->planes[i] - even) < 0.004f * even);
-        assert_true(cost.value[SL_COUNT_POINTS_SHADED] > 40);
+        assert_true(cost.value[SL_COUNT_POINTS_SHADED] > 20);
         sl_image_destroy(image);
     }
     sl_scene_destroy(scene);
@@ -265,53 +264,35 @@ static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for
     end(&c);
 }
 
-/* A renderer for which all is inside something but what lies at least so far from the left side of the
- * square, which is 2 wide. */
-typedef struct shy {
-    float left;
-    size_t asked;
-    float x[8];
-} shy;
-
-static void render_far_from_the_side(const void *state, size_t count, const sl_sample_request *requests,
-                                     unsigned threads, sl_sample *samples, sl_counters *counters) {
-    shy *r = (shy *)(uintptr_t)state;
-    (void)threads, (void)counters;
-    for (size_t i = 0; i < count; i++) {
-        float x = requests[i].point.position.x;
-        samples[i] = x >= r->left ? lit : inside;
-        if (r->asked < 8) r->x[r->asked++] = x;
-    }
+/* A box stands on the square's lower left corner, as wide as that. */
+static sl_scene *box_on_square(float width) {
+    trace_mesh mesh = trace_mesh_begin();
+    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
+    trace_mesh_box(&mesh, sl_v3(-2, -2, -0.5f), sl_v3(width - 1.0f, width - 1.0f, 0.5f), false, 0);
+    return trace_mesh_build(&mesh);
 }
 
-/* By 1, 5 and 20 % of the patch that a vertex was made for, towards the middle of the root; a root's own
- * corners go by the root. */
+/* By 1, 5 and 20 % of the patch that a vertex was made for, towards the middle of the root. */
 static void a_vertex_inside_something_is_looked_for_beside_it_further_and_further(void **state) {
     (void)state;
-    for (int deep = 0; deep < 2; deep++) {
-        committing c;
-        begin(&c);
-        split_levels(&c.h, sl_patches_find_root(c.h.patches, 0), 2);
-        /* (1, 2) / 4: on the grid of the second split, a quarter of 2 wide */
-        const double from = deep ? -0.5 : -1.0, way = deep ? 0.5 : 1.0;
-        c.s.vertex[0] = deep ? vertex_at(&c.h, 1, 2) : vertex_at(&c.h, 0, 0);
-        shy r = {.left = (float)(from + 0.19 * way)};
-        c.s.renderer[0] =
-            (sl_sample_renderer){.name = "shy", .state = &r, .render = render_far_from_the_side};
-        c.s.renderer_count = 1;
-        sl_shading_sample(&c.s, 1);
-        assert_int_equal(r.asked, 4);
-        const double share[4] = {deep ? 0.0 : 1.0 / 256.0, 0.01, 0.05, 0.2};
-        for (int i = 0; i < 4; i++) assert_true(fabs((double)r.x[i] - (from + share[i] * way)) < 2e-4);
-        sl_shading_commit(&c.s, 1);
-        assert_true(value_of(&c.h, c.s.vertex[0]) == 4.0f &&
-                    !c.h.patches->vertex[c.s.vertex[0]].extrapolated);
-        r = (shy){.left = 2.0f}; /* and where it is nowhere to be found it is extrapolated */
-        sl_shading_sample(&c.s, 1);
-        assert_int_equal(r.asked, 4);
-        sl_shading_commit(&c.s, 1);
-        assert_true(c.h.patches->vertex[c.s.vertex[0]].extrapolated);
-        end(&c);
+    const float width[] = {-0.01f, 0.03f, 0.1f, 0.5f};
+    const double found[] = {1.0 / 256.0, 0.05, 0.2, -1.0};
+    for (int i = 0; i < 4; i++) {
+        hierarchy h = hierarchy_of(box_on_square(width[i]), 0);
+        sl_counters counters = {{0}};
+        sl_tracer *tracer;
+        sl_lit_point at;
+        bool moved;
+        assert_int_equal(sl_tracer_create(h.scene, 1, NULL, &tracer, NULL), SL_OK);
+        split_levels(&h, want_root(&h, 0), 2);
+        uint32_t corner = vertex_at(&h, 0, 0);
+        sl_vertex_sample_point(h.patches, corner, &at);
+        assert_int_equal(sl_leave_solid(h.patches, tracer, NULL, corner, &at, &moved, &counters), i < 3);
+        assert_int_equal(moved, i == 1 || i == 2);
+        if (i < 3) assert_true(fabs((double)at.position.x - (found[i] - 1.0)) < 2e-4);
+        sl_tracer_destroy(tracer);
+        hierarchy_discard(&h);
     }
 }
 
