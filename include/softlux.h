@@ -288,7 +288,7 @@ SL_API sl_status sl_image_compare(const sl_image *image, const sl_image *referen
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
 /** Triangles, materials, lights, environment and camera; opaque. Immutable but for the two functions that
- * move it. */
+ * move it, and for edits (below). */
 typedef struct sl_scene sl_scene;
 
 /** Loads a JSON scene file or a mesh file (whatever Assimp reads). Nothing half-read is returned. The caller
@@ -351,8 +351,17 @@ SL_API void sl_scene_film(const sl_scene *scene, int *width, int *height);
 /** A hash of everything that can reach a pixel, the camera included: equal scenes have equal ones, on every
  * machine. */
 SL_API uint64_t sl_scene_hash(const sl_scene *scene);
-/** Changes between two states of a scene; a method is told so with sl_method_edit(). */
-enum { SL_CHANGED_CAMERA = 1, SL_CHANGED_OBJECTS = 2, SL_CHANGED_LIGHTS = 4 };
+/** Changes between two states of a scene; a method finds them out with sl_method_edit(). */
+enum {
+    SL_CHANGED_CAMERA = 1,
+    SL_CHANGED_OBJECTS = 2,    /**< the place or shape of surfaces */
+    SL_CHANGED_LIGHTS = 4,     /**< the place or direction of a light or lamp; one was lit or put out */
+    SL_CHANGED_POWER = 8,      /**< power or colour of lights, what surfaces emit */
+    SL_CHANGED_MATERIALS = 16, /**< colour or gloss of surfaces */
+    SL_CHANGED_SKY = 32,
+    SL_CHANGED_KINDS = 64      /**< surfaces have become diffuse, glossy or a mirror, or are no more;
+                                  textures, masks, bumps */
+};
 /** Moves camera, objects and lights to their keyframes' state at a time. Methods that were created for the
  * scene are then to be told by sl_method_edit(), before anything else is asked of them (which is refused
  * else); *changes (may be NULL) gets SL_CHANGED_ bits. USAGE: a time that is not finite. INPUT: one at which
@@ -494,6 +503,53 @@ SL_API sl_status sl_scene_builder_build(sl_scene_builder *builder, sl_scene **sc
  * .json. OUTPUT: a file cannot be written. */
 SL_API sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_error *error);
 
+/* ---- edits of a scene ------------------------------------------------------------------------ */
+
+/** Changes of a scene, collected beside it by the rules for scenes that are built. They take place together
+ * with sl_scene_edit_commit(), or not at all; then methods are told with sl_method_edit(). A scene that was
+ * edited is the scene: a method that has followed gives what one gives that is created then.
+ *
+ * Materials, textures, objects and lights are known by numbers from 1. In a scene that was built those of
+ * materials and textures are the builder's; objects are numbered in the order in which instances and quads
+ * were added, points, spots and directional lights in theirs. In one that was loaded they are in the order of
+ * its file, but for lights without any intensity, which are left out. A quad is an object with a material of
+ * its own, both of its name: its power is what the material emits. */
+typedef struct sl_scene_edit sl_scene_edit;
+/** The number of the first object of that name; 0: there is none. */
+SL_API uint32_t sl_scene_find_object(const sl_scene *scene, const char *name);
+/** Likewise of materials. */
+SL_API uint32_t sl_scene_find_material(const sl_scene *scene, const char *name);
+/** Points, spots and directional lights, those that are turned off included. */
+SL_API size_t sl_scene_light_count(const sl_scene *scene);
+/** Fills *data with a material as it is now, the name being the scene's own. False: there is none of that
+ * number. */
+SL_API bool sl_scene_material(const sl_scene *scene, uint32_t material, sl_material_data *data);
+/** Begins an edit. The scene must outlive it, and must not change before it is committed. */
+SL_API sl_status sl_scene_edit_begin(sl_scene *scene, sl_scene_edit **edit, sl_error *error);
+/** Leaves off an edit that was not committed. NULL is allowed. */
+SL_API void sl_scene_edit_destroy(sl_scene_edit *edit);
+/** Gives a material other values, all but its name. */
+SL_API sl_status sl_edit_material(sl_scene_edit *edit, uint32_t material, const sl_material_data *data,
+                                  sl_error *error);
+/** Gives a point, spot or directional light another strength (W/sr, or W/m^2 of directional ones; 0 turns it
+ * off), place or direction, as its type has them; what is NULL stays. Keyframes move it again. */
+SL_API sl_status sl_edit_light(sl_scene_edit *edit, uint32_t light, const float strength[3],
+                               const double position[3], const double direction[3], sl_error *error);
+/** Moves an object from where it was when the scene was made, by 16 numbers by columns: turned, moved,
+ * scaled, not mirrored. From then on keyframes do not move it. */
+SL_API sl_status sl_edit_transform(sl_scene_edit *edit, uint32_t object, const double columns[16],
+                                   sl_error *error);
+/** Sets the sky, as sl_scene_builder_environment() does; one that is black takes it away. */
+SL_API sl_status sl_edit_environment(sl_scene_edit *edit, int width, int height, const float *radiance,
+                                     sl_error *error);
+/** Sets the camera, as sl_scene_builder_camera() does. */
+SL_API sl_status sl_edit_camera(sl_scene_edit *edit, const float eye[3], const float target[3],
+                                const float up[3], float vertical_fov_rad, sl_error *error);
+/** Changes the scene, if all of it can be done; *changes (may be NULL) gets SL_CHANGED_ bits. The edit is
+ * destroyed either way. USAGE: the scene has changed since it began. INPUT: an object would leave all
+ * numbers. */
+SL_API sl_status sl_scene_edit_commit(sl_scene_edit *edit, unsigned *changes, sl_error *error);
+
 /* ---- observers: every pass announces itself -------------------------------------------------- */
 
 /** The kind of a mark. */
@@ -606,9 +662,10 @@ SL_API sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_e
  * as metadata. The caller destroys it. softlux.warning, where there is one, has a line for each limit of the
  * method that shows in the picture. */
 SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error);
-/** Tells what of the scene has changed since the method last saw it: SL_CHANGED_ bits, as sl_scene_set_time()
- * gives them. The method keeps what is still right and goes on with updates from there. After a failure it
- * wants another edit before anything else, and then does all anew. USAGE: other bits. */
+/** Follows the scene: what of it has changed since the method last saw it the method finds out itself, all
+ * edits since then together; `changes`, SL_CHANGED_ bits, are taken to have changed besides (0: none). The
+ * method keeps what is still right and goes on with updates from there. After a failure it wants another edit
+ * before anything else, and then does all anew. USAGE: other bits. */
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
 /** Tells whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
 SL_API bool sl_method_keeps_cache(const sl_method *method);

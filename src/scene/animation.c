@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "scene/derive.h"
@@ -84,11 +85,12 @@ sl_key sl_track_at(const sl_track *track, double time) {
 
 /* In the turned world the same motion is U K U^-1, with U a permutation of axes, so nothing is rounded. */
 static sl_affine track_in_world(const sl_animation *animation, const sl_track *track, double time) {
+    if (track->is_placed) return track->placement;
     const sl_key key = sl_track_at(track, time);
-    sl_affine motion = sl_key_placement(&key);
-    if (!animation->z_up) return motion;
+    sl_affine placement = sl_key_placement(&key);
+    if (!animation->z_up) return placement;
     sl_affine turn = sl_affine_z_up(), back = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
-    sl_affine turned = sl_affine_after(&motion, &back);
+    sl_affine turned = sl_affine_after(&placement, &back);
     return sl_affine_after(&turn, &turned);
 }
 
@@ -98,20 +100,32 @@ static sl_vec3 moved(const sl_affine *motion, sl_vec3 rest) {
     return sl_to_float(sl_affine_point(motion, sl_to_double(rest)));
 }
 
-static sl_status check_motion(const sl_scene *scene, const sl_affine *motions, double time, sl_error *error) {
+/* A track's at some time: of one of objects, and how normals go with it. */
+typedef struct motion {
+    bool moves;
+    sl_affine places, turns;
+} motion;
+
+/* Returns the motion of a vertex; NULL: it stays where it is. */
+static const motion *motion_of(const sl_animation *a, const motion *motions, size_t vertex) {
+    const uint32_t track = a->track_of_vertex[vertex];
+    return track != SL_NO_INDEX && motions[track].moves ? &motions[track] : NULL;
+}
+
+/* Returns a track that leaves all numbers; SL_NO_INDEX: none does. */
+static uint32_t find_beyond(const sl_scene *scene, const motion *motions) {
     const sl_animation *a = scene->animation;
     uint32_t bad = SL_NO_INDEX;
     for (size_t v = 0; v < scene->vertex_count; v++) {
-        uint32_t track = a->track_of_vertex[v];
-        if (track != SL_NO_INDEX && !sl_is_finite(moved(&motions[track], a->rest_position[v]))) bad = track;
+        const motion *m = motion_of(a, motions, v);
+        if (m && !sl_is_finite(moved(&m->places, a->rest_position[v]))) bad = a->track_of_vertex[v];
     }
     for (size_t k = 0; k < 16 * scene->bicubic_count; k++) {
-        uint32_t track = a->track_of_vertex[scene->bicubics[k / 16].first_vertex];
-        if (track != SL_NO_INDEX && !sl_is_finite(moved(&motions[track], a->rest_control[k]))) bad = track;
+        const uint32_t vertex = scene->bicubics[k / 16].first_vertex;
+        const motion *m = motion_of(a, motions, vertex);
+        if (m && !sl_is_finite(moved(&m->places, a->rest_control[k]))) bad = a->track_of_vertex[vertex];
     }
-    if (bad == SL_NO_INDEX) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "keyframes move object '%s' beyond all numbers at time %g",
-                   scene->object_names[a->tracks[bad].first], time);
+    return bad;
 }
 
 static bool set_vector(float *x, float *y, float *z, sl_vec3 to) {
@@ -122,74 +136,79 @@ static bool set_vector(float *x, float *y, float *z, sl_vec3 to) {
     return changed;
 }
 
-static bool move_vertices(sl_scene *s, const sl_affine *motions, const sl_affine *normal_maps) {
+static bool move_vertices(sl_scene *s, const motion *motions) {
     const sl_animation *a = s->animation;
     bool changed = false;
     for (size_t v = 0; v < s->vertex_count; v++) {
-        uint32_t track = a->track_of_vertex[v];
-        if (track == SL_NO_INDEX) continue;
-        sl_vec3 normal = sl_affine_unit(&normal_maps[track], a->rest_normal[v]);
+        const motion *m = motion_of(a, motions, v);
+        if (!m) continue;
+        sl_vec3 normal = sl_affine_unit(&m->turns, a->rest_normal[v]);
         if (!(sl_dot(normal, normal) > 0.5f)) normal = a->rest_normal[v];
         changed |= set_vector(&s->position_x[v], &s->position_y[v], &s->position_z[v],
-                              moved(&motions[track], a->rest_position[v]));
+                              moved(&m->places, a->rest_position[v]));
         changed |= set_vector(&s->normal_x[v], &s->normal_y[v], &s->normal_z[v], normal);
     }
     return changed;
 }
 
-static bool move_surfaces(sl_scene *s, const sl_affine *motions) {
+static bool move_surfaces(sl_scene *s, const motion *motions) {
     const sl_animation *a = s->animation;
     bool changed = false;
     for (size_t k = 0; k < 16 * s->bicubic_count; k++) {
         sl_bicubic *b = &s->bicubics[k / 16];
-        uint32_t track = a->track_of_vertex[b->first_vertex];
+        const motion *m = motion_of(a, motions, b->first_vertex);
         sl_vec3 *point = &b->point[k % 16 / 4][k % 4];
-        if (track != SL_NO_INDEX)
+        if (m)
             changed |=
-                set_vector(&point->x, &point->y, &point->z, moved(&motions[track], a->rest_control[k]));
+                set_vector(&point->x, &point->y, &point->z, moved(&m->places, a->rest_control[k]));
     }
     return changed;
 }
 
-static bool emissive_moves(const sl_scene *s) {
+static bool emissive_moves(const sl_scene *s, const motion *motions) {
     for (size_t t = 0; t < s->triangle_count; t++) {
         bool emissive = sl_material_is_emitter(&s->materials[s->material_index[t]]);
-        if (emissive && s->animation->track_of_vertex[s->vertex[0][t]] != SL_NO_INDEX) return true;
+        if (emissive && motion_of(s->animation, motions, s->vertex[0][t])) return true;
     }
     return false;
 }
 
-/* Of every track (others than of objects have some that nobody asks for), and after them their maps of
- * normals; released with sl_free(). NULL where nothing moves. */
-static sl_status motions_at(const sl_scene *scene, double time, sl_affine **motions, sl_error *error) {
+/* Moves what the motions move, none of it beyond all numbers, and tells what has changed by it. */
+static unsigned move(sl_scene *scene, const motion *motions) {
+    bool changed = move_vertices(scene, motions);
+    if (move_surfaces(scene, motions)) changed = true;
+    if (!changed) return 0;
+    sl_scene_derive(scene);
+    return SL_CHANGED_OBJECTS | (emissive_moves(scene, motions) ? SL_CHANGED_LIGHTS : 0u);
+}
+
+/* Of every track; released with sl_free(). NULL where nothing moves. */
+static sl_status motions_at(const sl_scene *scene, double time, motion **motions, sl_error *error) {
     const sl_animation *a = scene->animation;
     *motions = NULL;
     if (a->track_count == 0) return SL_OK;
-    sl_affine *m = sl_allocate(2 * a->track_count, sizeof *m);
+    motion *m = sl_allocate(a->track_count, sizeof *m);
     if (!m) return sl_fail_memory(error, "the motion of objects");
     for (size_t i = 0; i < a->track_count; i++) {
-        m[i] = track_in_world(a, &a->tracks[i], time);
-        m[a->track_count + i] = sl_affine_normal_map(&m[i]);
+        m[i].moves = a->tracks[i].kind == SL_TRACK_OBJECTS;
+        m[i].places = track_in_world(a, &a->tracks[i], time);
+        m[i].turns = sl_affine_normal_map(&m[i].places);
     }
-    sl_status status = check_motion(scene, m, time, error);
-    if (status == SL_OK) *motions = m;
-    else sl_free(m);
-    return status;
+    const uint32_t bad = find_beyond(scene, m);
+    *motions = m;
+    if (bad == SL_NO_INDEX) return SL_OK;
+    sl_free(m);
+    *motions = NULL;
+    return sl_fail(error, SL_ERROR_INPUT, "keyframes move object '%s' beyond all numbers at time %g",
+                   scene->object_names[a->tracks[bad].first], time);
 }
 
 static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, sl_error *error) {
-    sl_affine *motions;
+    motion *motions;
     sl_status status = motions_at(scene, time, &motions, error);
-    if (!motions) return status;
-    bool changed = move_vertices(scene, motions, motions + scene->animation->track_count);
-    if (move_surfaces(scene, motions)) changed = true;
-    if (changed) {
-        sl_scene_derive(scene);
-        *changes |= SL_CHANGED_OBJECTS;
-        if (emissive_moves(scene)) *changes |= SL_CHANGED_LIGHTS;
-    }
+    if (motions) *changes |= move(scene, motions);
     sl_free(motions);
-    return SL_OK;
+    return status;
 }
 
 /* ---- lights and camera ----------------------------------------------------------------------- */
@@ -234,7 +253,7 @@ static bool same_camera(const sl_camera *a, const sl_camera *b) {
 
 sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_error *error) {
     sl_camera camera;
-    sl_affine *motions = NULL;
+    motion *motions = NULL;
     if (!isfinite(time_seconds)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
     sl_status status = scene->animation ? camera_at(scene, time_seconds, &camera, error) : SL_OK;
     if (status == SL_OK && scene->animation) status = motions_at(scene, time_seconds, &motions, error);
@@ -256,7 +275,7 @@ sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *chan
     move_lights(scene, time_seconds, &changed);
     if (!same_camera(&camera, &scene->camera)) changed |= SL_CHANGED_CAMERA;
     scene->camera = camera;
-    if (changed) scene->version++;
+    sl_scene_has_changed(scene, changed);
     if (changes) *changes = changed;
     return SL_OK;
 }
@@ -275,8 +294,8 @@ static uint32_t *tracks_of_objects(const sl_animation *a, size_t object_count) {
     return tracks;
 }
 
-sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error) {
-    scene->animation = a;
+/* Takes the scene as it stands for the rest state. */
+static sl_status rest(const sl_scene *scene, sl_animation *a, sl_error *error) {
     a->track_of_vertex = sl_allocate(scene->vertex_count, sizeof *a->track_of_vertex);
     a->rest_position = sl_allocate(scene->vertex_count, sizeof *a->rest_position);
     a->rest_normal = sl_allocate(scene->vertex_count, sizeof *a->rest_normal);
@@ -303,8 +322,121 @@ sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error)
         for (int k = 0; k < 16; k++) a->rest_control[16 * i + (size_t)k] = b->point[k / 4][k % 4];
     }
     sl_free(tracks);
-    sl_status status = sl_scene_set_time(scene, 0.0, NULL, error);
+    return SL_OK;
+}
+
+sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error) {
+    scene->animation = a;
+    sl_status status = rest(scene, a, error);
+    if (status == SL_OK) status = sl_scene_set_time(scene, 0.0, NULL, error);
     scene->version = 0;
+    memset(scene->changed, 0, sizeof scene->changed);
+    return status;
+}
+
+/* ---- objects that are placed ----------------------------------------------------------------- */
+
+typedef struct placing {
+    sl_scene *scene;
+    sl_animation *animation;
+    const sl_placement *placement;
+    size_t count;
+    uint32_t *of_object; /* its placement, or SL_NO_INDEX */
+    uint32_t *track;     /* of each placement */
+    motion *motions;     /* of each track */
+} placing;
+
+/* Returns an object that would leave all numbers; SL_NO_INDEX: none would. */
+static uint32_t find_placed_beyond(const placing *p) {
+    const sl_scene *s = p->scene;
+    uint32_t bad = SL_NO_INDEX;
+    for (size_t k = 0; k < 3 * s->triangle_count; k++) {
+        const uint32_t of = p->of_object[s->object_index[k / 3]], v = s->vertex[k % 3][k / 3];
+        if (of != SL_NO_INDEX &&
+            !sl_is_finite(moved(&p->placement[of].placement, p->animation->rest_position[v])))
+            bad = p->placement[of].object;
+    }
+    for (size_t k = 0; k < 16 * s->bicubic_count; k++) {
+        const uint32_t of = p->of_object[s->object_index[s->bicubics[k / 16].first_triangle]];
+        if (of != SL_NO_INDEX &&
+            !sl_is_finite(moved(&p->placement[of].placement, p->animation->rest_control[k])))
+            bad = p->placement[of].object;
+    }
+    return bad;
+}
+
+/* Gives each placement the track that its object was placed by before, or one of its own. There is room. */
+static void choose_tracks(const placing *p) {
+    sl_animation *a = p->animation;
+    for (size_t i = 0; i < a->track_count; i++) {
+        const uint32_t of = a->tracks[i].is_placed ? p->of_object[a->tracks[i].first] : SL_NO_INDEX;
+        if (of != SL_NO_INDEX) p->track[of] = (uint32_t)i;
+    }
+    for (size_t i = 0; i < p->count; i++) {
+        if (p->track[i] == SL_NO_INDEX) p->track[i] = (uint32_t)a->track_count++;
+        const sl_affine placement = p->placement[i].placement;
+        a->tracks[p->track[i]] = (sl_track){.kind = SL_TRACK_OBJECTS,
+                                            .first = p->placement[i].object,
+                                            .count = 1,
+                                            .is_placed = true,
+                                            .placement = placement};
+        p->motions[p->track[i]] = (motion){true, placement, sl_affine_normal_map(&placement)};
+    }
+}
+
+static void follow_tracks(const placing *p) {
+    const sl_scene *s = p->scene;
+    uint32_t *track = p->animation->track_of_vertex;
+    for (size_t k = 0; k < 3 * s->triangle_count; k++) {
+        const uint32_t of = p->of_object[s->object_index[k / 3]];
+        if (of != SL_NO_INDEX) track[s->vertex[k % 3][k / 3]] = p->track[of];
+    }
+    for (size_t i = 0; i < s->bicubic_count; i++) {
+        const sl_bicubic *b = &s->bicubics[i];
+        const uint32_t of = p->of_object[s->object_index[b->first_triangle]], side = (uint32_t)b->steps + 1;
+        for (uint32_t v = 0; v < side * side && of != SL_NO_INDEX; v++)
+            track[b->first_vertex + v] = p->track[of];
+    }
+}
+
+static sl_status place(placing *p, unsigned *changes, sl_error *error) {
+    sl_animation *a = p->animation;
+    const size_t objects = p->scene->object_count;
+    p->of_object = sl_allocate_unset(objects, sizeof *p->of_object);
+    p->track = sl_allocate_unset(p->count, sizeof *p->track);
+    p->motions = sl_allocate(a->track_count + p->count, sizeof *p->motions);
+    if (!p->of_object || !p->track || !p->motions ||
+        !sl_regrow(&a->tracks, a->track_count, a->track_count + p->count, sizeof *a->tracks))
+        return sl_fail_memory(error, "the motion of objects");
+    a->track_room = a->track_count + p->count;
+    memset(p->of_object, 0xff, objects * sizeof *p->of_object); /* SL_NO_INDEX */
+    memset(p->track, 0xff, p->count * sizeof *p->track);
+    for (size_t i = 0; i < p->count; i++) p->of_object[p->placement[i].object] = (uint32_t)i;
+    const uint32_t bad = find_placed_beyond(p);
+    if (bad != SL_NO_INDEX)
+        return sl_fail(error, SL_ERROR_INPUT, "object '%s': expected 'transform' to leave it finite",
+                       p->scene->object_names[bad]);
+    choose_tracks(p);
+    follow_tracks(p);
+    p->scene->animation = a;
+    *changes |= move(p->scene, p->motions);
+    return SL_OK;
+}
+
+sl_status sl_animation_place(sl_scene *scene, size_t count, const sl_placement *placement, unsigned *changes,
+                             sl_error *error) {
+    placing p = {.scene = scene, .placement = placement, .count = count, .animation = scene->animation};
+    sl_status status = SL_OK;
+    if (count == 0) return SL_OK;
+    if (!p.animation) {
+        p.animation = sl_allocate(1, sizeof *p.animation);
+        status = p.animation ? rest(scene, p.animation, error) : sl_fail_memory(error, "the animation");
+    }
+    if (status == SL_OK) status = place(&p, changes, error);
+    if (p.animation != scene->animation) sl_animation_destroy(p.animation);
+    sl_free(p.of_object);
+    sl_free(p.track);
+    sl_free(p.motions);
     return status;
 }
 

@@ -33,6 +33,8 @@ typedef struct sl_track {
     uint32_t first, count; /* objects; the light */
     size_t key_count;
     sl_key *keys; /* times rise strictly */
+    bool is_placed; /* an object that stays where an edit has placed it, whatever the time */
+    sl_affine placement; /* ... in our world */
 } sl_track;
 
 struct sl_animation {
@@ -55,6 +57,15 @@ sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_err
 /* The scene takes the animation over (also where this fails: it goes with the scene), keeps the scene's state
  * as the rest state, and moves the scene to time 0. */
 sl_status sl_animation_attach(sl_scene *scene, sl_animation *animation, sl_error *error);
+/* An object's motion from its rest state. */
+typedef struct sl_placement {
+    uint32_t object;
+    sl_affine placement;
+} sl_placement;
+/* Places objects, each once, in place of their keyframes from then on; SL_CHANGED_ bits are added to *changes.
+ * All or nothing. */
+sl_status sl_animation_place(sl_scene *scene, size_t count, const sl_placement *placement, unsigned *changes,
+                             sl_error *error);
 void sl_animation_destroy(sl_animation *animation); /* NULL is allowed */
 
 #endif

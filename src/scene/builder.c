@@ -16,8 +16,16 @@ typedef struct given_mesh {
     sl_mesh_data data; /* whose arrays are its own, unless they are borrowed */
 } given_mesh;
 
+/* A light that gives nothing, which models leave out: edits may turn it on. */
+typedef struct dark_light {
+    size_t index; /* among all lights without extent */
+    sl_light light;
+} dark_light;
+
 struct sl_scene_builder {
     sl_model model;
+    dark_light *dark;
+    size_t dark_count, dark_room;
     given_mesh *meshes;
     size_t mesh_count, mesh_room, light_count;
     uint32_t grey; /* 1 + the material of what names none; 0: there is none yet */
@@ -140,7 +148,7 @@ static sl_material material_from(const sl_material_data *d, const char *name) {
                          .bump_depth = d->bump && d->bump_depth == 0.0f ? SL_BUMP_DEPTH : d->bump_depth};
 }
 
-static sl_status check_material(const sl_scene_builder *b, const sl_material_data *d, const sl_material *m,
+static sl_status check_material(const sl_scene *scene, const sl_material_data *d, const sl_material *m,
                                 sl_error *error) {
     const struct {
         const char *what;
@@ -156,13 +164,23 @@ static sl_status check_material(const sl_scene_builder *b, const sl_material_dat
     sl_status status = SL_OK;
     for (int i = 0; i < 3 && status == SL_OK; i++)
         status = check_number("material", m->name, textures[i].what, textures[i].number,
-                              b->model.scene.texture_count, error);
+                              scene->texture_count, error);
     return status;
+}
+
+sl_status sl_material_take(const sl_scene *scene, const sl_material_data *data, const char *name,
+                           sl_material *material, sl_error *error) {
+    sl_material_data d;
+    sl_status status = TAKE(sl_material_data, &d, data, error);
+    if (status != SL_OK) return status;
+    *material = material_from(&d, name);
+    return check_material(scene, &d, material, error);
 }
 
 sl_status sl_scene_builder_material(sl_scene_builder *b, const sl_material_data *data, uint32_t *material,
                                     sl_error *error) {
     sl_material_data d;
+    sl_material made;
     uint32_t index;
     char name[NAME_ROOM];
     if (material) *material = 0;
@@ -170,9 +188,8 @@ sl_status sl_scene_builder_material(sl_scene_builder *b, const sl_material_data 
         check_usable(b, data && material, "a builder, a material and a place for its number", error);
     if (status == SL_OK) status = TAKE(sl_material_data, &d, data, error);
     if (status != SL_OK) return status;
-    const sl_material made =
-        material_from(&d, name_of(d.name, "material", b->model.scene.material_count + 1, name));
-    status = check_material(b, &d, &made, error);
+    name_of(d.name, "material", b->model.scene.material_count + 1, name);
+    status = sl_material_take(&b->model.scene, data, name, &made, error);
     if (status == SL_OK) status = sl_model_add_material(&b->model, &made, &index, error);
     if (status == SL_OK) *material = index + 1;
     return status;
@@ -325,17 +342,19 @@ sl_status sl_scene_builder_light(sl_scene_builder *b, const sl_light_data *data,
         status = sl_model_add_quad(&b->model, "", name, &d, &turn, &index, error);
     } else {
         const sl_light light = sl_light_from(&d, &turn);
+        const dark_light dark = {b->model.scene.light_count + b->dark_count, light};
+        if (!sl_light_is_lit(&light) && !sl_make_room(&b->dark, b->dark_count, &b->dark_room, sizeof dark))
+            return sl_fail_memory(error, "the lights");
         status = sl_model_add_light(&b->model, &light, &index, error);
+        if (status == SL_OK && index == SL_NO_INDEX) b->dark[b->dark_count++] = dark;
     }
     b->light_count += status == SL_OK;
     return status;
 }
 
-sl_status sl_scene_builder_environment(sl_scene_builder *b, int width, int height, const float *radiance,
-                                       sl_error *error) {
+sl_status sl_sky_take(int width, int height, const float *radiance, sl_environment *taken,
+                      sl_error *error) {
     char text[SL_RULE_TEXT];
-    sl_status status = check_usable(b, radiance, "a builder and the radiance of its sky", error);
-    if (status != SL_OK) return status;
     const bool constant = width == 0 && height == 0;
     sl_environment sky = {.present = true, .width = width, .height = height};
     if (constant) {
@@ -353,6 +372,16 @@ sl_status sl_scene_builder_environment(sl_scene_builder *b, int width, int heigh
         sky.texels = copy_of(radiance, 3 * texels * sizeof(float), &copied);
         if (!copied) return sl_fail_memory(error, "the environment");
     }
+    *taken = sky;
+    return SL_OK;
+}
+
+sl_status sl_scene_builder_environment(sl_scene_builder *b, int width, int height, const float *radiance,
+                                       sl_error *error) {
+    sl_environment sky;
+    sl_status status = check_usable(b, radiance, "a builder and the radiance of its sky", error);
+    if (status == SL_OK) status = sl_sky_take(width, height, radiance, &sky, error);
+    if (status != SL_OK) return status;
     sl_environment_release(&b->model.scene.environment);
     b->model.scene.environment = sky;
     return SL_OK;
@@ -360,18 +389,24 @@ sl_status sl_scene_builder_environment(sl_scene_builder *b, int width, int heigh
 
 /* ---- camera and film ------------------------------------------------------------------------- */
 
-sl_status sl_scene_builder_camera(sl_scene_builder *b, const float eye[3], const float target[3],
-                                  const float up[3], float vertical_fov_rad, sl_error *error) {
-    sl_camera camera;
-    sl_status status = check_usable(b, eye && target && up, "a builder and three vectors", error);
-    if (status != SL_OK) return status;
+sl_status sl_view_take(const float eye[3], const float target[3], const float up[3], float vertical_fov_rad,
+                       sl_camera *camera, sl_error *error) {
     if (!(vertical_fov_rad >= (float)sl_radians(SL_LEAST_FOV_DEG) &&
           vertical_fov_rad <= (float)sl_radians(SL_MOST_FOV_DEG)))
         return sl_fail(error, SL_ERROR_INPUT, "camera: expected 'fov_deg' from %g to %g, got %.10g",
                        SL_LEAST_FOV_DEG, SL_MOST_FOV_DEG, (double)vertical_fov_rad / sl_radians(1.0));
-    if (!sl_camera_look_at(&camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]),
+    if (!sl_camera_look_at(camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]),
                            sl_v3(up[0], up[1], up[2]), vertical_fov_rad))
         return sl_fail(error, SL_ERROR_INPUT, "camera: %s", SL_EXPECTED_VIEW);
+    return SL_OK;
+}
+
+sl_status sl_scene_builder_camera(sl_scene_builder *b, const float eye[3], const float target[3],
+                                  const float up[3], float vertical_fov_rad, sl_error *error) {
+    sl_camera camera;
+    sl_status status = check_usable(b, eye && target && up, "a builder and three vectors", error);
+    if (status == SL_OK) status = sl_view_take(eye, target, up, vertical_fov_rad, &camera, error);
+    if (status != SL_OK) return status;
     b->model.has_camera = true;
     b->model.camera = camera;
     return SL_OK;
@@ -400,8 +435,10 @@ sl_status sl_scene_builder_create(sl_scene_builder **builder, sl_error *error) {
 static void release_all(sl_scene_builder *b) {
     for (size_t i = 0; i < b->mesh_count; i++) release_mesh(&b->meshes[i]);
     sl_free(b->meshes);
+    sl_free(b->dark);
     b->meshes = NULL;
-    b->mesh_count = 0;
+    b->dark = NULL;
+    b->mesh_count = b->dark_count = 0;
     sl_model_clear(&b->model);
 }
 
@@ -410,12 +447,30 @@ void sl_scene_builder_destroy(sl_scene_builder *builder) {
     sl_free(builder);
 }
 
+/* Puts the lights that give nothing where they were among the others. */
+static bool insert_dark(const sl_scene_builder *b, sl_scene *s) {
+    if (!b->dark_count) return true;
+    if (!sl_regrow(&s->lights, s->light_count, s->light_count + b->dark_count, sizeof *s->lights))
+        return false;
+    for (size_t i = 0; i < b->dark_count; i++) {
+        sl_light *at = &s->lights[b->dark[i].index];
+        memmove(at + 1, at, (s->light_count++ - b->dark[i].index) * sizeof *at);
+        *at = b->dark[i].light;
+    }
+    return true;
+}
+
 sl_status sl_scene_builder_build(sl_scene_builder *b, sl_scene **scene, sl_error *error) {
     if (scene) *scene = NULL;
     sl_status status = check_usable(b, scene, "a builder and a place for its scene", error);
     if (status != SL_OK) return status;
     b->built = true;
     status = sl_model_build(&b->model, scene, error);
+    if (status == SL_OK && !insert_dark(b, *scene)) {
+        sl_scene_destroy(*scene);
+        *scene = NULL;
+        status = sl_fail_memory(error, "the lights");
+    }
     release_all(b);
     return status;
 }

@@ -36,7 +36,7 @@ sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float t
         return fail_of_view(error);
     }
     sl_scene_measure_from(scene, scene->camera.eye);
-    scene->version++;
+    sl_scene_has_changed(scene, SL_CHANGED_CAMERA);
     return SL_OK;
 }
 

@@ -72,20 +72,23 @@ static bool texture_exists(const sl_scene *scene, uint32_t index) {
     return index == SL_NO_INDEX || index < scene->texture_count;
 }
 
-sl_status sl_materials_check(sl_scene *scene, sl_error *error) {
-    for (size_t i = 0; i < scene->material_count; i++) {
-        sl_material *m = &scene->materials[i];
-        sl_status status = check_numbers(m, error);
-        if (status != SL_OK) return status;
-        if (!texture_exists(scene, m->texture) || !texture_exists(scene, m->alpha_texture) ||
-            m->height_map > scene->texture_count) {
-            return sl_fail(error, SL_ERROR_INPUT, "material '%s' names a texture that does not exist",
-                           m->name);
-        }
-        settle_mirror(scene, m);
-        conserve_energy(scene, m);
+sl_status sl_material_check(sl_scene *scene, sl_material *m, sl_error *error) {
+    sl_status status = check_numbers(m, error);
+    if (status != SL_OK) return status;
+    if (!texture_exists(scene, m->texture) || !texture_exists(scene, m->alpha_texture) ||
+        m->height_map > scene->texture_count) {
+        return sl_fail(error, SL_ERROR_INPUT, "material '%s' names a texture that does not exist", m->name);
     }
+    settle_mirror(scene, m);
+    conserve_energy(scene, m);
     return SL_OK;
+}
+
+sl_status sl_materials_check(sl_scene *scene, sl_error *error) {
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < scene->material_count && status == SL_OK; i++)
+        status = sl_material_check(scene, &scene->materials[i], error);
+    return status;
 }
 
 static sl_status check_light(sl_light *light, size_t index, sl_error *error) {

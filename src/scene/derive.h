@@ -48,6 +48,8 @@ void sl_scene_release(sl_scene *scene);
 /* Checks and repairs what a scene says of its surfaces and lights; failing is an input error that names the
  * culprit. */
 sl_status sl_materials_check(sl_scene *scene, sl_error *error);
+/* The same for one material, which need not be the scene's yet. */
+sl_status sl_material_check(sl_scene *scene, sl_material *material, sl_error *error);
 sl_status sl_lights_check(sl_scene *scene, sl_error *error);
 
 char *sl_string_copy(const char *text); /* NULL: ""; release with sl_free() */

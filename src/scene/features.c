@@ -22,11 +22,13 @@ sl_features sl_scene_features(const sl_scene *scene) {
         count_triangles(&features, &scene->materials[material], end - t);
     }
     for (size_t i = 0; i < scene->light_count; i++) {
+        if (!sl_light_is_lit(&scene->lights[i])) continue;
+        features.light = true;
         features.point_lights += scene->lights[i].type == SL_LIGHT_POINT;
         features.spot_lights += scene->lights[i].type == SL_LIGHT_SPOT;
         features.directional_lights += scene->lights[i].type == SL_LIGHT_DIRECTIONAL;
     }
-    features.light = scene->light_count > 0 || features.emitters > 0 || features.environment ||
+    features.light = features.light || features.emitters > 0 || features.environment ||
                      (features.animated && features.emissive_triangles > 0);
     return features;
 }

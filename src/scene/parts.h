@@ -37,6 +37,16 @@ sl_light sl_light_from(const sl_light_data *light, const sl_affine *turn);
 sl_status sl_model_add_quad(sl_model *model, const char *path, const char *name, const sl_light_data *light,
                             const sl_affine *turn, uint32_t *object, sl_error *error);
 
+/* ---- what calls give, checked and made into the scene's (builder.c) ---- */
+
+/* name: of messages, and of the material, which does not own it. */
+sl_status sl_material_take(const sl_scene *scene, const sl_material_data *data, const char *name,
+                           sl_material *material, sl_error *error);
+/* The texels are copied; sl_environment_complete() makes the sums. */
+sl_status sl_sky_take(int width, int height, const float *radiance, sl_environment *sky, sl_error *error);
+sl_status sl_view_take(const float eye[3], const float target[3], const float up[3], float vertical_fov_rad,
+                       sl_camera *camera, sl_error *error);
+
 /* Makes a transform of 16 numbers by columns. Returns what was expected, or NULL where they are one. */
 const char *sl_matrix_fault(const double columns[16], sl_affine *transform);
 

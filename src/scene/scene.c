@@ -220,7 +220,9 @@ uint64_t sl_scene_light_hash(const sl_scene *scene) {
         hash_bytes(&hash, (int32_t[3]){t->width, t->height, t->has_alpha}, 3 * sizeof(int32_t));
         hash_bytes(&hash, t->texels, 4 * (size_t)t->width * (size_t)t->height);
     }
-    for (size_t i = 0; i < scene->light_count; i++) hash_light(&hash, &scene->lights[i]);
+    for (size_t i = 0; i < scene->light_count; i++) {
+        if (sl_light_is_lit(&scene->lights[i])) hash_light(&hash, &scene->lights[i]);
+    }
     hash_environment(&hash, &scene->environment);
     return hash;
 }

@@ -55,6 +55,9 @@ typedef struct sl_light {
     float cos_inner, cos_outer;
 } sl_light;
 
+/* One that gives nothing stays in the list, to be turned on by an edit. */
+static inline bool sl_light_is_lit(const sl_light *light) { return sl_rgb_max(light->intensity) > 0.0f; }
+
 typedef struct sl_emitter {
     uint32_t triangle;
     float area;          /* > 0 */
@@ -115,10 +118,13 @@ static inline bool sl_sub_frame_shows(const sl_sub_frame *at, size_t pixel) {
     return !at->wanted || at->wanted[pixel];
 }
 
+enum { SL_CHANGES = 7, SL_CHANGED_ALL = (1 << SL_CHANGES) - 1 }; /* bits of SL_CHANGED_ */
+
 typedef struct sl_animation sl_animation; /* keyframes of camera, objects and lights: scene/animation.h */
 
 struct sl_scene {
     uint64_t version;     /* raised by every edit */
+    uint64_t changed[SL_CHANGES]; /* by bit of SL_CHANGED_: the version that last changed it */
     const struct sl_raster_observer *observer; /* of the passes that draw it (raster/raster.h), or NULL */
 
     size_t vertex_count;
@@ -179,6 +185,18 @@ struct sl_scene {
     size_t file_count;
     char **files;
 };
+
+/* A new version, in which this has changed: SL_CHANGED_ bits. */
+static inline void sl_scene_has_changed(sl_scene *s, unsigned changes) {
+    if (changes) s->version++;
+    for (int i = 0; i < SL_CHANGES; i++) s->changed[i] = changes >> i & 1u ? s->version : s->changed[i];
+}
+/* Returns what has changed since a version. */
+static inline unsigned sl_scene_changes_since(const sl_scene *s, uint64_t version) {
+    unsigned changes = 0;
+    for (int i = 0; i < SL_CHANGES; i++) changes |= (unsigned)(s->changed[i] > version) << i;
+    return changes;
+}
 
 static inline sl_vec3 sl_scene_position(const sl_scene *s, uint32_t vertex) {
     return sl_v3(s->position_x[vertex], s->position_y[vertex], s->position_z[vertex]);

@@ -372,7 +372,7 @@ static void a_method_takes_no_null(void **state) {
     USAGE(sl_method_resolve(method, NULL, error));
     assert_null(image);
     USAGE(sl_method_edit(NULL, SL_CHANGED_CAMERA, error));
-    USAGE(sl_method_edit(method, 8, error));
+    USAGE(sl_method_edit(method, 128, error));
     USAGE(sl_method_edit(method, UINT_MAX, error));
     USAGE(sl_method_save(NULL, "a", error));
     USAGE(sl_method_save(method, NULL, error));

@@ -73,16 +73,19 @@ static bool same_camera(const sl_camera *a, const sl_camera *b) {
 
 static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl_error *error) {
     const sl_camera before = scene->camera;
-    const uint64_t version = scene->version;
+    uint64_t version = scene->version, changed[SL_CHANGES];
+    memcpy(changed, scene->changed, sizeof changed);
     sl_status status = p->timed ? sl_scene_set_time(scene, p->time, changes, error) : SL_OK;
     if (status != SL_OK) return status;
     if (p->looks) scene->camera = p->camera;
     *changes &= ~(unsigned)SL_CHANGED_CAMERA;
     if (!same_camera(&before, &scene->camera)) {
         *changes |= SL_CHANGED_CAMERA;
-        scene->version++;
     }
-    if (!*changes) scene->version = version; /* keyframes have moved a camera that nobody looks through */
+    /* keyframes may have moved a camera that nobody looks through */
+    memcpy(scene->changed, changed, sizeof changed);
+    scene->version = version;
+    sl_scene_has_changed(scene, *changes);
     return SL_OK;
 }
 

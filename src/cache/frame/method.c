@@ -175,6 +175,44 @@ static sl_status update_film(sl_method *m, sl_progress *now, sl_error *error) {
 
 /* ---- creation ---- */
 
+static void destroy_state(sl_method *m) {
+    if (m->state) m->class->destroy(m->state);
+    sl_film_destroy(m->film);
+    m->state = NULL;
+    m->film = NULL;
+}
+
+static sl_status create_state(sl_method *m, sl_error *error) {
+    sl_status status = SL_OK;
+    m->seen = *m->scene;
+    if (sl_method_has_film(m->class, &m->settings))
+        status = sl_film_create(&m->seen, &m->settings, m->class->asks, &m->film, error);
+    if (status == SL_OK) look_anew(m, true);
+    const sl_scene *seen = m->film ? &m->seen : m->scene;
+    if (status == SL_OK) status = m->class->create(seen, &m->settings, &m->transport, &m->state, error);
+    if (status != SL_OK) destroy_state(m);
+    m->planned = sl_scene_features(m->scene);
+    remember_region(m);
+    return status;
+}
+
+/* Where the plan was made for a scene of another kind. What was counted stays. */
+static sl_status create_anew(sl_method *m, sl_error *error) {
+    if (!m->before) m->before = sl_allocate(2, sizeof *m->before);
+    if (!m->before) return sl_fail_memory(error, "a method");
+    if (m->state) m->before[0] = *sl_method_counters(m);
+    destroy_state(m);
+    return create_state(m, error);
+}
+
+/* Tells whether the scene has lights of other kinds than the method was planned for. */
+static bool is_lit_otherwise(const sl_method *m) {
+    const sl_features now = sl_scene_features(m->scene), *then = &m->planned;
+    return !now.emissive_triangles != !then->emissive_triangles || !now.point_lights != !then->point_lights ||
+           !now.spot_lights != !then->spot_lights || !now.directional_lights != !then->directional_lights ||
+           now.environment != then->environment;
+}
+
 sl_status sl_method_create(const sl_scene *scene, const sl_settings *settings, sl_method **method,
                            sl_error *error) {
     return sl_method_create_beside(scene, settings, 0.0, method, error);
@@ -203,27 +241,22 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
     m->settings.method = m->name;
     m->settings.transport = m->transport_name;
     m->memory_bytes = settings->memory_bytes;
+    m->transport = transport;
     status = complete_settings(class, scene, &m->settings, bytes, m->reduced, sizeof m->reduced, error);
-    if (status == SL_OK && sl_method_has_film(class, &m->settings))
-        status = sl_film_create(&m->seen, &m->settings, class->asks, &m->film, error);
-    look_anew(m, true);
-    const sl_scene *seen = m->film ? &m->seen : scene;
-    if (status == SL_OK) status = class->create(seen, &m->settings, &transport, &m->state, error);
+    if (status == SL_OK) status = create_state(m, error);
     if (status != SL_OK) {
-        sl_film_destroy(m->film);
-        sl_free(m);
+        sl_method_destroy(m);
         return status;
     }
     m->scene_version = scene->version;
-    remember_region(m);
     *method = m;
     return SL_OK;
 }
 
 void sl_method_destroy(sl_method *method) {
     if (!method) return;
-    method->class->destroy(method->state);
-    sl_film_destroy(method->film);
+    destroy_state(method);
+    sl_free(method->before);
     sl_free(method);
 }
 
@@ -315,22 +348,32 @@ sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error
     return SL_OK;
 }
 
+/* Tells the class of its scene. Light that has changed is light, whatever has changed it. */
+static sl_status edit_state(sl_method *m, unsigned changes, sl_error *error) {
+    const unsigned told = SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS;
+    const bool kinds = changes & SL_CHANGED_KINDS;
+    if (changes & ~told) changes |= SL_CHANGED_LIGHTS;
+    if (!m->state || kinds || (changes & SL_CHANGED_LIGHTS && is_lit_otherwise(m)))
+        return create_anew(m, error);
+    if (changes & SL_CHANGED_OBJECTS) remember_region(m);
+    look_anew(m, changes & SL_CHANGED_OBJECTS);
+    return m->class->edit(m->state, changes & told, error);
+}
+
 sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
-    const unsigned known = SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS;
+    const unsigned everything = SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS;
     if (!method) return sl_fail_null(error, "a method");
-    if (changes & ~known)
-        return sl_fail(error, SL_ERROR_USAGE, "changes 0x%x: there are 0x%x at most", changes, known);
+    if (changes & ~(unsigned)SL_CHANGED_ALL)
+        return sl_fail(error, SL_ERROR_USAGE, "changes 0x%x: there are 0x%x at most", changes,
+                       (unsigned)SL_CHANGED_ALL);
     if (method->health == SL_METHOD_FAILED) return check_health(method, error);
-    /* what the one that failed was to say has got lost */
-    if (method->health == SL_METHOD_WANTS_EDIT) changes = known;
-    if (region_has_moved(method)) changes = known;
-    if (changes & SL_CHANGED_OBJECTS) remember_region(method);
+    changes |= sl_scene_changes_since(method->scene, method->scene_version);
+    if (method->health == SL_METHOD_WANTS_EDIT || region_has_moved(method)) changes |= everything;
     method->progress.done = method->progress.frame_done = method->resolved = false;
     if (changes != SL_CHANGED_CAMERA) method->light_hash_known = false;
-    method->scene_version = method->scene->version;
-    look_anew(method, changes & SL_CHANGED_OBJECTS);
-    sl_status status = method->class->edit(method->state, changes, error);
+    sl_status status = edit_state(method, changes, error);
     method->health = status == SL_OK ? SL_METHOD_SOUND : SL_METHOD_WANTS_EDIT;
+    if (status == SL_OK) method->scene_version = method->scene->version;
     return status;
 }
 
@@ -356,12 +399,18 @@ sl_status sl_method_load(sl_method *method, const char *path, sl_error *error) {
 }
 
 const sl_counters *sl_method_counters(const sl_method *method) {
-    const sl_counters *own = method->class->counters(method->state);
+    static const sl_counters none;
+    const sl_counters *own = method->state ? method->class->counters(method->state) : &none;
+    if (method->before) {
+        method->before[1] = method->before[0];
+        sl_counters_add(&method->before[1], own);
+        own = &method->before[1];
+    }
     return method->film ? sl_film_counters(method->film, own) : own;
 }
 
 size_t sl_method_memory_bytes(const sl_method *method) {
-    return sizeof *method + method->class->memory_bytes(method->state) +
+    return sizeof *method + (method->state ? method->class->memory_bytes(method->state) : 0) +
            (method->film ? sl_film_bytes(method->film) : 0);
 }
 
@@ -381,7 +430,7 @@ sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settin
 }
 
 const char *sl_method_reduction(sl_method *m) {
-    const char *filled = m->class->filled ? m->class->filled(m->state) : NULL;
+    const char *filled = m->state && m->class->filled ? m->class->filled(m->state) : NULL;
     snprintf(m->reduction, sizeof m->reduction, "%s%s%s", m->reduced, m->reduced[0] && filled ? ", " : "",
              filled ? filled : "");
     return m->reduction[0] ? m->reduction : NULL;

@@ -6,6 +6,7 @@
 #include "cache/frame/all_light.h"
 #include "cache/frame/film.h"
 #include "cache/frame/settings.h"
+#include "scene/features.h"
 #include "scene/scene.h"
 #include "softlux.h"
 
@@ -103,6 +104,9 @@ struct sl_method {
     void *state;
     const sl_scene *scene;
     sl_scene seen; /* with a film, what the class is given: the scene's arrays and the sub-frame to draw */
+    sl_transport transport;
+    sl_features planned; /* of the scene that the state was created for */
+    sl_counters *before; /* of states that are gone; behind them all with this one's. NULL: there are none */
     sl_film *film; /* NULL: pixels are what their centres show */
     sl_settings settings; /* complete */
     char name[32], transport_name[64];

@@ -311,7 +311,7 @@ static void add_scene_light(sl_sampled_lights *lights, const sl_light *light, ui
     static const sl_sampled_kind kinds[] = {[SL_LIGHT_POINT] = SL_SAMPLED_POINT,
                                             [SL_LIGHT_SPOT] = SL_SAMPLED_SPOT,
                                             [SL_LIGHT_DIRECTIONAL] = SL_SAMPLED_DIRECTIONAL};
-    if (!(sl_rgb_max(light->intensity) > 0.0f)) return;
+    if (!sl_light_is_lit(light)) return;
     lights->light[lights->count++] = (sl_sampled_light){.kind = kinds[light->type],
                                                         .colour = light->intensity,
                                                         .position = light->position,

@@ -1,0 +1,327 @@
+/* Edits of a scene in memory. They are collected beside the scene, checked by the rules for scenes that are
+ * built (scene/parts.h), and take place together, or not at all. */
+#include <float.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/grow.h"
+#include "base/memory.h"
+#include "scene/animation.h"
+#include "scene/derive.h"
+#include "scene/parts.h"
+
+struct sl_scene_edit {
+    sl_scene *scene;
+    uint64_t version;       /* of the scene, when the edit began */
+    sl_material *materials; /* all of them, as they are to be; names are the scene's */
+    sl_light *lights;
+    bool has_sky, looks;
+    sl_environment sky;
+    sl_camera camera;
+    sl_placement *placement;
+    size_t placements, placement_room;
+};
+
+/* ---- parts that there are --------------------------------------------------------------------------- */
+
+size_t sl_scene_light_count(const sl_scene *scene) { return scene->light_count; }
+
+uint32_t sl_scene_find_object(const sl_scene *scene, const char *name) {
+    for (size_t i = 0; i < scene->object_count; i++) {
+        if (strcmp(scene->object_names[i], name) == 0) return (uint32_t)i + 1;
+    }
+    return 0;
+}
+
+uint32_t sl_scene_find_material(const sl_scene *scene, const char *name) {
+    for (size_t i = 0; i < scene->material_count; i++) {
+        if (strcmp(scene->materials[i].name, name) == 0) return (uint32_t)i + 1;
+    }
+    return 0;
+}
+
+static void write_colour(float to[3], sl_rgb c) { memcpy(to, (float[3]){c.r, c.g, c.b}, 3 * sizeof *to); }
+
+bool sl_scene_material(const sl_scene *scene, uint32_t material, sl_material_data *data) {
+    *data = (sl_material_data){.size = sizeof *data};
+    if (material == 0 || material > scene->material_count) return false;
+    const sl_material *m = &scene->materials[material - 1];
+    data->name = m->name;
+    write_colour(data->diffuse, m->diffuse);
+    write_colour(data->specular, m->specular);
+    write_colour(data->mirror, m->mirror);
+    write_colour(data->emission, m->emission);
+    data->exponent = m->exponent;
+    data->two_sided = m->emission_two_sided;
+    data->texture = m->texture == SL_NO_INDEX ? 0 : m->texture + 1;
+    data->alpha = m->alpha_texture == SL_NO_INDEX ? 0 : m->alpha_texture + 1;
+    data->bump = m->height_map;
+    data->bump_depth = m->bump_depth;
+    return true;
+}
+
+/* ---- collecting ------------------------------------------------------------------------------ */
+
+void sl_scene_edit_destroy(sl_scene_edit *edit) {
+    if (!edit) return;
+    sl_environment_release(&edit->sky);
+    sl_free(edit->materials);
+    sl_free(edit->lights);
+    sl_free(edit->placement);
+    sl_free(edit);
+}
+
+static void *copy_of(const void *array, size_t count, size_t size) {
+    void *copy = sl_allocate_unset(count, size);
+    if (copy && count) memcpy(copy, array, count * size);
+    return copy;
+}
+
+sl_status sl_scene_edit_begin(sl_scene *scene, sl_scene_edit **edit, sl_error *error) {
+    if (edit) *edit = NULL;
+    if (!scene || !edit) return sl_fail_null(error, "a scene and a place for an edit");
+    sl_scene_edit *e = sl_allocate(1, sizeof *e);
+    if (e) {
+        e->scene = scene;
+        e->version = scene->version;
+        e->materials = copy_of(scene->materials, scene->material_count, sizeof *e->materials);
+        e->lights = copy_of(scene->lights, scene->light_count, sizeof *e->lights);
+    }
+    if (!e || !e->materials || !e->lights) {
+        sl_scene_edit_destroy(e);
+        return sl_fail_memory(error, "an edit");
+    }
+    *edit = e;
+    return SL_OK;
+}
+
+static sl_status check_number(const char *what, uint32_t number, size_t count, sl_error *error) {
+    if (number > 0 && number <= count) return SL_OK;
+    return sl_fail(error, SL_ERROR_USAGE, "%s %u: expected a number from 1 to %zu", what, number, count);
+}
+
+sl_status sl_edit_material(sl_scene_edit *edit, uint32_t material, const sl_material_data *data,
+                           sl_error *error) {
+    sl_material made;
+    if (!edit || !data) return sl_fail_null(error, "an edit and a material");
+    sl_status status = check_number("material", material, edit->scene->material_count, error);
+    if (status != SL_OK) return status;
+    sl_material *to = &edit->materials[material - 1];
+    status = sl_material_take(edit->scene, data, to->name, &made, error);
+    if (status == SL_OK) status = sl_material_check(edit->scene, &made, error);
+    if (status == SL_OK) *to = made;
+    return status;
+}
+
+
+sl_status sl_edit_light(sl_scene_edit *edit, uint32_t light, const float strength[3],
+                        const double position[3], const double direction[3], sl_error *error) {
+    char name[32], text[SL_RULE_TEXT];
+    if (!edit) return sl_fail_null(error, "an edit");
+    sl_status status = check_number("light", light, edit->scene->light_count, error);
+    if (status != SL_OK) return status;
+    sl_light made = edit->lights[light - 1];
+    /* its cones, which are not given here, are none that a light could have a fault in */
+    sl_light_data given = {.type = made.type, .outer_rad = 1.0, .direction = {0.0, 0.0, 1.0}};
+    if (strength) memcpy(given.strength, strength, sizeof given.strength);
+    if (position) memcpy(given.position, position, sizeof given.position);
+    if (direction) memcpy(given.direction, direction, sizeof given.direction);
+    snprintf(name, sizeof name, "light %u", light);
+    if (sl_light_fault(&given, text)) return sl_fail(error, SL_ERROR_INPUT, "%s: %s", name, text);
+    const sl_affine as_given = sl_affine_identity();
+    const sl_light from = sl_light_from(&given, &as_given);
+    if (strength) made.intensity = from.intensity;
+    if (position && made.type != SL_LIGHT_DIRECTIONAL) made.position = from.position;
+    if (direction && made.type != SL_LIGHT_POINT) made.direction = from.direction;
+    edit->lights[light - 1] = made;
+    return SL_OK;
+}
+
+sl_status sl_edit_environment(sl_scene_edit *edit, int width, int height, const float *radiance,
+                              sl_error *error) {
+    sl_environment sky;
+    size_t repaired;
+    if (!edit || !radiance) return sl_fail_null(error, "an edit and the radiance of its sky");
+    sl_status status = sl_sky_take(width, height, radiance, &sky, error);
+    if (status != SL_OK) return status;
+    status = sl_environment_complete(&sky, &repaired, error);
+    if (status != SL_OK) {
+        sl_environment_release(&sky);
+        return status;
+    }
+    sl_environment_release(&edit->sky);
+    edit->sky = sky;
+    edit->has_sky = true;
+    return SL_OK;
+}
+
+sl_status sl_edit_camera(sl_scene_edit *edit, const float eye[3], const float target[3], const float up[3],
+                         float vertical_fov_rad, sl_error *error) {
+    sl_camera camera;
+    if (!edit || !eye || !target || !up) return sl_fail_null(error, "an edit and three vectors");
+    sl_status status = sl_view_take(eye, target, up, vertical_fov_rad, &camera, error);
+    if (status != SL_OK) return status;
+    edit->camera = camera;
+    edit->looks = true;
+    return SL_OK;
+}
+
+sl_status sl_edit_transform(sl_scene_edit *edit, uint32_t object, const double columns[16],
+                            sl_error *error) {
+    sl_placement placed = {.object = object - 1};
+    if (!edit || !columns) return sl_fail_null(error, "an edit and a transform");
+    sl_status status = check_number("object", object, edit->scene->object_count, error);
+    if (status != SL_OK) return status;
+    const char *fault = sl_matrix_fault(columns, &placed.placement);
+    if (!fault && !(sl_affine_determinant(&placed.placement) > 0.0))
+        fault = "expected 'transform' not to mirror";
+    if (fault)
+        return sl_fail(error, SL_ERROR_INPUT, "object '%s': %s", edit->scene->object_names[object - 1],
+                       fault);
+    size_t i = 0;
+    while (i < edit->placements && edit->placement[i].object != placed.object) i++;
+    if (i == edit->placements) {
+        if (!sl_make_room(&edit->placement, i, &edit->placement_room, sizeof placed))
+            return sl_fail_memory(error, "an edit");
+        edit->placements++;
+    }
+    edit->placement[i] = placed;
+    return SL_OK;
+}
+
+/* ---- changes --------------------------------------------------------------------------------- */
+
+static bool same(const void *a, const void *b, size_t bytes) { return memcmp(a, b, bytes) == 0; }
+
+/* The same surface in another colour, or one that methods must plan for anew. */
+static bool is_of_another_kind(const sl_material *a, const sl_material *b) {
+    return sl_material_is_diffuse(a) != sl_material_is_diffuse(b) ||
+           sl_material_is_glossy(a) != sl_material_is_glossy(b) ||
+           sl_material_is_mirror(a) != sl_material_is_mirror(b) || a->texture != b->texture ||
+           a->alpha_texture != b->alpha_texture || a->height_map != b->height_map ||
+           a->bump_depth != b->bump_depth;
+}
+
+static unsigned material_changes(const sl_material *a, const sl_material *b) {
+    const bool shines = sl_material_is_emitter(a), will_shine = sl_material_is_emitter(b);
+    unsigned changes = is_of_another_kind(a, b) ? SL_CHANGED_KINDS : 0u;
+    if (!same(&a->diffuse, &b->diffuse, sizeof a->diffuse) ||
+        !same(&a->specular, &b->specular, sizeof a->specular) ||
+        !same(&a->mirror, &b->mirror, sizeof a->mirror) || a->exponent != b->exponent)
+        changes |= SL_CHANGED_MATERIALS;
+    if (!same(&a->emission, &b->emission, sizeof a->emission)) changes |= SL_CHANGED_POWER;
+    if (shines != will_shine || (shines && a->emission_two_sided != b->emission_two_sided))
+        changes |= SL_CHANGED_LIGHTS;
+    return changes;
+}
+
+static unsigned light_changes(const sl_light *a, const sl_light *b) {
+    unsigned changes = 0;
+    if (!same(&a->intensity, &b->intensity, sizeof a->intensity)) changes |= SL_CHANGED_POWER;
+    if (!same(&a->position, &b->position, sizeof a->position) ||
+        !same(&a->direction, &b->direction, sizeof a->direction) ||
+        sl_light_is_lit(a) != sl_light_is_lit(b))
+        changes |= SL_CHANGED_LIGHTS;
+    return changes;
+}
+
+static bool same_sky(const sl_environment *a, const sl_environment *b) {
+    return a->present == b->present && a->width == b->width && a->height == b->height &&
+           same(&a->constant, &b->constant, sizeof a->constant) &&
+           (a->width == 0 ||
+            same(a->texels, b->texels, 3 * (size_t)a->width * (size_t)a->height * sizeof *a->texels));
+}
+
+/* All but what objects will do. */
+static unsigned changes_of(const sl_scene_edit *e) {
+    const sl_scene *s = e->scene;
+    unsigned changes = 0;
+    for (size_t i = 0; i < s->material_count; i++)
+        changes |= material_changes(&s->materials[i], &e->materials[i]);
+    for (size_t i = 0; i < s->light_count; i++) changes |= light_changes(&s->lights[i], &e->lights[i]);
+    if (e->has_sky && !same_sky(&s->environment, &e->sky)) changes |= SL_CHANGED_SKY;
+    if (e->looks && !same(&s->camera, &e->camera, sizeof s->camera)) changes |= SL_CHANGED_CAMERA;
+    return changes;
+}
+
+/* ---- all or nothing -------------------------------------------------------------------------- */
+
+static void swap_materials(sl_scene_edit *e) {
+    for (size_t i = 0; i < e->scene->material_count; i++) {
+        const sl_material before = e->scene->materials[i];
+        e->scene->materials[i] = e->materials[i];
+        e->materials[i] = before;
+    }
+}
+
+/* Lamps come and go, and masks change what is left of them. What was there is kept in *before. */
+static sl_status renew_emitters(sl_scene *s, sl_scene *before, sl_error *error) {
+    *before = *s;
+    sl_status status = sl_scene_make_emitters(s, error);
+    if (status == SL_OK) return status;
+    sl_free(s->emitters);
+    sl_free(s->opaque_share);
+    s->emitters = before->emitters;
+    s->opaque_share = before->opaque_share;
+    s->emissive_count = before->emissive_count;
+    return status;
+}
+
+static sl_status change_surfaces(sl_scene_edit *e, unsigned *changes, sl_error *error) {
+    sl_scene *s = e->scene, before = *s;
+    const bool lamps = (*changes & (SL_CHANGED_KINDS | SL_CHANGED_LIGHTS)) != 0;
+    sl_status status = SL_OK;
+    swap_materials(e);
+    if (lamps) status = renew_emitters(s, &before, error);
+    if (status == SL_OK) status = sl_animation_place(s, e->placements, e->placement, changes, error);
+    if (status == SL_OK) {
+        for (size_t i = 0; i < s->emitter_count; i++)
+            s->emitters[i].radiance = s->materials[s->material_index[s->emitters[i].triangle]].emission;
+    } else {
+        swap_materials(e);
+    }
+    if (!lamps || s->emitters == before.emitters) return status;
+    sl_free(status == SL_OK ? before.emitters : s->emitters);
+    sl_free(status == SL_OK ? before.opaque_share : s->opaque_share);
+    if (status == SL_OK) return status;
+    s->emitters = before.emitters;
+    s->opaque_share = before.opaque_share;
+    s->emissive_count = before.emissive_count;
+    sl_scene_derive(s);
+    return status;
+}
+
+static sl_status commit(sl_scene_edit *e, unsigned *changes, sl_error *error) {
+    sl_scene *s = e->scene;
+    if (s->version != e->version)
+        return sl_fail(error, SL_ERROR_USAGE, "the scene has changed since this edit of it began");
+    *changes = changes_of(e);
+    sl_status status = change_surfaces(e, changes, error);
+    if (status != SL_OK) {
+        *changes = 0;
+        return status;
+    }
+    if (s->light_count) memcpy(s->lights, e->lights, s->light_count * sizeof *s->lights);
+    if (*changes & SL_CHANGED_SKY) {
+        const sl_environment before = s->environment;
+        s->environment = e->sky;
+        e->sky = before;
+    }
+    if (*changes & SL_CHANGED_CAMERA) {
+        s->camera = e->camera;
+        sl_scene_measure_from(s, s->camera.eye);
+    }
+    sl_scene_has_changed(s, *changes);
+    return SL_OK;
+}
+
+sl_status sl_scene_edit_commit(sl_scene_edit *edit, unsigned *changes, sl_error *error) {
+    unsigned changed = 0;
+    if (changes) *changes = 0;
+    if (!edit) return sl_fail_null(error, "an edit");
+    sl_status status = commit(edit, &changed, error);
+    if (changes) *changes = changed;
+    sl_scene_edit_destroy(edit);
+    return status;
+}
