@@ -10,7 +10,7 @@
  * the error that the picture may have, as measured in many scenes (docs/error-estimates.md). */
 #include "app/auto_method.h"
 
-#include "app/picture.h"
+#include "cache/frame/all_light.h"
 #include "scene/features.h"
 
 #include <math.h>
@@ -19,44 +19,7 @@
 
 /* ---- where its light comes from -------------------------------------------------------------- */
 
-static double mean_of(const sl_image *image) {
-    size_t values = (size_t)(3 * image->width * image->height), finite = 0;
-    double sum = 0.0;
-    for (size_t i = 0; i < values; i++) {
-        if (!isfinite(image->planes[i])) continue;
-        sum += (double)image->planes[i];
-        finite++;
-    }
-    return finite ? sum / (double)finite : 0.0;
-}
-
-static sl_settings small_picture(const sl_scene *scene, const sl_settings *base, const char *method,
-                                 const char *transport) {
-    sl_settings s = sl_settings_of_papers();
-    int width = base->width, height = base->height;
-    if (!width || !height) sl_scene_film(scene, &width, &height);
-    double shrink = sqrt(1024.0 / ((double)width * (double)height));
-    s.width = width * shrink < 1.0 ? 1 : (int)(width * shrink + 0.5);
-    s.height = height * shrink < 1.0 ? 1 : (int)(height * shrink + 0.5);
-    s.method = method;
-    s.transport = transport;
-    s.seed = base->seed;
-    s.threads = base->threads;
-    s.spp = 16;
-    s.bounces = 64;
-    return s;
-}
-
-/* Finds the mean of a small picture, of which the paths are no less than `least`: noise must not make shares
- * negative. */
-static sl_status mean_light(const sl_scene *scene, const sl_settings *small, double least, double *mean,
-                            sl_error *error) {
-    sl_image *image = NULL;
-    sl_status status = sl_picture_make(scene, small, HUGE_VAL, &image, error);
-    if (status == SL_OK) *mean = fmax(mean_of(image), least);
-    sl_image_destroy(image);
-    return status;
-}
+enum { SAMPLES = 16, MANY_BOUNCES = 64 };
 
 /* A summary of a scene. */
 typedef struct scene_kind {
@@ -72,14 +35,16 @@ static sl_status look_at(const sl_scene *scene, const sl_settings *base, scene_k
     sl_features f = sl_scene_features(scene);
     bool mirrors = f.mirror_triangles > 0;
     /* bounces off glossy surfaces count as mirrored where there are mirrors */
-    const char *const paths[] = {"direct", "one-bounce", mirrors ? "matched:splatting" : "full", "full"};
-    double mean[4] = {0.0};
-    sl_status status = SL_OK;
-    for (int i = 0; i < (mirrors ? 4 : 3) && status == SL_OK; i++) {
-        sl_settings small = small_picture(scene, base, i == 3 ? "bidirectional" : "path", paths[i]);
-        status = mean_light(scene, &small, i ? mean[i - 1] : 0.0, &mean[i], error);
-    }
-    double direct = mean[0], one = mean[1], surfaces = mean[2], all = mirrors ? mean[3] : surfaces;
+    const sl_light_paths paths[] = {{"path", "direct"},
+                                    {"path", "one-bounce"},
+                                    {"path", mirrors ? "matched:splatting" : "full"},
+                                    {"bidirectional", "full"}};
+    double light[4] = {0.0};
+    sl_settings settings = *base;
+    settings.bounces = MANY_BOUNCES;
+    sl_status status = sl_measure_light(scene, &settings, paths, mirrors ? 4 : 3, SAMPLES, light, error);
+    for (int i = 1; i < 4; i++) light[i] = fmax(light[i], light[i - 1]); /* noise makes no share negative */
+    double direct = light[0], one = light[1], surfaces = light[2], all = light[3];
     size_t dots = f.point_lights + f.spot_lights + f.directional_lights;
     *k = (scene_kind){.lit = all > 0.0,
                       .glossy = f.glossy_triangles > 0,
@@ -98,14 +63,12 @@ static sl_status look_at(const sl_scene *scene, const sl_settings *base, scene_k
  * light paths, but for these. As a share of that light. */
 static sl_status look_into_mirrors(const sl_scene *scene, const sl_settings *base, double *seen,
                                    sl_error *error) {
-    sl_settings with = small_picture(scene, base, "path", "one-bounce"),
-                without = small_picture(scene, base, "path", "matched:multi-mesh");
-    double all = 0.0, plain = 0.0;
-    with.filter = without.filter = SL_FILTER_CENTRE;
-    without.bounces = 1;
-    sl_status status = mean_light(scene, &with, 0.0, &all, error);
-    if (status == SL_OK) status = mean_light(scene, &without, 0.0, &plain, error);
-    *seen = all > plain ? (all - plain) / all : 0.0;
+    const sl_light_paths paths[] = {{"path", "one-bounce"}, {"path", "matched:multi-mesh"}};
+    double light[2] = {0.0};
+    sl_settings settings = *base;
+    settings.bounces = 1;
+    sl_status status = sl_measure_light(scene, &settings, paths, 2, SAMPLES, light, error);
+    *seen = light[0] > light[1] ? (light[0] - light[1]) / light[0] : 0.0;
     return status;
 }
 

@@ -185,10 +185,13 @@ static void tell_bounces(const sl_render_options *o) {
 
 /* Tells by how much the method's own light paths are fewer, or more, than there are. */
 static void tell_left_out(const sl_render_options *o, const sl_scene *scene) {
-    double share = 0.0;
+    enum { SAMPLES = 4 };
+    const sl_light_paths paths[] = {{o->settings.method, o->settings.transport}, {"path", "full"}};
+    double light[2];
     const bool tracer = !strcmp(o->settings.method, "path") || !strcmp(o->settings.method, "bidirectional");
-    if (tracer || sl_measure_left_out(scene, &o->settings, &share, NULL) != SL_OK || fabs(share) < 0.01)
-        return;
+    if (tracer || sl_measure_light(scene, &o->settings, paths, 2, SAMPLES, light, NULL) != SL_OK) return;
+    const double share = light[1] > 0.0 ? 1.0 - light[0] / light[1] : 0.0;
+    if (fabs(share) < 0.01) return;
     fprintf(
         stderr,
         "softlux: %s counts about %.0f %% %s light than there is; softlux info tells what it leaves out\n",

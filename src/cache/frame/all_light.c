@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { PIXELS = 1024, SAMPLES = 4, MOST_BOUNCES = 64 };
+enum { PIXELS = 1024, FEW_SAMPLES = 4, MOST_BOUNCES = 64 };
 static const double that_matters = 0.005;
 
 bool sl_has_bounces(const sl_settings *settings) {
@@ -23,13 +23,16 @@ typedef struct measuring {
     const sl_scene *scene;
     sl_tracer *tracer;
     sl_path_settings path;
+    unsigned samples;
 } measuring;
 
-static sl_status begin(measuring *m, const sl_scene *scene, const sl_settings *settings, sl_error *error) {
+static sl_status begin(measuring *m, const sl_scene *scene, const sl_settings *settings, unsigned samples,
+                       sl_error *error) {
     int width = settings->width, height = settings->height;
     if (!width || !height) sl_scene_film(scene, &width, &height);
     const double shrink = sqrt((double)PIXELS / ((double)width * (double)height));
     *m = (measuring){.scene = scene,
+                     .samples = samples,
                      .path = {.width = (int)fmax(width * shrink + 0.5, 1.0),
                               .height = (int)fmax(height * shrink + 0.5, 1.0),
                               .threads = settings->threads,
@@ -48,13 +51,14 @@ static sl_status measure(measuring *m, const sl_transport *transport, double *li
     float *planes = sl_allocate(3 * pixels, sizeof *planes);
     if (!planes) return sl_fail_memory(error, "a few paths");
     sl_status status = sl_path_tracer_create(m->scene, m->tracer, &m->path, &path, error);
-    for (uint64_t i = 0; i < SAMPLES && status == SL_OK; i++)
+    for (uint64_t i = 0; i < m->samples && status == SL_OK; i++)
         status = sl_path_tracer_sample(path, i, &counters, error);
     if (status == SL_OK) sl_path_tracer_mean(path, -1, planes, planes + pixels, planes + 2 * pixels);
     *light = 0.0;
-    for (size_t i = 0; i < pixels; i++)
-        *light += (double)sl_luminance((sl_rgb){planes[i], planes[pixels + i], planes[2 * pixels + i]});
-    *light /= (double)pixels;
+    for (size_t i = 0; i < pixels; i++) {
+        float y = sl_luminance((sl_rgb){planes[i], planes[pixels + i], planes[2 * pixels + i]});
+        *light += isfinite(y) ? (double)y / (double)pixels : 0.0;
+    }
     sl_path_tracer_destroy(path);
     sl_free(planes);
     return status;
@@ -70,7 +74,7 @@ sl_status sl_measure_bounces(const sl_scene *scene, const sl_settings *settings,
     asked.bounces = MOST_BOUNCES;
     sl_status status = sl_method_transport(&asked, &transport, error);
     const uint32_t most = transport.bounces; /* that the method can count */
-    if (status == SL_OK) status = begin(&m, scene, settings, error);
+    if (status == SL_OK) status = begin(&m, scene, settings, FEW_SAMPLES, error);
     if (status != SL_OK) return status;
     for (uint32_t n = 1; n <= most + 1 && status == SL_OK; n++) {
         transport.bounces = n;
@@ -85,19 +89,20 @@ sl_status sl_measure_bounces(const sl_scene *scene, const sl_settings *settings,
     return status;
 }
 
-sl_status sl_measure_left_out(const sl_scene *scene, const sl_settings *settings, double *share,
-                              sl_error *error) {
-    sl_transport mine, full;
+sl_status sl_measure_light(const sl_scene *scene, const sl_settings *settings, const sl_light_paths *paths,
+                           size_t count, unsigned samples, double *light, sl_error *error) {
     measuring m;
-    double own = 0.0, all = 0.0;
-    *share = 0.0;
-    sl_transport_named("full", &full);
-    sl_status status = sl_method_transport(settings, &mine, error);
-    if (status == SL_OK) status = begin(&m, scene, settings, error);
+    sl_status status = begin(&m, scene, settings, samples, error);
     if (status != SL_OK) return status;
-    status = measure(&m, &mine, &own, error);
-    if (status == SL_OK) status = measure(&m, &full, &all, error);
+    for (size_t i = 0; i < count && status == SL_OK; i++) {
+        sl_settings s = *settings;
+        sl_transport transport;
+        s.method = paths[i].method;
+        s.transport = paths[i].transport;
+        m.path.bidirectional = strcmp(s.method, "bidirectional") == 0;
+        status = sl_method_transport(&s, &transport, error);
+        if (status == SL_OK) status = measure(&m, &transport, &light[i], error);
+    }
     sl_tracer_destroy(m.tracer);
-    *share = all > 0.0 && isfinite(own) && isfinite(all) ? 1.0 - own / all : 0.0;
     return status;
 }

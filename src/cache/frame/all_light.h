@@ -18,9 +18,14 @@ typedef struct sl_bounces_measured {
 /* settings->bounces is not looked at. The same numbers at any number of threads. */
 sl_status sl_measure_bounces(const sl_scene *scene, const sl_settings *settings, sl_bounces_measured *found,
                              sl_error *error);
-/* *share: by which light of the settings' own paths is less than that of all paths; below 0 where it is more.
- */
-sl_status sl_measure_left_out(const sl_scene *scene, const sl_settings *settings, double *share,
-                              sl_error *error);
+/* Light paths as options name them. */
+typedef struct sl_light_paths {
+    const char *method, *transport;
+} sl_light_paths;
+
+/* light[i]: mean luminance of a small picture by paths[i], whose options besides are the settings'. The same
+ * numbers at any number of threads; of two sets of one method what both count is the same in both. */
+sl_status sl_measure_light(const sl_scene *scene, const sl_settings *settings, const sl_light_paths *paths,
+                           size_t count, unsigned samples, double *light, sl_error *error);
 
 #endif
