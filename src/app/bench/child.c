@@ -51,39 +51,22 @@ static _Noreturn void be_child(sl_child_work *work, void *context, const sl_chil
 
 /* ---- in the parent ---- */
 
-typedef struct report {
-    char *text;
-    size_t length, room;
-} report;
-
-/* More of the report; false at its end. */
-static bool read_more(int in, report *r) {
-    if (r->room - r->length < 4096) {
-        size_t room = 2 * r->room + 8192;
-        char *more = realloc(r->text, room);
-        if (!more) return false;
-        r->text = more;
-        r->room = room;
-    }
-    ssize_t n = read(in, r->text + r->length, r->room - r->length - 1);
-    if (n < 0) return errno == EINTR;
-    r->length += (size_t)n;
-    return n > 0;
-}
-
 /* Reads until the child closes its end. SL_CHILD_DONE: so it did. */
-static sl_child_outcome listen_to(int in, const sl_child_limits *limits, report *r) {
+static sl_child_outcome listen_to(int in, const sl_child_limits *limits, FILE *report) {
     double until = sl_seconds_now() + limits->seconds;
     for (;;) {
+        char bytes[8192];
         struct pollfd wait = {in, POLLIN, 0};
         int ready = poll(&wait, 1, 50);
         if (limits->interrupted && limits->interrupted()) return SL_CHILD_LEFT_OUT;
         if (limits->seconds > 0.0 && sl_seconds_now() > until) return SL_CHILD_STOPPED;
-        if (ready > 0 && !read_more(in, r)) return SL_CHILD_DONE;
+        ssize_t n = ready > 0 ? read(in, bytes, sizeof bytes) : 1;
+        if (n == 0 || (n < 0 && errno != EINTR)) return SL_CHILD_DONE;
+        if (ready > 0 && n > 0) fwrite(bytes, 1, (size_t)n, report);
     }
 }
 
-static void explain(int how, const sl_child_limits *limits, const report *r, sl_child_end *end) {
+static void explain(int how, const sl_child_limits *limits, sl_child_end *end) {
     if (end->outcome == SL_CHILD_STOPPED) {
         snprintf(end->why, sizeof end->why, "stopped after %g seconds", limits->seconds);
     } else if (end->outcome == SL_CHILD_LEFT_OUT) {
@@ -95,43 +78,49 @@ static void explain(int how, const sl_child_limits *limits, const report *r, sl_
             snprintf(end->why, sizeof end->why, "killed, most likely for want of memory");
     } else if (WEXITSTATUS(how) == EXIT_FAILED) {
         end->outcome = SL_CHILD_FAILED;
-        snprintf(end->why, sizeof end->why, "%.*s", r->length ? (int)strcspn(r->text, "\n") : 27,
-                 r->length ? r->text : "failed without a word of why");
+        snprintf(end->why, sizeof end->why, "%.*s", (int)strcspn(end->text, "\n"), end->text);
+        if (!*end->text) snprintf(end->why, sizeof end->why, "failed without a word of why");
     } else if (WEXITSTATUS(how) != 0) {
         end->outcome = SL_CHILD_CRASHED;
         snprintf(end->why, sizeof end->why, "ended with status %d", WEXITSTATUS(how));
     }
 }
 
-static sl_status fail_to_start(sl_error *error) {
-    return sl_fail(error, SL_ERROR_RESOURCES, "cannot start a process: %s", strerror(errno));
+/* Closes the report, too, where it is open. */
+static sl_status fail_to_start(FILE *report, sl_child_end *end, sl_error *error) {
+    sl_status status =
+        sl_fail(error, SL_ERROR_RESOURCES, "cannot start a process: %s", strerror(errno));
+    if (report) fclose(report);
+    free(end->text);
+    end->text = NULL;
+    return status;
 }
 
 sl_status sl_child_run(sl_child_work *work, void *context, const sl_child_limits *limits, sl_child_end *end,
                        sl_error *error) {
     int ends[2], how = 0;
+    size_t length;
     *end = (sl_child_end){SL_CHILD_DONE, NULL, ""};
-    if (pipe(ends) != 0) return fail_to_start(error);
+    FILE *report = open_memstream(&end->text, &length);
+    if (!report || pipe(ends) != 0) return fail_to_start(report, end, error);
     fflush(NULL);
     pid_t parent = getpid(), child = fork();
     if (child < 0) {
         close(ends[0]);
         close(ends[1]);
-        return fail_to_start(error);
+        return fail_to_start(report, end, error);
     }
     if (child == 0) {
         close(ends[0]);
         be_child(work, context, limits, parent, ends[1]);
     }
     close(ends[1]);
-    report r = {calloc(1, 1), 0, 1};
-    end->outcome = listen_to(ends[0], limits, &r);
+    end->outcome = listen_to(ends[0], limits, report);
     if (end->outcome != SL_CHILD_DONE) kill(child, SIGKILL);
     close(ends[0]);
     while (waitpid(child, &how, 0) < 0 && errno == EINTR) {}
-    if (r.text) r.text[r.length] = '\0';
-    explain(how, limits, &r, end);
-    if (end->outcome != SL_CHILD_DONE && r.text) r.text[0] = '\0';
-    end->text = r.text;
-    return r.text ? SL_OK : fail_to_start(error);
+    if (fclose(report) != 0) return fail_to_start(NULL, end, error);
+    explain(how, limits, end);
+    if (end->outcome != SL_CHILD_DONE) end->text[0] = '\0';
+    return SL_OK;
 }

@@ -11,29 +11,12 @@ typedef struct halves {
     const float *a[3], *b[3];
 } halves;
 
-static sl_status find_halves(const sl_image *reference, halves *h, sl_error *error) {
-    if (sl_layer_planes(reference, "even", h->a) && sl_layer_planes(reference, "odd", h->b)) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "a reference without its two halves");
-}
-
 sl_status sl_judge_noise(const sl_image *reference, double *noise, double *mean, sl_error *error) {
-    halves h;
-    double squares = 0.0, sum = 0.0, count = 0.0;
-    sl_status status = find_halves(reference, &h, error);
-    if (status != SL_OK) return status;
-    size_t pixels = (size_t)reference->width * (size_t)reference->height;
-    for (size_t i = 0; i < pixels; i++) {
-        for (int k = 0; k < 3; k++) {
-            double a = (double)h.a[k][i], b = (double)h.b[k][i];
-            if (!isfinite(a) || !isfinite(b)) continue;
-            squares += 0.25 * (a - b) * (a - b);
-            sum += 0.5 * (a + b);
-            count += 1.0;
-        }
-    }
-    *mean = count > 0.0 ? sum / count : 0.0;
-    *noise = *mean > 0.0 ? sqrt(squares / count) / *mean : 0.0;
-    return SL_OK;
+    sl_error_estimate e;
+    sl_status status = sl_error_estimate_from_halves(reference, NULL, &e, error);
+    *mean = e.mean;
+    *noise = e.mean > 0.0 ? e.rmse / e.mean : 0.0;
+    return status;
 }
 
 typedef struct squares {
@@ -70,9 +53,9 @@ sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, s
     const float *x[3];
     double mean;
     memset(e, 0, sizeof *e);
-    sl_status status = find_halves(reference, &h, error);
-    if (status == SL_OK) status = sl_judge_noise(reference, &e->noise, &mean, error);
-    bool alike = picture->width == reference->width && picture->height == reference->height &&
+    sl_status status = sl_judge_noise(reference, &e->noise, &mean, error);
+    bool alike = sl_layer_planes(reference, "even", h.a) && sl_layer_planes(reference, "odd", h.b) &&
+                 picture->width == reference->width && picture->height == reference->height &&
                  sl_layer_planes(picture, NULL, x);
     if (status == SL_OK && !alike)
         status =
