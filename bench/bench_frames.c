@@ -233,7 +233,7 @@ static void run_file(const options *o, const sl_trials *all) {
                                    "%|>worst frame|>largest|>apart %|at rest");
         }
         table = t->table;
-        while ((scene = sl_trials_next_scene(&at, &length))) {
+        while ((scene = sl_next_item(&at, " ", &length))) {
             char path[SL_BENCH_PATH];
             snprintf(path, sizeof path, "%.*s", (int)length, scene);
             run_scene(o, all, t, path);

@@ -4,6 +4,7 @@
 #include "app/bench/scene.h"
 #include "app/commands.h"
 #include "app/options.h"
+#include "app/page.h"
 #include "base/error.h"
 #include "base/values.h"
 #include "image/output_file.h"
@@ -31,25 +32,20 @@ typedef struct request {
     const char *scenes[MOST_SCENES], *trials_path;
     char references[SL_BENCH_PATH], of_trials[MOST_SCENES][SL_BENCH_PATH];
     sl_trials trials;
-    int scene_count, size[2];
-    uint64_t repeats, threads, reference_threads, memory;
+    int scene_count;
     sl_bench_options options;
 } request;
 
 /* ---- the command line ---- */
 
-static int complain(const sl_error *error) {
-    fprintf(stderr, "softlux: %s\n", error->message);
-    return (int)error->status;
-}
-
 /* Complains of the first name in a list that is none of the choices. */
 static bool check_list(const char *option, const char *list, const char *choices, int *status) {
-    for (const char *at = list; at && *at; at += strcspn(at, ","), at += *at == ',') {
+    size_t length;
+    for (const char *item; (item = sl_next_item(&list, ",", &length));) {
         char word[64];
         int index;
         sl_error error;
-        snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
+        snprintf(word, sizeof word, "%.*s", (int)length, item);
         if (sl_value_choice(word, choices, &index, &error) == SL_OK) continue;
         fprintf(stderr, "softlux: --%s: %s\n", option, error.message);
         *status = SL_ERROR_USAGE;
@@ -68,8 +64,11 @@ static bool check_lists(const sl_bench_options *o, int *status) {
 
 static bool parse(int argc, char **argv, request *q, int *status) {
     sl_bench_options *o = &q->options;
-    *q = (request){.repeats = 3, .threads = 1};
-    *o = (sl_bench_options){.folder = "softlux-report", .limit = 60.0, .reference_budget = 20.0};
+    *q = (request){.options = {.folder = "softlux-report",
+                               .repeats = 3,
+                               .threads = 1,
+                               .limit = 60.0,
+                               .reference_budget = 20.0}};
     const sl_option options[] = {
         SL_TEXT("output", 'o', &o->folder, "DIR",
                 "folder of the report, made with those above it [softlux-report]"),
@@ -79,18 +78,18 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         SL_TEXT("methods", 'm', &o->methods, "LIST", "which, with commas between [all]"),
         SL_TEXT("qualities", 'q', &o->qualities, "LIST",
                 "of draft, normal, high, and curve: what lies between and beyond [all]"),
-        SL_PIXELS("size", 's', q->size, "pixels [the scene's film, at most 192 a side]"),
-        SL_NUMBER("repeats", 'r', &q->repeats, "R", 1, 50, "runs of what takes less than a second [3]"),
-        SL_NUMBER("threads", 't', &q->threads, "N", 1, 256, "workers of each trial [1]"),
+        SL_PIXELS("size", 's', o->size, "pixels [the scene's film, at most 192 a side]"),
+        SL_NUMBER("repeats", 'r', &o->repeats, "R", 1, 50, "runs of what takes less than a second [3]"),
+        SL_NUMBER("threads", 't', &o->threads, "N", 1, 256, "workers of each trial [1]"),
         SL_REAL("limit", &o->limit, NULL, "SECONDS", 0.1, 1e9,
                 "for one trial, by the clock; then it is stopped [60]"),
-        SL_NUMBER("memory", 0, &q->memory, "MB", 16, 1e7, "of addresses for one trial [no limit]"),
+        SL_NUMBER("memory", 0, &o->memory_megabytes, "MB", 16, 1e7, "of addresses for one trial [no limit]"),
         SL_TEXT("references", 0, &o->references, "DIR",
                 "where reference pictures are kept [$XDG_CACHE_HOME/softlux/references]"),
         SL_REAL("reference-budget", &o->reference_budget, NULL, "SECONDS", 0.1, 1e9,
                 "of processor time for each reference; its noise is to be a tenth of the "
                 "smallest error told with it [20]"),
-        SL_NUMBER("reference-threads", 0, &q->reference_threads, "N", 1, 256,
+        SL_NUMBER("reference-threads", 0, &o->reference_threads, "N", 1, 256,
                   "workers of the references [all processors]"),
         SL_FLAG("report-only", &o->report_only,
                 "run no trial: the report anew, of what the last run measured"),
@@ -112,12 +111,6 @@ static bool parse(int argc, char **argv, request *q, int *status) {
         return false;
     }
     o->own_scenes = q->scene_count > 0;
-    o->repeats = (int)q->repeats;
-    o->threads = (unsigned)q->threads;
-    o->reference_threads = (unsigned)q->reference_threads;
-    o->memory_bytes = q->memory << 20;
-    o->width = q->size[0];
-    o->height = q->size[1];
     sl_reference_default_folder(q->references);
     if (!o->references) o->references = q->references;
     return true;
@@ -134,11 +127,11 @@ static sl_status take_trials(request *q, sl_error *error) {
     sl_bench_options *o = &q->options;
     sl_status status = sl_trials_read(q->trials_path, &q->trials, error);
     o->trials = &q->trials;
-    if (o->width == 0) o->width = q->trials.width, o->height = q->trials.height;
+    if (o->size[0] == 0) o->size[0] = q->trials.width, o->size[1] = q->trials.height;
     for (size_t i = 0; i < q->trials.count && status == SL_OK && !o->own_scenes; i++) {
         const char *at = q->trials.trial[i].scenes, *scene;
         size_t length;
-        while ((scene = sl_trials_next_scene(&at, &length)) && q->scene_count < MOST_SCENES) {
+        while ((scene = sl_next_item(&at, " ", &length)) && q->scene_count < MOST_SCENES) {
             if (has_scene(q, scene, length)) continue;
             char *copy = q->of_trials[q->scene_count];
             snprintf(copy, SL_BENCH_PATH, "%.*s", (int)length, scene);
@@ -233,7 +226,7 @@ static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_res
 
 static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_status status,
                     const sl_error *error) {
-    if (status != SL_OK) return complain(error);
+    if (status != SL_OK) return sl_complain(error);
     size_t measured = 0;
     for (size_t i = 0; i < r->scene_count; i++) {
         measured += !r->scenes[i].trouble[0];
@@ -257,7 +250,7 @@ int sl_command_bench(int argc, char **argv) {
     sl_watch_for_interrupt();
     snprintf(results.version, sizeof results.version, "%s", SL_VERSION);
     results.threads = (int)q.options.threads;
-    results.repeats = q.options.repeats;
+    results.repeats = (int)q.options.repeats;
     name_machine(&results);
     sl_status status = take_trials(&q, &error);
     results.trials = &q.trials;

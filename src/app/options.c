@@ -15,11 +15,11 @@ static const double degree = 0.017453292519943295;
 static void reading_options(sl_reading *r, sl_option *options) {
     sl_viewpoint *v = &r->view;
     const sl_option own[] = {
-        SL_VECTOR("eye", r->eye, &v->has_eye,
+        SL_VECTOR("eye", v->eye, &v->has_eye,
                   "where the camera stands, as softlux info tells places [the scene's]"),
-        SL_VECTOR("target", r->target, &v->has_target,
+        SL_VECTOR("target", v->target, &v->has_target,
                   "what it looks at [the scene's; with --eye the middle of its box]"),
-        SL_VECTOR("up", r->up, &v->has_up,
+        SL_VECTOR("up", v->up, &v->has_up,
                   "what is up in the picture [the scene's; with --eye or --target 0,1,0]"),
         SL_REAL("fov", &r->fov_degrees, &v->has_fov, "DEGREES", 0.01, 179.0,
                 "field of view from top to bottom [the scene's]"),
@@ -31,15 +31,8 @@ static void reading_options(sl_reading *r, sl_option *options) {
     memcpy(options, own, sizeof own);
 }
 
-static void to_floats(const double from[3], float to[3]) {
-    for (int i = 0; i < 3; i++) to[i] = (float)from[i];
-}
-
 static void take_reading(sl_reading *r) {
     sl_viewpoint *v = &r->view;
-    to_floats(r->eye, v->eye);
-    to_floats(r->target, v->target);
-    to_floats(r->up, v->up);
     v->vertical_fov_rad = (float)(r->fov_degrees * degree);
     bool any = v->has_eye || v->has_target || v->has_up || v->has_fov;
     r->load = (sl_load_options){.allow_outside = r->allow_outside,

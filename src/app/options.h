@@ -16,7 +16,7 @@ typedef enum sl_option_kind {
     SL_OPTION_COUNT,   /* uint64_t *, decimal, within [minimum, maximum] */
     SL_OPTION_CHOICE,  /* int *: the number of the choice */
     SL_OPTION_SIZE,    /* int[2]: WxH, each 1 to 32768 */
-    SL_OPTION_VECTOR   /* double[3]: X,Y,Z, finite */
+    SL_OPTION_VECTOR   /* float[3]: X,Y,Z, finite */
 } sl_option_kind;
 
 typedef struct sl_option {
@@ -56,7 +56,7 @@ typedef struct sl_option {
 typedef struct sl_reading {
     bool allow_outside;
     int up_axis;
-    double eye[3], target[3], up[3], fov_degrees;
+    double fov_degrees;
     sl_viewpoint view;
     sl_load_options load; /* once the command line has been read */
 } sl_reading;

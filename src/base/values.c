@@ -80,7 +80,7 @@ sl_status sl_value_size(const char *text, int most, int size[2], sl_error *error
     return SL_OK;
 }
 
-sl_status sl_value_vector(const char *text, double vector[3], sl_error *error) {
+sl_status sl_value_vector(const char *text, float vector[3], sl_error *error) {
     const char *at = text;
     double read[3];
     for (int i = 0; i < 3; i++) {
@@ -90,7 +90,7 @@ sl_status sl_value_vector(const char *text, double vector[3], sl_error *error) {
             return sl_fail(error, SL_ERROR_USAGE, "expected three numbers, as 1,2.5,-3, got '%s'", text);
         at = end + 1;
     }
-    memcpy(vector, read, sizeof read);
+    for (int i = 0; i < 3; i++) vector[i] = (float)read[i];
     return SL_OK;
 }
 

@@ -16,7 +16,7 @@ sl_status sl_value_bytes(const char *text, double least, double most, uint64_t *
 /* 640x480, each from 1 to `most`. */
 sl_status sl_value_size(const char *text, int most, int size[2], sl_error *error);
 /* Three numbers: 1,2.5,-3. */
-sl_status sl_value_vector(const char *text, double vector[3], sl_error *error);
+sl_status sl_value_vector(const char *text, float vector[3], sl_error *error);
 /* choices: "auto|rays|maps"; *index counts them from 0. */
 sl_status sl_value_choice(const char *text, const char *choices, int *index, sl_error *error);
 /* Writes choice number `index`; "" past the end. */

@@ -254,11 +254,11 @@ static void a_file_of_trials_is_read_line_by_line(void **state) {
     assert_string_equal(all.trial[1].curve, "path");
     assert_true(all.trial[1].look && !all.trial[1].ordered && all.trial[2].ordered);
     assert_string_equal(all.trial[2].curve, "c");
-    const char *at = all.trial[2].scenes, *scene = sl_trials_next_scene(&at, &length);
+    const char *at = all.trial[2].scenes, *scene = sl_next_item(&at, " ", &length);
     assert_true(length == 6 && strncmp(scene, "a.json", length) == 0);
-    scene = sl_trials_next_scene(&at, &length);
+    scene = sl_next_item(&at, " ", &length);
     assert_true(length == 6 && strncmp(scene, "b.json", length) == 0);
-    assert_null(sl_trials_next_scene(&at, &length));
+    assert_null(sl_next_item(&at, " ", &length));
     sl_trials_free(&all);
 }
 

@@ -98,7 +98,7 @@ sl_status sl_reference_make(const sl_bench_options *o, const sl_bench_scene *s, 
                         .scene_path = s->path,
                         .width = s->width,
                         .height = s->height,
-                        .threads = o->reference_threads,
+                        .threads = (unsigned)o->reference_threads,
                         .picture = r->file,
                         .load = o->load};
     sl_status status = sl_reference_make_folder(o->references, error);

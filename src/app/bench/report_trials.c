@@ -70,11 +70,10 @@ static void put_cell(FILE *out, const sl_bench_row *row, const sl_image *picture
 
 /* Takes the next of a table's columns; false after the last. */
 static bool next_column(const char **at, char column[CELL]) {
-    const char *from = *at + strspn(*at, ", ");
-    size_t length = strcspn(from, ",");
-    snprintf(column, CELL, "%.*s", (int)length, from);
-    *at = from + length;
-    return length > 0;
+    size_t length;
+    const char *item = sl_next_item(at, ", ", &length);
+    if (item) snprintf(column, CELL, "%.*s", (int)length, item);
+    return item != NULL;
 }
 
 static void put_row(FILE *out, const sl_trial_table *table, const char *scene, const sl_bench_row *row) {

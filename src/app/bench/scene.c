@@ -34,7 +34,7 @@ static void choose_size(const sl_bench_options *o, const sl_scene *scene, sl_ben
     double larger = s->width > s->height ? s->width : s->height, scale = larger > most ? most / larger : 1.0;
     s->width = (int)fmax(1.0, round(scale * s->width));
     s->height = (int)fmax(1.0, round(scale * s->height));
-    if (o->width > 0) s->width = o->width, s->height = o->height;
+    if (o->size[0] > 0) s->width = o->size[0], s->height = o->size[1];
 }
 
 static void describe(const sl_scene *scene, sl_bench_scene *s, cJSON *root) {

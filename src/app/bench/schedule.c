@@ -22,10 +22,10 @@ enum { LOOK = -1 };
 
 /* Tells whether a comma-separated list, or NULL, names it. */
 static bool is_listed(const char *list, const char *name) {
-    size_t length = strlen(name);
+    size_t length;
     if (!list) return true;
-    for (const char *at = list; *at; at += strcspn(at, ","), at += *at == ',') {
-        if (strcspn(at, ",") == length && strncmp(at, name, length) == 0) return true;
+    for (const char *item; (item = sl_next_item(&list, ",", &length));) {
+        if (strlen(name) == length && strncmp(item, name, length) == 0) return true;
     }
     return false;
 }
@@ -35,7 +35,7 @@ static bool is_wanted(const sl_bench_options *o, const sl_bench_scene *s, const 
     const char *at = t->scenes, *scene;
     size_t length;
     bool here = !at || o->own_scenes;
-    while (!here && (scene = sl_trials_next_scene(&at, &length)))
+    while (!here && (scene = sl_next_item(&at, " ", &length)))
         here = strlen(s->path) == length && strncmp(s->path, scene, length) == 0;
     return here && is_listed(o->methods, t->method) &&
            is_listed(o->qualities, sl_bench_quality_name(t->quality));
@@ -47,8 +47,9 @@ enum { KEY = 1024 };
 
 static void key_of(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t, int run,
                    char key[KEY]) {
-    snprintf(key, KEY, "%s %dx%d %u threads, %s %s, %s, %s %d", s->hash, s->width, s->height, o->threads,
-             SL_VERSION, o->program, t->arguments, run == LOOK ? "look" : "run", run == LOOK ? 0 : run);
+    snprintf(key, KEY, "%s %dx%d %u threads, %s %s, %s, %s %d", s->hash, s->width, s->height,
+             (unsigned)o->threads, SL_VERSION, o->program, t->arguments, run == LOOK ? "look" : "run",
+             run == LOOK ? 0 : run);
 }
 
 static cJSON *make_entry(const sl_bench_options *o, const sl_bench_scene *s, const char *key,
@@ -71,6 +72,8 @@ static sl_child_outcome end_of(const cJSON *entry) {
     return SL_CHILD_CRASHED;
 }
 
+static double memory_bytes(const sl_bench_options *o) { return 0x1p20 * (double)o->memory_megabytes; }
+
 /* Finds the entry of a run; what was stopped, or ran out of memory, is no answer where more is allowed now.
  */
 static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal,
@@ -81,7 +84,7 @@ static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *
     if (!entry || end_of(entry) == SL_CHILD_DONE) return entry;
     double limit = sl_bench_number(entry, "limit"), memory = sl_bench_number(entry, "memory");
     bool more_time = limit > 0.0 && (o->limit <= 0.0 || o->limit > limit);
-    bool more_memory = memory > 0.0 && (!o->memory_bytes || (double)o->memory_bytes > memory);
+    bool more_memory = memory > 0.0 && (!o->memory_megabytes || memory_bytes(o) > memory);
     return (end_of(entry) == SL_CHILD_STOPPED && more_time) || more_memory ? NULL : entry;
 }
 
@@ -135,18 +138,18 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
 static sl_status measure(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal,
                          const sl_trial *t, int run, sl_error *error) {
     char key[KEY], picture[SL_BENCH_PATH];
-    const sl_child_limits limits = {o->limit, o->memory_bytes, sl_interrupted};
+    const sl_child_limits limits = {o->limit, o->memory_megabytes << 20, sl_interrupted};
     sl_child_end end;
     key_of(o, s, t, run, key);
     picture_path(o, s, t, picture);
-    sl_trial_run work = {t->arguments, s->path, s->width, s->height, o->threads, run == LOOK,
+    sl_trial_run work = {t->arguments, s->path, s->width, s->height, (unsigned)o->threads, run == LOOK,
                          run == 0 && o->trials->estimates, run == 0 ? picture : NULL, o->load};
     sl_status status = sl_child_run(sl_trial_work, &work, &limits, &end, error);
     if (status == SL_OK && end.outcome != SL_CHILD_LEFT_OUT) {
         cJSON *result = end.outcome == SL_CHILD_DONE ? cJSON_Parse(end.text) : NULL;
         cJSON *entry = make_entry(o, s, key, end.outcome, end.why, result);
         cJSON_AddNumberToObject(entry, "limit", o->limit);
-        cJSON_AddNumberToObject(entry, "memory", (double)o->memory_bytes);
+        cJSON_AddNumberToObject(entry, "memory", memory_bytes(o));
         status = sl_journal_add(journal, entry, error);
     }
     free(end.text);
@@ -163,8 +166,8 @@ static sl_status run_rank(const sl_bench_options *o, const sl_bench_scene *s, sl
         if (t->rank != rank || (run == LOOK && !t->look) ||
             !is_wanted(o, s, t) || !is_due(o, s, journal, t, run))
             continue;
-        sl_progress_show(o->quiet, (double)round / (o->repeats + 1), "%s, %.0f s: %s, %s", s->name, spent,
-                         t->curve, t->name);
+        sl_progress_show(o->quiet, (double)round / (double)(o->repeats + 1), "%s, %.0f s: %s, %s", s->name,
+                         spent, t->curve, t->name);
         status = measure(o, s, journal, t, run, error);
     }
     return status;
@@ -177,7 +180,7 @@ sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl
     int ranks = 0;
     for (size_t i = 0; i < o->trials->count && !o->report_only; i++)
         ranks = o->trials->trial[i].rank >= ranks ? o->trials->trial[i].rank + 1 : ranks;
-    for (int round = 0; round <= o->repeats && status == SL_OK; round++) {
+    for (int round = 0; round <= (int)o->repeats && status == SL_OK; round++) {
         for (int rank = 0; rank < ranks && status == SL_OK; rank++)
             status = run_rank(o, s, journal, round, rank, from, error);
     }
@@ -200,7 +203,7 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     else snprintf(row->why, sizeof row->why, "it was interrupted");
     picture_path(o, s, t, row->picture);
     row->look = cJSON_GetObjectItem(find_entry(o, s, journal, t, LOOK), "result");
-    for (int run = 0; run < o->repeats && run < MOST; run++) {
+    for (int run = 0; run < (int)o->repeats && run < MOST; run++) {
         const cJSON *entry = find_entry(o, s, journal, t, run),
                     *result = cJSON_GetObjectItem(entry, "result");
         if (entry && run == 0) {

@@ -14,12 +14,12 @@ typedef struct sl_bench_options {
     const char *references;           /* folder */
     const char *methods, *qualities;  /* lists with commas between, or NULL: all */
     bool own_scenes;                  /* not those of the trials' file */
-    int width, height;                /* 0: as the scene says, made small */
-    int repeats;
+    int size[2];                      /* 0: as the scene says, made small */
+    uint64_t repeats;
     /* seconds: of a trial; of processor time of each reference. 0: none */
     double limit, reference_budget;
-    uint64_t memory_bytes;            /* of one trial; 0: none */
-    unsigned threads, reference_threads; /* 0: all processors */
+    uint64_t memory_megabytes;        /* of one trial; 0: none */
+    uint64_t threads, reference_threads; /* 0: all processors */
     bool quiet;
     bool report_only; /* no trial is run: the journal is taken as it is */
     bool trials_only; /* no errors, no report */

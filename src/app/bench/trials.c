@@ -165,9 +165,9 @@ void sl_trials_free(sl_trials *trials) {
     *trials = (sl_trials){0};
 }
 
-const char *sl_trials_next_scene(const char **at, size_t *length) {
-    const char *scene = *at ? *at + strspn(*at, " ") : "";
-    *length = strcspn(scene, " ");
-    *at = scene + *length;
-    return *length ? scene : NULL;
+const char *sl_next_item(const char **at, const char *between, size_t *length) {
+    const char *item = *at ? *at + strspn(*at, between) : "";
+    *length = strcspn(item, between);
+    *at = item + *length;
+    return *length ? item : NULL;
 }

@@ -145,47 +145,34 @@ static void sampled_transport(const sl_settings *settings, sl_transport *transpo
  * tree. */
 enum { A_PIXEL = 88, AN_EMITTER = 256 };
 
-static sl_memory_need need_of(const sl_scene *scene, const sl_settings *settings, double bytes_a_thread,
-                              double bytes_more) {
+static sl_memory_need sampled_need(const sl_scene *scene, const sl_settings *settings) {
+    /* from both ends: two subpaths for each ray of a packet; and lists of what falls on other pixels, 64
+     * tasks of 256 pixels */
+    const bool both = film_of(settings)->bidirectional;
     return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count),
                             .caches = sl_need_lights(scene) * AN_EMITTER +
-                                      sl_need_of_threads(settings, bytes_a_thread) + bytes_more,
+                                      sl_need_of_threads(settings, both ? 1e6 : 1e5) + (both ? 8e6 : 0.0),
                             .picture = sl_need_of_pixels(settings, A_PIXEL)};
 }
 
-static sl_memory_need path_need(const sl_scene *scene, const sl_settings *settings) {
-    return need_of(scene, settings, 1e5, 0.0);
-}
-
-/* Two subpaths for each ray of a packet; and lists of what falls on other pixels, 64 tasks of 256 pixels. */
-static sl_memory_need both_need(const sl_scene *scene, const sl_settings *settings) {
-    return need_of(scene, settings, 1e6, 8e6);
-}
-
-/* ---- plans ---- */
-
-static void path_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+static void sampled_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
+    const bool both = film_of(settings)->bidirectional,
+               lit = scene->emitter_count > 0 || scene->light_count > 0 || scene->environment.present;
     sl_plan_pass(writer, true, "hierarchy", "%zu triangles", scene->triangle_count);
-    sl_plan_pass(writer, true, "paths", "%u samples for each of %d x %d pixels", (unsigned)settings->spp,
-                 settings->width, settings->height);
-}
-
-static void both_plan(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer) {
-    sl_plan_pass(writer, true, "hierarchy", "%zu triangles", scene->triangle_count);
-    sl_plan_pass(writer, true, "paths from the eye", "%u for each of %d x %d pixels", (unsigned)settings->spp,
-                 settings->width, settings->height);
-    bool lit = scene->emitter_count > 0 || scene->light_count > 0 || scene->environment.present;
-    sl_plan_pass(writer, lit, "paths from the lights",
-                 lit ? "as many; their ends are joined" : "nothing shines");
+    sl_plan_pass(writer, true, both ? "paths from the eye" : "paths", "%u %sfor each of %d x %d pixels",
+                 (unsigned)settings->spp, both ? "" : "samples ", settings->width, settings->height);
+    if (both)
+        sl_plan_pass(writer, lit, "paths from the lights",
+                     lit ? "as many; their ends are joined" : "nothing shines");
 }
 
 /* ---- the classes ---- */
 
-#define SAMPLED_METHOD(method_name, memory_need, plan_of) \
+#define SAMPLED_METHOD(method_name) \
     {.name = method_name, .complete = sampled_complete, .create = sampled_create, \
      .destroy = sampled_destroy, .update = sampled_update, .resolve = sampled_resolve, \
      .edit = sampled_edit, .counters = sampled_counters, .memory_bytes = sampled_memory_bytes, \
-     .need = memory_need, .transport = sampled_transport, .plan = plan_of, .any_transport = true}
+     .need = sampled_need, .transport = sampled_transport, .plan = sampled_plan, .any_transport = true}
 
-const sl_method_class sl_path_method = SAMPLED_METHOD("path", path_need, path_plan);
-const sl_method_class sl_bidirectional_method = SAMPLED_METHOD("bidirectional", both_need, both_plan);
+const sl_method_class sl_path_method = SAMPLED_METHOD("path");
+const sl_method_class sl_bidirectional_method = SAMPLED_METHOD("bidirectional");
