@@ -7,13 +7,6 @@
 #include "scene/derive.h"
 #include "scene/sight.h"
 
-float sl_spot_falloff(const sl_light *light, float cosine) {
-    if (cosine >= light->cos_inner) return 1.0f;
-    if (!(cosine > light->cos_outer)) return 0.0f;
-    float x = (cosine - light->cos_outer) / (light->cos_inner - light->cos_outer);
-    return x * x * (3.0f - 2.0f * x);
-}
-
 bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance,
                          sl_rgb *irradiance) {
     *irradiance = light->intensity;
@@ -29,7 +22,8 @@ bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, fl
         *distance = (float)length;
         float strength = (float)(1.0 / squared); /* inverse square law, E = I / r^2 */
         if (light->type == SL_LIGHT_SPOT)
-            strength *= sl_spot_falloff(light, -sl_dot(*to_light, light->direction));
+            strength *= sl_spot_falloff(-sl_dot(*to_light, light->direction), light->cos_inner,
+                                        light->cos_outer);
         *irradiance = sl_rgb_scale(light->intensity, strength);
     }
     return sl_rgb_max(*irradiance) > 0.0f && sl_rgb_is_finite(*irradiance);

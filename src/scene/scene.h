@@ -281,7 +281,12 @@ void sl_environment_release(sl_environment *environment);
 
 /* 1 inside a spot's inner cone, 0 outside the outer one, smoothstep of the cosine with the axis between; a
  * step where they are equal. */
-float sl_spot_falloff(const sl_light *light, float cosine);
+static inline float sl_spot_falloff(float cosine, float inner, float outer) {
+    float x = (cosine - outer) / (inner > outer ? inner - outer : 1.0f);
+    x = x > 0.0f ? x : 0.0f;
+    float smooth = x * x * (3.0f - 2.0f * x);
+    return cosine >= inner ? 1.0f : cosine > outer ? smooth : 0.0f;
+}
 /* Irradiance-like terms of a light without extent at p: unit direction to the light, distance (infinite for
  * directional) and the irradiance on a plane that faces it. Returns false where that is zero. */
 bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance,

@@ -68,7 +68,8 @@ static double cone_solid_angle(const sl_light *light) {
 double sl_cone_pdf(const sl_light *light, float cosine) {
     double solid_angle = cone_solid_angle(light);
     if (!(solid_angle > 0.0)) return 0.0;
-    return (light->type == SL_LIGHT_SPOT ? (double)sl_spot_falloff(light, cosine) : 1.0) / solid_angle;
+    const bool spot = light->type == SL_LIGHT_SPOT;
+    return (spot ? (double)sl_spot_falloff(cosine, light->cos_inner, light->cos_outer) : 1.0) / solid_angle;
 }
 
 static double emitter_extent(const sl_emitter *emitter) {

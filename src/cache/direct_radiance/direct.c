@@ -14,20 +14,11 @@
 
 #include <string.h>
 
-static sl_light_source source_of(const sl_map_light *light) {
-    return (sl_light_source){.kind = light->kind,
-                             .position = light->position,
-                             .direction = light->direction,
-                             .cos_inner = light->cos_inner,
-                             .cos_outer = light->cos_outer,
-                             .colour = light->intensity};
-}
-
 /* cos theta / r^2, and cos theta' of an area light or the edge of a spot. */
-static void arrive(const sl_direct_light *d, const sl_light_points *points, const sl_map_light *light,
-                   const sl_light_source *source, sl_arrivals *arrivals) {
+static void arrive(const sl_direct_light *d, const sl_light_points *points, const sl_light_source *source,
+                   sl_arrivals *arrivals) {
     d->kernels.light.arrive(points, source, arrivals);
-    if (light->kind == SL_SOURCE_AREA && light->two_sided) {
+    if (source->kind == SL_SOURCE_AREA && source->two_sided) {
         sl_light_source back = *source;
         sl_arrivals behind;
         back.direction = sl_neg(back.direction);
@@ -37,13 +28,13 @@ static void arrive(const sl_direct_light *d, const sl_light_points *points, cons
 }
 
 static sl_lobe_target target_of(const sl_map_light *light) {
-    const bool parallel = light->kind == SL_SOURCE_DIRECTIONAL;
-    sl_lobe_target target = {.towards = parallel ? sl_neg(light->direction) : light->position,
+    const bool parallel = light->source.kind == SL_SOURCE_DIRECTIONAL;
+    sl_lobe_target target = {.towards = parallel ? sl_neg(light->source.direction) : light->source.position,
                              .direction = parallel};
-    if (light->kind != SL_SOURCE_AREA) return target;
-    target.normal = light->direction;
+    if (light->source.kind != SL_SOURCE_AREA) return target;
+    target.normal = light->source.direction;
     target.extent = light->area * (float)(0.25 / SL_PI);
-    target.two_sided = light->two_sided;
+    target.two_sided = light->source.two_sided;
     return target;
 }
 
@@ -62,23 +53,22 @@ static void add_light(const sl_direct_light *d, const sl_receiver_tile *tile, bo
                       sl_tile_light *light, sl_counters *counters) {
     const sl_map_light *of = &d->pass->lights->light[index];
     const sl_light_points points = sl_receiver_tile_points(tile);
-    const sl_light_source source = source_of(of);
     sl_arrivals arrivals;
     /* it has no distance, and stands on nothing */
-    const bool parallel = of->kind == SL_SOURCE_DIRECTIONAL;
+    const bool parallel = of->source.kind == SL_SOURCE_DIRECTIONAL;
     float lit[SL_TILE_PIXELS];
-    arrive(d, &points, of, &source, &arrivals);
+    arrive(d, &points, &of->source, &arrivals);
     if (!d->kernels.reached(tile->padded, arrivals.weight, parallel ? INFINITY : d->largest_weight, lit))
         return;
     if (d->pass->lights->cube) look_up(d, tile, index, lit, counters);
     float (*e)[SL_TILE_PIXELS] = light->irradiance, (*l)[SL_TILE_PIXELS] = light->lobe;
-    d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, e[0], e[1], e[2]);
+    d->kernels.light.accumulate(tile->padded, of->source.colour, arrivals.weight, lit, e[0], e[1], e[2]);
     if (!glossy) return;
     float power[SL_TILE_PIXELS];
     const sl_lobe_target target = target_of(of);
     d->kernels.receiver_lobe(tile, &target, power);
     for (size_t i = 0; i < tile->padded; i++) lit[i] *= power[i];
-    d->kernels.light.accumulate(tile->padded, source.colour, arrivals.weight, lit, l[0], l[1], l[2]);
+    d->kernels.light.accumulate(tile->padded, of->source.colour, arrivals.weight, lit, l[0], l[1], l[2]);
 }
 
 /* ---- a tile ---- */
@@ -120,8 +110,7 @@ sl_status sl_map_lights_draw_cubes(sl_map_lights *lights, const sl_scene *scene,
     sl_status status = lights->cube ? SL_OK : sl_fail_memory(error, "the depth cubes");
     for (size_t i = 0; i < lights->count && status == SL_OK; i++) {
         const sl_map_light *light = &lights->light[i];
-        const sl_light_eye eye = sl_map_light_eye(lights, i);
-        status = sl_depth_cube_draw(scene, raster, &eye, !(sl_rgb_max(light->intensity) > 0.0f),
+        status = sl_depth_cube_draw(scene, raster, &light->source, !(sl_rgb_max(light->source.colour) > 0.0f),
                                     size_of(lights, light, size), threads, &lights->cube[i], counters, error);
     }
     return status;

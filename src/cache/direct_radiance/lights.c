@@ -9,31 +9,25 @@
 /* ---- what a light gives ---- */
 
 sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction) {
-    float cosine = sl_dot(light->direction, direction);
-    switch (light->kind) {
-    case SL_SOURCE_SPOT: {
-        const sl_light spot = {.cos_inner = light->cos_inner, .cos_outer = light->cos_outer};
-        return sl_rgb_scale(light->intensity, sl_spot_falloff(&spot, cosine));
-    }
-    case SL_SOURCE_AREA:
-        return sl_rgb_scale(light->intensity, cosine > 0.0f ? cosine : light->two_sided ? -cosine : 0.0f);
-    default: return light->intensity;
-    }
+    const sl_light_source *s = &light->source;
+    float cosine = sl_dot(s->direction, direction), share = 1.0f;
+    if (s->kind == SL_SOURCE_SPOT) share = sl_spot_falloff(cosine, s->cos_inner, s->cos_outer);
+    if (s->kind == SL_SOURCE_AREA) share = cosine > 0.0f ? cosine : s->two_sided ? -cosine : 0.0f;
+    return sl_rgb_scale(s->colour, share);
 }
 
 /* Flux over intensity. The smoothstep's mean over its range of cosines is 1/2. */
-static double directions_of(const sl_map_light *light) {
-    switch (light->kind) {
+static double directions_of(const sl_light_source *s) {
+    switch (s->kind) {
     case SL_SOURCE_POINT: return 4.0 * SL_PI;
-    case SL_SOURCE_SPOT:
-        return 2.0 * SL_PI * (1.0 - 0.5 * ((double)light->cos_inner + (double)light->cos_outer));
-    case SL_SOURCE_AREA: return light->two_sided ? 2.0 * SL_PI : SL_PI;
+    case SL_SOURCE_SPOT: return 2.0 * SL_PI * (1.0 - 0.5 * ((double)s->cos_inner + (double)s->cos_outer));
+    case SL_SOURCE_AREA: return s->two_sided ? 2.0 * SL_PI : SL_PI;
     default: return 1.0;
     }
 }
 
 sl_rgb sl_map_light_flux(const sl_map_light *light) {
-    return sl_rgb_scale(light->intensity, (float)directions_of(light));
+    return sl_rgb_scale(light->source.colour, (float)directions_of(&light->source));
 }
 
 /* ---- points of the scene's lights ---- */
@@ -65,13 +59,14 @@ static sl_map_light light_of(const sl_sampled_light *lamp) {
                                               [SL_SAMPLED_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL,
                                               [SL_SAMPLED_AREA] = SL_SOURCE_AREA,
                                               [SL_SAMPLED_SOLID] = SL_SOURCE_AREA};
-    return (sl_map_light){.kind = kinds[lamp->kind],
-                          .position = lamp->position,
-                          .direction = lamp->kind == SL_SAMPLED_AREA ? lamp->normal : lamp->direction,
-                          .intensity = lamp->colour,
-                          .cos_inner = lamp->cos_inner,
-                          .cos_outer = lamp->cos_outer,
-                          .two_sided = lamp->two_sided};
+    return (sl_map_light){
+        .source = {.kind = kinds[lamp->kind],
+                   .position = lamp->position,
+                   .direction = lamp->kind == SL_SAMPLED_AREA ? lamp->normal : lamp->direction,
+                   .colour = lamp->colour,
+                   .cos_inner = lamp->cos_inner,
+                   .cos_outer = lamp->cos_outer,
+                   .two_sided = lamp->two_sided}};
 }
 
 /* Returns point `index` of n x n in a planar light, evenly over a parallelogram; of other lights the points
@@ -96,6 +91,17 @@ static sl_vec3 point_of(const finding *f, const sl_sampled_light *lamp, const sl
     return p;
 }
 
+/* Returns how far a lamp's triangles lie above the plane through a point of it. */
+static float clearance_of(const sl_sampled_light *lamp, sl_vec3 point, sl_vec3 normal) {
+    const sl_vec3d n = sl_to_double(normal), o = sl_to_double(point);
+    double most = 0.0;
+    for (size_t k = 0; k < 3 * lamp->triangles; k++) {
+        const double height = sl_dotd(n, sl_subd(sl_to_double(lamp->corner[k]), o));
+        most = height > most ? height : most;
+    }
+    return (float)most;
+}
+
 static sl_status add_area(finding *f, const sl_sampled_light *lamp, sl_error *error) {
     sl_light_surface surface;
     sl_status status = sl_light_surface_make(lamp, &surface, error);
@@ -105,9 +111,12 @@ static sl_status add_area(finding *f, const sl_sampled_light *lamp, sl_error *er
     for (size_t i = 0; i < count && surface.area > 0.0; i++) {
         sl_map_light *l = &f->light[f->count++];
         *l = light_of(lamp);
-        if (count > 1) l->position = point_of(f, lamp, &surface, i, &l->direction);
+        if (count > 1) l->source.position = point_of(f, lamp, &surface, i, &l->source.direction);
+        l->source.clearance[0] = clearance_of(lamp, l->source.position, l->source.direction);
+        if (lamp->two_sided)
+            l->source.clearance[1] = clearance_of(lamp, l->source.position, sl_neg(l->source.direction));
         l->area = (float)area;
-        l->intensity = sl_rgb_scale(lamp->radiance, (float)(area * (double)lamp->opaque));
+        l->source.colour = sl_rgb_scale(lamp->radiance, (float)(area * (double)lamp->opaque));
         l->lamp = (uint32_t)(lamp - f->lamps->light);
         l->siblings = (uint32_t)count;
     }
@@ -133,7 +142,7 @@ static sl_status add_all(finding *f, sl_error *error) {
 /* ---- too many of them ---- */
 
 static double power_of(const sl_map_light *l) {
-    const double power = (double)sl_rgb_mean(l->intensity) * directions_of(l);
+    const double power = (double)sl_rgb_mean(l->source.colour) * directions_of(&l->source);
     return power > 0.0 && isfinite(power) ? power : 0.0;
 }
 
@@ -152,7 +161,7 @@ static void keep_strongest(finding *f, size_t most) {
     }
     f->count = most;
     for (size_t k = 0; k < most && kept > 0.0; k++)
-        f->light[k].intensity = sl_rgb_scale(f->light[k].intensity, (float)(all / kept));
+        f->light[k].source.colour = sl_rgb_scale(f->light[k].source.colour, (float)(all / kept));
 }
 
 /* ---- all ---- */
@@ -190,29 +199,4 @@ size_t sl_map_lights_bytes(const sl_map_lights *lights) {
     size_t bytes = sizeof *lights;
     for (size_t i = 0; lights->cube && i < lights->count; i++) bytes += sl_depth_cube_bytes(&lights->cube[i]);
     return bytes;
-}
-
-/* Returns how far a lamp's triangles lie above the plane through a point of it. */
-static float clearance_of(const sl_sampled_light *lamp, sl_vec3 point, sl_vec3 normal) {
-    const sl_vec3d n = sl_to_double(normal), o = sl_to_double(point);
-    double most = 0.0;
-    for (size_t k = 0; k < 3 * lamp->triangles; k++) {
-        const double height = sl_dotd(n, sl_subd(sl_to_double(lamp->corner[k]), o));
-        most = height > most ? height : most;
-    }
-    return (float)most;
-}
-
-sl_light_eye sl_map_light_eye(const sl_map_lights *lights, size_t light) {
-    const sl_map_light *l = &lights->light[light];
-    sl_light_eye eye = {.kind = l->kind,
-                        .position = l->position,
-                        .direction = l->direction,
-                        .cos_outer = l->cos_outer,
-                        .two_sided = l->two_sided};
-    if (l->kind != SL_SOURCE_AREA || !lights->lamps) return eye;
-    const sl_sampled_light *lamp = &lights->lamps->light[l->lamp];
-    eye.clearance[0] = clearance_of(lamp, l->position, l->direction);
-    if (l->two_sided) eye.clearance[1] = clearance_of(lamp, l->position, sl_neg(l->direction));
-    return eye;
 }

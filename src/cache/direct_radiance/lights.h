@@ -18,15 +18,10 @@
 enum { SL_MAP_LIGHTS_MAX = 256 };
 
 typedef struct sl_map_light {
-    sl_source_kind kind;
-    sl_vec3 position; /* directional: unused */
-    /* unit. Spot: its axis; directional: the way light travels; area: the normal of the shining side */
-    sl_vec3 direction;
-    /* W/sr. Point, spot; area: along the normal, L_e times area. Directional: W/m^2 */
-    sl_rgb intensity;
-    float cos_inner, cos_outer; /* spot */
+    /* colour: W/sr. Point, spot; area: along the normal, L_e times area, its size being in `area`.
+     * Directional: W/m^2. Pictures of an area light do not see its lamp's own triangles. */
+    sl_light_source source;
     float area;                 /* area lights: of the part that the point stands for, > 0 */
-    bool two_sided;             /* area lights: the back shines as the front does */
     uint32_t lamp;              /* in sl_map_lights.lamps */
     uint32_t siblings;          /* points of the same lamp, this one included; 0 counts as 1 */
 } sl_map_light;
@@ -49,9 +44,6 @@ size_t sl_map_lights_bytes(const sl_map_lights *lights);
 sl_rgb sl_map_light_intensity(const sl_map_light *light, sl_vec3 direction);
 /* W; of a directional light its irradiance. */
 sl_rgb sl_map_light_flux(const sl_map_light *light);
-
-/* The light as pictures are taken from it: an area light does not see its lamp's own triangles. */
-sl_light_eye sl_map_light_eye(const sl_map_lights *lights, size_t light);
 
 /* ---- pass 1: a depth cube around every light (direct.c) ---- */
 

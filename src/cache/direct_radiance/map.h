@@ -233,7 +233,7 @@ typedef struct sl_photon_list {
 /* Texels each way of a block. */
 static inline int sl_block_texels(const sl_map_face *face) { return face->width / face->columns; }
 static inline bool sl_face_is_directional(const sl_radiance_map *map, const sl_map_face *face) {
-    return map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
+    return map->lights->light[face->light].source.kind == SL_SOURCE_DIRECTIONAL;
 }
 
 /* Solid angle, sr (directional: area, m^2), of a square of so many texels whose lower left one that is. */

@@ -12,7 +12,6 @@ enum { FACES_MAX = 10 };
 typedef struct {
     const sl_map_drawing *drawing;
     const sl_map_light *light;
-    sl_light_eye eye;
     int samples, texels; /* m, and texels a side of a block: w / m */
     sl_map_face face[FACES_MAX];
     int count, dark;
@@ -23,7 +22,7 @@ typedef struct {
 static void add(face_list *list, const sl_frame *frame, double tangent, int rows, bool back) {
     int m = list->samples, k = list->texels;
     list->face[list->count++] =
-        (sl_map_face){.eye = list->light->position,
+        (sl_map_face){.eye = list->light->source.position,
                       .frame = *frame,
                       .left = -tangent,
                       .right = tangent,
@@ -38,7 +37,7 @@ static void add(face_list *list, const sl_frame *frame, double tangent, int rows
 
 static void add_side(face_list *list, const sl_frame *frame, int side, int rows, bool back) {
     sl_frame turned = sl_light_side(frame, side);
-    if (sl_light_shines_on(&list->eye, side)) add(list, &turned, 1.0, rows, back);
+    if (sl_light_shines_on(&list->light->source, side)) add(list, &turned, 1.0, rows, back);
     else list->dark++;
 }
 
@@ -62,32 +61,33 @@ static const float WIDEST_CONE = 0.5f;
 static sl_map_shape shape_for(const sl_map_light *light, sl_map_shape asked) {
     switch (asked) {
     case SL_MAP_AUTO:
-        if (light->kind == SL_SOURCE_AREA) return SL_MAP_HEMICUBE;
-        if (light->kind != SL_SOURCE_SPOT) return SL_MAP_CUBE;
-        return light->cos_outer >= WIDEST_CONE ? SL_MAP_FRUSTUM
-               : light->cos_outer >= 0.0f      ? SL_MAP_HEMICUBE
+        if (light->source.kind == SL_SOURCE_AREA) return SL_MAP_HEMICUBE;
+        if (light->source.kind != SL_SOURCE_SPOT) return SL_MAP_CUBE;
+        return light->source.cos_outer >= WIDEST_CONE ? SL_MAP_FRUSTUM
+               : light->source.cos_outer >= 0.0f      ? SL_MAP_HEMICUBE
                                                : SL_MAP_CUBE;
     case SL_MAP_CUBE: /* what an area light lights is one hemisphere, or two */
-        return light->kind == SL_SOURCE_AREA ? SL_MAP_HEMICUBE : SL_MAP_CUBE;
+        return light->source.kind == SL_SOURCE_AREA ? SL_MAP_HEMICUBE : SL_MAP_CUBE;
     default: return asked;
     }
 }
 
 /* tan(fov / 2), from 1e-3 to that of 170 degrees. */
 static double frustum_tangent(const sl_map_light *light, double fov) {
-    double c = (double)light->cos_outer, tangent = 1.0;
+    double c = (double)light->source.cos_outer, tangent = 1.0;
     if (fov > 0.0) tangent = sl_tan(0.5 * (fov < 2.96706 ? fov : 2.96706));
-    else if (light->kind == SL_SOURCE_SPOT) tangent = c > 0.0 ? sqrt(1.0 - c * c) / c : 1e30;
+    else if (light->source.kind == SL_SOURCE_SPOT) tangent = c > 0.0 ? sqrt(1.0 - c * c) / c : 1e30;
     return tangent > 11.43 ? 11.43 : tangent > 1e-3 ? tangent : 1e-3;
 }
 
 /* The paper aims its light, at the middle of the scene here. */
 static sl_frame frame_of(const face_list *list, sl_map_shape shape) {
     const sl_scene *s = list->drawing->scene;
-    if (list->light->kind != SL_SOURCE_POINT || shape == SL_MAP_CUBE) return sl_light_frame(&list->eye);
+    if (list->light->source.kind != SL_SOURCE_POINT || shape == SL_MAP_CUBE)
+        return sl_light_frame(&list->light->source);
     const sl_vec3 middle = sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min));
     return sl_frame_from_normal(
-        sl_normalize_or(sl_sub(middle, list->light->position), sl_v3(0, -1, 0)));
+        sl_normalize_or(sl_sub(middle, list->light->source.position), sl_v3(0, -1, 0)));
 }
 
 static void add_form(face_list *list, const sl_frame *frame, sl_map_shape form, bool back) {
@@ -106,7 +106,7 @@ int sl_parallel_texels(int samples, int texels) {
 
 /* The picture lies as far before the box's middle as the box is deep. */
 static void add_parallel(face_list *list) {
-    sl_parallel_picture p = sl_parallel_picture_of(list->drawing->scene, list->light->direction);
+    sl_parallel_picture p = sl_parallel_picture_of(list->drawing->scene, list->light->source.direction);
     list->texels = sl_parallel_texels(list->samples, list->texels);
     add(list, &p.frame, 1.0, list->samples, false);
     sl_map_face *f = &list->face[list->count - 1];
@@ -120,12 +120,12 @@ static void add_parallel(face_list *list) {
 static void add_faces(face_list *list) {
     const sl_map_shape form = shape_for(list->light, list->drawing->settings->shape);
     sl_frame frame = frame_of(list, form);
-    if (list->light->kind == SL_SOURCE_DIRECTIONAL) {
+    if (list->light->source.kind == SL_SOURCE_DIRECTIONAL) {
         add_parallel(list);
         return;
     }
     add_form(list, &frame, form, false);
-    if (list->light->kind != SL_SOURCE_AREA || !list->light->two_sided) return;
+    if (list->light->source.kind != SL_SOURCE_AREA || !list->light->source.two_sided) return;
     frame.z = sl_neg(frame.z);
     add_form(list, &frame, form, true);
 }
@@ -134,20 +134,20 @@ static void add_faces(face_list *list) {
 
 static sl_view view_of(const face_list *list, const sl_map_face *f) {
     const sl_scene *scene = list->drawing->scene;
-    if (list->light->kind == SL_SOURCE_DIRECTIONAL) {
-        const sl_parallel_picture picture = sl_parallel_picture_of(scene, list->light->direction);
+    if (list->light->source.kind == SL_SOURCE_DIRECTIONAL) {
+        const sl_parallel_picture picture = sl_parallel_picture_of(scene, list->light->source.direction);
         return sl_parallel_view(&picture, f->width, f->height);
     }
     const sl_pyramid_picture picture = {f->frame, f->left,  f->right,  f->bottom,
                                         f->top,   f->width, f->height, f->back};
-    return sl_pyramid_view(scene, &list->eye, &picture);
+    return sl_pyramid_view(scene, &list->light->source, &picture);
 }
 
 /* ---- the share of the lights' flux that leaves inside ---- */
 
 static bool is_dark(const sl_map_light *light) {
     sl_rgb flux = sl_map_light_flux(light);
-    return !(sl_rgb_max(flux) > 0.0f) || !sl_rgb_is_finite(flux) || !sl_is_finite(light->position);
+    return !(sl_rgb_max(flux) > 0.0f) || !sl_rgb_is_finite(flux) || !sl_is_finite(light->source.position);
 }
 
 /* Intensity at the middles of a face's parts, times their solid angles. */
@@ -168,7 +168,8 @@ static double flux_through(const sl_map_light *light, const sl_map_face *f) {
 /* Returns W that leave inside the faces. Those that are chosen by the kind of the light hold all. */
 static double held_of(const face_list *list, double flux) {
     const sl_radiance_map_settings *s = list->drawing->settings;
-    const bool own = s->shape == SL_MAP_FRUSTUM && list->light->kind == SL_SOURCE_SPOT && s->map_fov == 0.0;
+    const bool spot = list->light->source.kind == SL_SOURCE_SPOT,
+               own = s->shape == SL_MAP_FRUSTUM && spot && s->map_fov == 0.0;
     double held = 0.0;
     if (s->shape == SL_MAP_AUTO || s->shape == SL_MAP_CUBE || own) return flux;
     for (int f = 0; f < list->count; f++) held += flux_through(list->light, &list->face[f]);
@@ -201,7 +202,6 @@ static face_list list_for(const sl_map_drawing *d, uint32_t index) {
     const int w = d->settings->map_size, m = d->settings->samples > 1 ? d->settings->samples : 1;
     return (face_list){.drawing = d,
                        .light = &d->map->lights->light[index],
-                       .eye = sl_map_light_eye(d->map->lights, index),
                        .samples = m,
                        .texels = w > m ? (w + m - 1) / m : 1};
 }
@@ -216,7 +216,7 @@ sl_status sl_map_faces_choose(const sl_map_drawing *d, sl_error *error) {
         const double flux = (double)sl_rgb_mean(sl_map_light_flux(list.light));
         add_faces(&list);
         keep_faces(&list, i);
-        if (list.light->kind == SL_SOURCE_DIRECTIONAL || is_dark(list.light)) continue;
+        if (list.light->source.kind == SL_SOURCE_DIRECTIONAL || is_dark(list.light)) continue;
         all += flux;
         held += held_of(&list, flux);
     }

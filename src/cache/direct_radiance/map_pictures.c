@@ -80,8 +80,8 @@ static const sl_map_light *light_of(const sl_map_drawing *d, const sl_map_face *
 static texel_light light_at(const sl_map_drawing *d, const sl_map_face *face, sl_vec3 y) {
     const sl_map_light *light = light_of(d, face);
     sl_vec3d way = sl_subd(sl_to_double(y), sl_to_double(face->eye));
-    if (light->kind == SL_SOURCE_DIRECTIONAL) {
-        return (texel_light){sl_neg(face->frame.z), light->intensity,
+    if (light->source.kind == SL_SOURCE_DIRECTIONAL) {
+        return (texel_light){sl_neg(face->frame.z), light->source.colour,
                              (float)sl_dotd(way, sl_to_double(face->frame.z))};
     }
     double squared = sl_dotd(way, way), length = sqrt(squared);
@@ -97,7 +97,7 @@ static void write_mirrored(const sl_map_drawing *d, const sl_map_face *face, con
                            const sl_reflections *r, size_t k) {
     sl_radiance_map *map = d->map;
     const size_t pixel = r->pixel[k], i = face->first + pixel;
-    const bool parallel = light_of(d, face)->kind == SL_SOURCE_DIRECTIONAL;
+    const bool parallel = light_of(d, face)->source.kind == SL_SOURCE_DIRECTIONAL;
     const sl_vec3 y = at(g->position_x, g->position_y, g->position_z, pixel);
     const sl_vec3 arrival = sl_normalize_or(sl_sub(g->seen_from[pixel], y), sl_v3(0, 0, 0));
     const sl_vec3 left = sl_map_face_departure(face, pixel);
@@ -124,7 +124,7 @@ static void turn_to_light(const sl_map_face *face, sl_gbuffer *g) {
 
 static sl_status draw(const sl_map_drawing *d, const sl_map_face *face, sl_gbuffer *g,
                       sl_reflections **reflections, sl_counters *counters) {
-    const bool parallel = light_of(d, face)->kind == SL_SOURCE_DIRECTIONAL;
+    const bool parallel = light_of(d, face)->source.kind == SL_SOURCE_DIRECTIONAL;
     const sl_viewer viewer = {.eye = face->eye, .along = parallel ? face->frame.z : sl_v3(0, 0, 0)};
     const sl_status status = sl_raster_gbuffer(d->raster, &face->view, 1, g, counters, NULL);
     if (status == SL_OK && parallel) turn_to_light(face, g);

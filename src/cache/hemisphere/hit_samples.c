@@ -253,7 +253,7 @@ static void light_by_side(const sl_gather_view *view, sl_shadow_queue *q, const 
     float form = s->from[source * s->slots + k] / view->gather->strength[source];
     sl_near_light near = {.seen = {.parts = 0}};
     sl_vec3 to_light;
-    if (sl_light_is_near(light, p, p)) sl_near_light_make(light, p, hit_normal(h, k), &near);
+    if (sl_light_is_near(light, p)) sl_near_light_make(light, p, hit_normal(h, k), &near);
     if (near.seen.parts) {
         if (!aim_by_angle(h, &near, k, u1, u2, &to_light)) return;
     } else {

@@ -3,14 +3,6 @@
 
 static inline float above(float value) { return value > 0.0f ? value : 0.0f; } /* 0 for NaN */
 
-/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between. */
-static inline float spot(float cosine, float inner, float outer) {
-    float x = (cosine - outer) / (inner > outer ? inner - outer : 1.0f);
-    x = x > 0.0f ? x : 0.0f;
-    float smooth = x * x * (3.0f - 2.0f * x);
-    return cosine >= inner ? 1.0f : cosine > outer ? smooth : 0.0f;
-}
-
 static void arrive_from_afar(const sl_light_points *points, const sl_light_source *source, sl_arrivals *out) {
     const float *restrict nx = points->normal_x, *restrict ny = points->normal_y,
                           *restrict nz = points->normal_z;
@@ -60,7 +52,7 @@ void SL_KERNEL(sl_light_arrive)(const sl_light_points *points, const sl_light_so
         float cosine = above(nx[i] * tx + ny[i] * ty + nz[i] * tz),
               facing = gx[i] * tx + gy[i] * ty + gz[i] * tz;
         float emitted = -(d.x * tx + d.y * ty + d.z * tz);
-        float shape = area ? above(emitted) : spot(emitted, inner, outer);
+        float shape = area ? above(emitted) : sl_spot_falloff(emitted, inner, outer);
         float value = cosine * shape / (squared + extent);
         x[i] = tx;
         y[i] = ty;

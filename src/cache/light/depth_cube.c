@@ -10,7 +10,7 @@
 
 /* ---- pictures ---- */
 
-sl_frame sl_light_frame(const sl_light_eye *light) {
+sl_frame sl_light_frame(const sl_light_source *light) {
     sl_vec3 z = light->kind == SL_SOURCE_POINT ? sl_v3(0, -1, 0) : light->direction;
     return sl_frame_from_normal(z);
 }
@@ -28,14 +28,14 @@ sl_frame sl_light_side(const sl_frame *f, int side) {
 
 /* Of a spot: nearest to its axis are the middles of the sides' upper edges, at 45 degrees, and the back's
  * corners, at acos(-1/sqrt 3); a little more, for rounding. */
-bool sl_light_shines_on(const sl_light_eye *light, int side) {
+bool sl_light_shines_on(const sl_light_source *light, int side) {
     static const float nearest[3] = {2.0f, 0.7071070f, -0.5773500f};
     if (light->kind == SL_SOURCE_AREA) return side != SL_LIGHT_BACK || light->two_sided;
     if (light->kind != SL_SOURCE_SPOT) return true;
     return light->cos_outer < nearest[side == SL_LIGHT_AHEAD ? 0 : side == SL_LIGHT_BACK ? 2 : 1];
 }
 
-sl_view sl_pyramid_view(const sl_scene *scene, const sl_light_eye *light, const sl_pyramid_picture *p) {
+sl_view sl_pyramid_view(const sl_scene *scene, const sl_light_source *light, const sl_pyramid_picture *p) {
     sl_view view =
         sl_view_pyramid(&p->frame, light->position, (float)p->left, (float)p->right, (float)p->bottom,
                         (float)p->top, p->width, p->height, 1e-5f * scene->scale);
@@ -97,7 +97,7 @@ enum { PASSES_MAX = 2 + 2 * 4 };
 typedef struct {
     const sl_scene *scene;
     const sl_raster *raster;
-    const sl_light_eye *light;
+    const sl_light_source *light;
     unsigned threads;
     sl_counters *counters;
 } drawing;
@@ -129,7 +129,7 @@ static void propose(const drawing *d, const sl_view *view, int side, bool shines
 
 /* An area light's front and back see what lies on their own sides only. */
 static size_t passes_of(const drawing *d, const sl_depth_cube *cube, side_pass pass[PASSES_MAX]) {
-    const sl_light_eye *light = d->light;
+    const sl_light_source *light = d->light;
     const bool area = light->kind == SL_SOURCE_AREA;
     size_t count = 0;
     for (int side = 0; side < SL_LIGHT_SIDES; side++) {
@@ -209,13 +209,13 @@ static sl_status draw_parallel(const drawing *d, sl_depth_cube *cube, sl_error *
 /* ---- a cube ---- */
 
 /* Returns half the width of the pictures at distance 1: a cone that the one ahead holds wastes none of it. */
-static float tangent_of(const sl_light_eye *light) {
+static float tangent_of(const sl_light_source *light) {
     if (light->kind != SL_SOURCE_SPOT || sl_light_shines_on(light, 1)) return 1.0f;
     double c = (double)light->cos_outer, tangent = c < 1.0 ? sqrt(1.0 - c * c) / c : 0.0;
     return tangent < 0.001 ? 0.001f : tangent < 1.0 ? (float)tangent : 1.0f;
 }
 
-sl_status sl_depth_cube_draw(const sl_scene *scene, const sl_raster *raster, const sl_light_eye *light,
+sl_status sl_depth_cube_draw(const sl_scene *scene, const sl_raster *raster, const sl_light_source *light,
                              bool dark, int size, unsigned threads, sl_depth_cube *cube,
                              sl_counters *counters, sl_error *error) {
     const drawing d = {scene, raster, light, threads, counters};

@@ -7,19 +7,6 @@
 #include "cache/light/light_kernels.h"
 #include "raster/raster.h"
 
-/* A light, or a point of one with extent, as pictures are taken from it. */
-typedef struct sl_light_eye {
-    sl_source_kind kind;
-    sl_vec3 position;     /* directional: unused */
-    /* unit. Spot: its axis; directional: the way light travels; area: the normal of the shining side */
-    sl_vec3 direction;
-    float cos_outer;      /* spot */
-    bool two_sided;       /* area */
-    /* Area: how far its own triangles reach above the plane through it, on the front and on the back. What
-     * lies lower is cut away by the near plane of its pictures. */
-    float clearance[2];
-} sl_light_eye;
-
 /* ---- the directions around a light, cut into six sides ----
  *
  *            0           side 0 looks along the light's own direction (its axis, its normal), 1 to 4 to the
@@ -31,11 +18,11 @@ enum { SL_LIGHT_SIDES = 6, SL_LIGHT_AHEAD = 0, SL_LIGHT_BACK = 5 };
 
 /* z along the light's direction; of a point light the world's axes, turned so that z looks down (0, -1, 0).
  */
-sl_frame sl_light_frame(const sl_light_eye *light);
+sl_frame sl_light_frame(const sl_light_source *light);
 /* x right, y up, z the way the side looks. */
 sl_frame sl_light_side(const sl_frame *light, int side);
 /* False where the whole side, 90 degrees each way, is dark. */
-bool sl_light_shines_on(const sl_light_eye *light, int side);
+bool sl_light_shines_on(const sl_light_source *light, int side);
 
 /* A pyramid from the light, or from its mirror image, on the light's front or back. */
 typedef struct sl_pyramid_picture {
@@ -44,7 +31,7 @@ typedef struct sl_pyramid_picture {
     int width, height;
     bool back;
 } sl_pyramid_picture;
-sl_view sl_pyramid_view(const sl_scene *scene, const sl_light_eye *light,
+sl_view sl_pyramid_view(const sl_scene *scene, const sl_light_source *light,
                               const sl_pyramid_picture *picture);
 
 /* The scene's box as a directional light sees it. */
@@ -84,7 +71,7 @@ static inline size_t sl_depth_zeros(int size) { return ((size_t)size + 2 + 15) /
 
 /* Pictures that no receiver can need (behind a one-sided area light, outside a spot's cone, without geometry)
  * are not drawn, and counted as skipped; of a dark light none is, and all is lit. */
-sl_status sl_depth_cube_draw(const sl_scene *scene, const sl_raster *raster, const sl_light_eye *light,
+sl_status sl_depth_cube_draw(const sl_scene *scene, const sl_raster *raster, const sl_light_source *light,
                              bool dark, int size, unsigned threads, sl_depth_cube *cube,
                              sl_counters *counters, sl_error *error);
 void sl_depth_cube_release(sl_depth_cube *cube);

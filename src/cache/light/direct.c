@@ -85,11 +85,3 @@ sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light) {
     float n = at->material->exponent, lobe = sl_powf(cos_alpha < 1.0f ? cos_alpha : 1.0f, n);
     return sl_rgb_scale(at->material->specular, (n + 2.0f) * (float)(0.5 / SL_PI) * lobe);
 }
-
-sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
-                         float *const radiance[3], sl_counters *counters, sl_error *error) {
-    int from = *row, to = rows < gbuffer->height - from ? from + rows : gbuffer->height;
-    *row = to;
-    return direct->settings.maps ? sl_direct_by_maps(direct, gbuffer, from, to, radiance, counters, error)
-                                 : sl_direct_by_rays(direct, gbuffer, from, to, radiance, counters, error);
-}

@@ -5,13 +5,13 @@
  * what is seen whole or not at all has no noise. */
 #include "cache/light/direct_internal.h"
 #include "cache/light/direct_lamps.h"
+#include "cache/light/near_light.h"
 
 #include "base/random.h"
 
 typedef struct {
     size_t sides;                                            /* that light some pixel of the block */
     uint32_t side[SL_EXACT_EMITTERS_MAX];
-    bool near[SL_EXACT_EMITTERS_MAX], any_near;              /* to some pixel of the block */
     float share[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];     /* irradiance for radiance 1 */
     float sums[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];      /* cumulative, in luminance */
 } weighed;
@@ -20,9 +20,7 @@ typedef struct {
 static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w,
                   float exact[3][SL_LIGHT_BLOCK]) {
     sl_light_points points = sl_lit_points(block);
-    sl_block_box box = sl_lit_block_box(block);
     w->sides = 0;
-    w->any_near = false;
     for (size_t s = 0; s < direct->sides.count; s++) {
         float *share = w->share + w->sides * SL_LIGHT_BLOCK, *sum = w->sums + w->sides * SL_LIGHT_BLOCK;
         direct->light.polygon(&points, &direct->sides.polygon[s], share);
@@ -37,11 +35,62 @@ static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w
             exact[1][i] += colour[1] * e;
             exact[2][i] += colour[2] * e;
         }
-        w->near[w->sides] = sl_emitter_is_near(&direct->sides.polygon[s], &box);
-        w->any_near |= w->near[w->sides];
         w->side[w->sides++] = (uint32_t)s;
     }
 }
+
+/* ---- emitters that are near are aimed at by solid angle ---- */
+
+typedef struct {
+    int32_t chosen;          /* among those of the block; -1: none yet */
+    sl_near_light light;     /* not seen where it is not near */
+} near_emitter;
+
+static void look_at(const sl_polygon_light *light, sl_vec3 p, sl_vec3 n, int32_t chosen, near_emitter *e) {
+    e->chosen = chosen;
+    e->light.seen.parts = 0;
+    if (sl_light_is_near(light, p)) sl_near_light_make(light, p, n, &e->light);
+}
+
+/* Replaces the sample of point i. */
+static void aim_by_angle(const sl_lit_block *block, const near_emitter *e, sl_vec3d n,
+                         const sl_aim_block *aim, size_t i) {
+    double density, distance;
+    sl_vec3d direction =
+        sl_near_light_draw(&e->light, (double)aim->u1[i], (double)aim->u2[i], &density, &distance);
+    double cosine = sl_dotd(direction, n);
+    double facing = sl_dotd(direction, sl_v3d((double)block->geometric_x[i], (double)block->geometric_y[i],
+                                              (double)block->geometric_z[i]));
+    float total = aim->sums[(aim->sides - 1) * SL_LIGHT_BLOCK + i],
+          exact = aim->share[(size_t)e->chosen * SL_LIGHT_BLOCK + i];
+    bool lit = cosine > 0.0 && distance > 0.0 && exact > 0.0f;
+    sl_vec3 to_light = sl_to_float(sl_scaled(direction, distance));
+    aim->x[i] = to_light.x;
+    aim->y[i] = to_light.y;
+    aim->z[i] = to_light.z;
+    /* f / pdf = (cos solid angle / density) / (E_side / E_all) */
+    aim->weight[i] = lit ? (float)(e->light.seen.solid_angle * cosine / density) / exact * total : 0.0f;
+    aim->wanted[i] = lit && facing > 0.0 ? 1.0f : 0.0f;
+}
+
+static void aim_at_near(const sl_direct *direct, const sl_lit_block *block, const sl_aim_block *aims,
+                        uint32_t samples) {
+    enum { KEPT = 4 };
+    for (size_t i = 0; i < block->count; i++) {
+        sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]),
+                n = sl_v3(block->normal_x[i], block->normal_y[i], block->normal_z[i]);
+        near_emitter kept[KEPT];
+        for (int k = 0; k < KEPT; k++) kept[k].chosen = -1;
+        for (uint32_t k = 0; k < samples; k++) {
+            int32_t chosen = aims[k].chosen[i];
+            near_emitter *e = &kept[chosen % KEPT];
+            if (e->chosen != chosen) look_at(&direct->sides.polygon[aims[k].side[chosen]], p, n, chosen, e);
+            if (e->light.seen.parts) aim_by_angle(block, e, sl_to_double(n), &aims[k], i);
+        }
+    }
+}
+
+/* ---- samples ---- */
 
 enum { CHUNK = 8, LANES = CHUNK * SL_LIGHT_BLOCK };
 
@@ -69,7 +118,7 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
             s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
         direct->light.aim(&aims[k]);
     }
-    if (w->any_near) sl_direct_aim_near(direct, block, w->near, aims, s->samples);
+    aim_at_near(direct, block, aims, s->samples);
 }
 
 /* Rays from neighbouring pixels to one emitter go the same way: lanes in the order of emitters, samples and

@@ -1,11 +1,9 @@
 /* Shared by the parts of direct light. Read in this order:
  *
- *     direct.c          strips of rows, what each pixel is, and how its light adds up
- *     direct_maps.c     by shadow maps
- *     direct_rays.c     by shadow rays: the passes over a strip
+ *     direct.c          what is made once; what each pixel is
+ *     direct_rays.c     the passes over a strip
  *     direct_exact.c    emitters: closed forms for all of their light, rays for the visible share
- *     direct_near.c     better samples of emitters that are near
- *     direct_sampled.c  lights without extent; what is too much for closed forms
+ *     direct_sampled.c  lights without extent; all by shadow maps; what is too much for closed forms
  *     direct_glossy.c   glossy lobes
  *     direct_lamps.c    emitters as a glossy lobe sees them
  *     direct_filter.c   the visible share, smoothed where it is noise
@@ -109,18 +107,11 @@ void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_samp
                      sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters);
 void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block,
                      sl_direct_sums *sums, sl_counters *counters);
+void sl_direct_mapped(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block,
+                      sl_direct_sums *sums, sl_counters *counters);
 /* Of the sun, or of emitters. */
 void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, bool sun, sl_direct_sums *sums,
                        sl_counters *counters);
-/* Which emitters are near to some point of a block, and samples of them instead of those that are drawn: near
- * by side of the weighed. */
-typedef struct sl_block_box {
-    sl_vec3 low, high;
-} sl_block_box;
-sl_block_box sl_lit_block_box(const sl_lit_block *block);
-bool sl_emitter_is_near(const sl_polygon_light *light, const sl_block_box *box);
-void sl_direct_aim_near(const sl_direct *direct, const sl_lit_block *block, const bool *near,
-                        const sl_aim_block *aims, uint32_t samples);
 /* One pixel's glossy lobe and lights with extent; exact: luminance of their unoccluded irradiance, 0: not
  * known. */
 sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, float exact,
@@ -142,11 +133,5 @@ bool sl_pixel_reflects(const sl_gbuffer *gbuffer, const sl_scene *scene, size_t 
 bool sl_pixel_is_glossy(const sl_gbuffer *gbuffer, const sl_scene *scene, size_t pixel);
 /* ks (n+2)/(2 pi) cos^n alpha, alpha between the light and the mirror direction of the viewer. */
 sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light);
-
-/* Rows [row0, row1), into three planes. */
-sl_status sl_direct_by_maps(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1,
-                            float *const radiance[3], sl_counters *counters, sl_error *error);
-sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1,
-                            float *const radiance[3], sl_counters *counters, sl_error *error);
 
 #endif

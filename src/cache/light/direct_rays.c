@@ -1,4 +1,4 @@
-/* Direct light of pixels by shadow rays: the passes over a strip of rows.
+/* Direct light of pixels: the passes over a strip of rows.
  *
  *   1  every pixel         a ray to each light without extent, light samples of the others
  *   2  penumbrae           more samples for pixels that see a part of the lights, and those near them, since
@@ -6,7 +6,8 @@
  *   3  the visible share   smoothed where it is noise (direct_filter.c)
  *   4  radiance
  *
- * Every pass reads a few rows around those of the next one. */
+ * Every pass reads a few rows around those of the next one. By shadow maps there are the first and the last
+ * alone. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -174,6 +175,10 @@ static void light_block(const pass *p, const sl_lit_block *block, unsigned worke
     uint32_t pilot = pilot_samples(direct);
     sl_sample_range range = {p->refine ? pilot : 0, p->refine ? samples_with_refinement(direct) : pilot};
     if (block->count == 0) return;
+    if (direct->settings.maps) {
+        sl_direct_mapped(direct, p->gbuffer, block, p->sums, counters);
+        return;
+    }
     if (direct->sides.count) sl_direct_exact(direct, block, range, scratch, p->sums, counters);
     if (p->refine) return;
     sl_direct_delta(direct, p->gbuffer, block, p->sums, counters);
@@ -279,25 +284,32 @@ static void run(pass *p, sl_task *task, int row0, int row1, int margin) {
     sl_parallel_for(p->direct->settings.threads, (size_t)(end - p->row), task, p);
 }
 
-sl_status sl_direct_by_rays(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1,
-                            float *const radiance[3], sl_counters *counters, sl_error *error) {
-    const int margin = PENUMBRA_MARGIN + FILTER_MARGIN;
+static void run_all(pass *p, int row0, int row1) {
+    const bool maps = p->direct->settings.maps != NULL;
+    run(p, sample_row, row0, row1, maps ? 0 : PENUMBRA_MARGIN + FILTER_MARGIN);
+    p->refine = true;
+    if (!maps && samples_with_refinement(p->direct) > pilot_samples(p->direct))
+        run(p, sample_row, row0, row1, FILTER_MARGIN);
+    if (!maps) run(p, scatter_row, row0, row1, FILTER_MARGIN);
+    run(p, finish_row, row0, row1, 0);
+}
+
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
+                         float *const radiance[3], sl_counters *counters, sl_error *error) {
+    const int margin = PENUMBRA_MARGIN + FILTER_MARGIN, row0 = *row,
+              row1 = smaller(row0 + rows, gbuffer->height);
     int first = larger(row0 - margin, 0), end = smaller(row1 + margin, gbuffer->height);
-    size_t width = (size_t)gbuffer->width, rows = (size_t)(end - first);
+    size_t width = (size_t)gbuffer->width, lines = (size_t)(end - first);
     sl_direct_sums sums;
-    sl_counters *costs = sl_allocate(rows, sizeof *costs);
+    sl_counters *costs = sl_allocate(lines, sizeof *costs);
     void *scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
-    bool made = make_sums((size_t)first * width, rows * width, &sums) && costs && scratch;
+    bool made = make_sums((size_t)first * width, lines * width, &sums) && costs && scratch;
+    *row = row1;
     if (made) {
         pass p = {direct, gbuffer, first, first, &sums, {radiance[0], radiance[1], radiance[2]},
                   costs,  scratch, false};
-        run(&p, sample_row, row0, row1, margin);
-        p.refine = true;
-        if (samples_with_refinement(direct) > pilot_samples(direct))
-            run(&p, sample_row, row0, row1, FILTER_MARGIN);
-        run(&p, scatter_row, row0, row1, FILTER_MARGIN);
-        run(&p, finish_row, row0, row1, 0);
-        for (size_t i = 0; i < rows; i++) sl_counters_add(counters, &costs[i]);
+        run_all(&p, row0, row1);
+        for (size_t i = 0; i < lines; i++) sl_counters_add(counters, &costs[i]);
     }
     sl_free(sums.block);
     sl_free(costs);

@@ -15,7 +15,7 @@ typedef struct sl_light_points {
     const float *normal_x, *normal_y, *normal_z;          /* unit, shading */
 } sl_light_points;
 
-/* A light without extent, or a point of an emitter. */
+/* A light without extent, or a point of an emitter; and as pictures are taken from it. */
 typedef enum sl_source_kind {
     SL_SOURCE_POINT,
     SL_SOURCE_SPOT,
@@ -25,13 +25,17 @@ typedef enum sl_source_kind {
 
 typedef struct sl_light_source {
     sl_source_kind kind;
-    sl_vec3 position;
+    sl_vec3 position;          /* directional: unused */
     /* unit: directional and spot, the way the light travels; area: the emitter's normal */
     sl_vec3 direction;
     float cos_inner, cos_outer; /* spot */
     /* area: area / pi, which keeps 1 / distance^2 finite: the sample stands for a disc */
     float extent;
     sl_rgb colour;              /* intensity, irradiance, or radiance x area */
+    bool two_sided;             /* area: for pictures, the back shines too */
+    /* area: how far its own triangles reach above the plane through it, on the front and on the back. What
+     * lies lower is cut away by the near plane of its pictures */
+    float clearance[2];
 } sl_light_source;
 
 /* Light that arrives from a source at the points of a block: irradiance = colour x weight. */

@@ -5,15 +5,15 @@
 /* Nearer than such a share of the distance of its farthest corner from its middle. */
 #define NEAR_EXTENT 0.5f
 
-static float gap(float low, float high, float from, float to) {
-    return to < low ? low - to : from > high ? from - high : 0.0f;
+static float gap(float a, float b, float c, float p) {
+    float low = fminf(a, fminf(b, c)), high = fmaxf(a, fmaxf(b, c));
+    return p < low ? low - p : p > high ? p - high : 0.0f;
 }
 
-bool sl_light_is_near(const sl_polygon_light *light, sl_vec3 low, sl_vec3 high) {
+bool sl_light_is_near(const sl_polygon_light *light, sl_vec3 p) {
     const sl_vec3 *c = light->corner;
-    float x = gap(fminf(c[0].x, fminf(c[1].x, c[2].x)), fmaxf(c[0].x, fmaxf(c[1].x, c[2].x)), low.x, high.x);
-    float y = gap(fminf(c[0].y, fminf(c[1].y, c[2].y)), fmaxf(c[0].y, fmaxf(c[1].y, c[2].y)), low.y, high.y);
-    float z = gap(fminf(c[0].z, fminf(c[1].z, c[2].z)), fmaxf(c[0].z, fmaxf(c[1].z, c[2].z)), low.z, high.z);
+    float x = gap(c[0].x, c[1].x, c[2].x, p.x), y = gap(c[0].y, c[1].y, c[2].y, p.y),
+          z = gap(c[0].z, c[1].z, c[2].z, p.z);
     return x * x + y * y + z * z < NEAR_EXTENT * NEAR_EXTENT * light->extent_squared;
 }
 

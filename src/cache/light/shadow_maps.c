@@ -43,11 +43,7 @@ static int smaller(int size, int divisor) {
 
 static sl_status draw(sl_shadow_maps *maps, const sl_raster *raster, sl_mapped_source *s, int size,
                       sl_counters *counters, sl_error *error) {
-    const sl_light_eye eye = {.kind = s->source.kind,
-                              .position = s->source.position,
-                              .direction = s->source.direction,
-                              .cos_outer = s->source.cos_outer};
-    return sl_depth_cube_draw(maps->scene, raster, &eye, false, size, maps->settings.threads, &s->cube,
+    return sl_depth_cube_draw(maps->scene, raster, &s->source, false, size, maps->settings.threads, &s->cube,
                               counters, error);
 }
 

@@ -9,15 +9,6 @@
 
 /* ---- lights without extent ---- */
 
-/* 1 inside the inner cone, 0 outside the outer one, smoothstep of the cosine between. */
-static double spot_falloff(const sl_sampled_light *light, double cosine) {
-    double inner = (double)light->cos_inner, outer = (double)light->cos_outer;
-    if (cosine >= inner) return 1.0;
-    if (!(cosine > outer)) return 0.0;
-    double x = (cosine - outer) / (inner - outer);
-    return x * x * (3.0 - 2.0 * x);
-}
-
 double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d *to_light,
                            double *distance) {
     sl_vec3d axis = sl_to_double(light->direction);
@@ -31,7 +22,9 @@ double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *po
         *distance = sqrt(squared);
         *to_light = sl_scaled(d, 1.0 / *distance);
         strength = 1.0 / squared;
-        if (light->kind == SL_SAMPLED_SPOT) strength *= spot_falloff(light, -sl_dotd(*to_light, axis));
+        if (light->kind == SL_SAMPLED_SPOT)
+            strength *= (double)sl_spot_falloff((float)-sl_dotd(*to_light, axis), light->cos_inner,
+                                                light->cos_outer);
     }
     double cosine = sl_dotd(sl_to_double(point->normal), *to_light);
     if (!(cosine > 0.0) || !(sl_dotd(sl_to_double(point->geometric_normal), *to_light) > 0.0)) return 0.0;

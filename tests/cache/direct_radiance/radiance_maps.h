@@ -54,7 +54,7 @@ static inline hand_map *hand_map_begin(sl_map_light light, int faces, int w, int
     }
     memset(h->map.triangle, 0xff, texels * sizeof *h->map.triangle);
     for (int f = 0; f < faces; f++) {
-        h->face[f] = (sl_map_face){.eye = light.position,
+        h->face[f] = (sl_map_face){.eye = light.source.position,
                                    .frame = sl_cube_face_frame(f),
                                    .left = -1,
                                    .right = 1,
@@ -65,7 +65,8 @@ static inline hand_map *hand_map_begin(sl_map_light light, int faces, int w, int
                                    .columns = m,
                                    .rows = m,
                                    .first = (size_t)f * each};
-        h->face[f].view = sl_view_pyramid(&h->face[f].frame, light.position, -1, 1, -1, 1, w, w, 1e-4f);
+        h->face[f].view =
+            sl_view_pyramid(&h->face[f].frame, light.source.position, -1, 1, -1, 1, w, w, 1e-4f);
     }
     return h;
 }
@@ -81,7 +82,7 @@ static inline double texel_size(const sl_radiance_map *map, size_t i) {
  * reflectance. */
 static inline void hand_texel(hand_map *h, size_t i, uint32_t triangle, sl_vec3 p, sl_vec3 normal,
                               sl_rgb reflectance) {
-    sl_vec3 d = sl_sub(h->light.position, p);
+    sl_vec3 d = sl_sub(h->light.source.position, p);
     double b2 = sl_dotd(sl_to_double(d), sl_to_double(d)),
            cosine = sl_dotd(sl_to_double(normal), sl_to_double(d)) / sqrt(b2);
     h->map.triangle[i] = triangle;

@@ -29,17 +29,18 @@ static void add_lamp(lamps *l, sl_map_light light) {
 }
 
 static sl_map_light point_light(sl_vec3 position) {
-    return (sl_map_light){.kind = SL_SOURCE_POINT, .position = position, .intensity = {3.0f, 2.0f, 1.0f}};
+    return (sl_map_light){
+        .source = {.kind = SL_SOURCE_POINT, .position = position, .colour = {3.0f, 2.0f, 1.0f}}};
 }
 
 static sl_map_light area_light(sl_vec3 position, sl_vec3 normal, float area, bool two_sided) {
     sl_rgb intensity = sl_rgb_scale((sl_rgb){3.0f, 2.0f, 1.0f}, area);
-    return (sl_map_light){.kind = SL_SOURCE_AREA,
-                          .position = position,
-                          .direction = normal,
-                          .intensity = intensity,
+    return (sl_map_light){.source.kind = SL_SOURCE_AREA,
+                          .source.position = position,
+                          .source.direction = normal,
+                          .source.colour = intensity,
                           .area = area,
-                          .two_sided = two_sided};
+                          .source.two_sided = two_sided};
 }
 
 static planes light_up(const sl_scene *scene, lamps *l, const sl_gbuffer *receivers,
@@ -168,9 +169,9 @@ static void highlight_moves_with_the_eye(void **state) {
                      sl_grey(0), GLOSSY_MATERIAL);
     }
     lamps l = {.lights = {.count = 0}};
-    add_lamp(&l, (sl_map_light){.kind = SL_SOURCE_DIRECTIONAL,
-                                .direction = {-0.2f / sqrtf(1.04f), 0, -1.0f / sqrtf(1.04f)},
-                                .intensity = {1, 1, 1}});
+    add_lamp(&l, (sl_map_light){.source.kind = SL_SOURCE_DIRECTIONAL,
+                                .source.direction = {-0.2f / sqrtf(1.04f), 0, -1.0f / sqrtf(1.04f)},
+                                .source.colour = {1, 1, 1}});
     planes p = light_up(*state, &l, r, 1);
     for (int path = 0; path < 2; path++) {
         int best = 0;

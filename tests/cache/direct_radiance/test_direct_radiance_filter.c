@@ -2,7 +2,8 @@
 #include "radiance_maps.h"
 
 static sl_map_light light_at(sl_vec3 position) {
-    return (sl_map_light){.kind = SL_SOURCE_POINT, .position = position, .intensity = {2.0f, 3.0f, 5.0f}};
+    return (sl_map_light){
+        .source = {.kind = SL_SOURCE_POINT, .position = position, .colour = {2.0f, 3.0f, 5.0f}}};
 }
 
 static sl_radiance_map_settings with(sl_map_filter filter) {

@@ -98,15 +98,15 @@ static void a_quad_is_n_x_n_points_that_share_its_intensity(void **state) {
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_map_lights *one = find(scene, 1), *lights = find(scene, 4);
     assert_int_equal(one->count, 1);
-    assert_true(one->light[0].position.x == 0.5f && one->light[0].position.z == 0.5f);
+    assert_true(one->light[0].source.position.x == 0.5f && one->light[0].source.position.z == 0.5f);
     assert_int_equal(lights->count, 16);
     for (size_t i = 0; i < 16; i++) {
         const sl_map_light *l = &lights->light[i];
-        const float along[2] = {l->position.x, l->position.z};
+        const float along[2] = {l->source.position.x, l->source.position.z};
         for (int a = 0; a < 2; a++)
             assert_true(fabsf(along[a] * 4.0f - 0.5f - floorf(along[a] * 4.0f)) < 1e-4f);
-        assert_true(close_to(l->intensity.g, 2.0 / 16.0, 1e-4) && close_to(l->area, 1.0 / 16.0, 1e-4));
-        assert_true(l->direction.y == -1.0f && sl_map_light_eye(lights, i).clearance[0] < 1e-5f);
+        assert_true(close_to(l->source.colour.g, 2.0 / 16.0, 1e-4) && close_to(l->area, 1.0 / 16.0, 1e-4));
+        assert_true(l->source.direction.y == -1.0f && l->source.clearance[0] < 1e-5f);
     }
     sl_map_lights_destroy(one);
     sl_map_lights_destroy(lights);
@@ -125,10 +125,10 @@ static void a_solid_lamp_shines_from_points_of_its_surface(void **state) {
     sl_vec3 sum = {0, 0, 0};
     for (size_t i = 0; i < lights->count; i++) {
         const sl_map_light *l = &lights->light[i];
-        const sl_vec3 out = sl_sub(l->position, middle);
-        assert_true(fabsf(sl_length(out) - 0.4f) < 0.01f && sl_dot(out, l->direction) > 0.38f);
-        assert_true(sl_map_light_eye(lights, i).clearance[0] < 1e-5f * scene->diagonal);
-        sum = sl_add(sum, l->direction);
+        const sl_vec3 out = sl_sub(l->source.position, middle);
+        assert_true(fabsf(sl_length(out) - 0.4f) < 0.01f && sl_dot(out, l->source.direction) > 0.38f);
+        assert_true(l->source.clearance[0] < 1e-5f * scene->diagonal);
+        sum = sl_add(sum, l->source.direction);
     }
     assert_true(sl_length(sum) < 0.25f * (float)lights->count); /* all around */
     sl_map_lights_destroy(lights);
@@ -157,7 +157,7 @@ static void of_too_many_lights_the_strongest_shine_for_all(void **state) {
     assert_int_equal(lights->count, SL_MAP_LIGHTS_MAX);
     assert_true(close_to(flux_of(lights), SL_PI * 1.5 * 60.0 * 15.0, 1e-4));
     for (size_t i = 0; i < 60; i++) /* of 900 all but 44 of radiance 1 are kept */
-        assert_true(close_to((double)lights->light[i].intensity.g, 1.5 * 5.0 * 900.0 / 856.0, 1e-4));
+        assert_true(close_to((double)lights->light[i].source.colour.g, 1.5 * 5.0 * 900.0 / 856.0, 1e-4));
     sl_map_lights_destroy(lights);
     sl_scene_destroy(scene);
 }

@@ -157,7 +157,7 @@ static void every_position_lies_on_its_triangle_where_its_ray_points(void **stat
     assert_int_equal(map->face_count, 6 + 1 + 1 + 5);
     for (size_t f = 0; f < map->face_count; f++) {
         const sl_map_face *face = &map->face[f];
-        bool directional = map->lights->light[face->light].kind == SL_SOURCE_DIRECTIONAL;
+        bool directional = map->lights->light[face->light].source.kind == SL_SOURCE_DIRECTIONAL;
         for (size_t i = face->first; i < face->first + texels_of(face); i++) {
             if (map->triangle[i] == SL_NO_INDEX) continue;
             sl_vec3 y = at(map->position, i), d = sl_sub(y, face->eye), g = at(map->geometric, i),
@@ -202,21 +202,22 @@ static void eight_bit_positions_err_by_at_most_a_510th_of_the_box(void **state) 
 
 /* (5) and (9) by hand. */
 static sl_rgb direct_radiance(const world *w, const sl_map_light *light, size_t i, sl_rgb kd) {
-    sl_vec3 y = at(w->map->position, i), to = sl_neg(light->direction), n = at(w->map->normal, i);
+    sl_vec3 y = at(w->map->position, i), to = sl_neg(light->source.direction), n = at(w->map->normal, i);
     double r = 1.0, strength = 1.0;
-    if (light->kind != SL_SOURCE_DIRECTIONAL) {
-        sl_vec3 d = sl_sub(light->position, y);
+    if (light->source.kind != SL_SOURCE_DIRECTIONAL) {
+        sl_vec3 d = sl_sub(light->source.position, y);
         r = (double)sl_length(d);
         to = sl_scale(d, (float)(1.0 / r));
     }
-    double c = -(double)sl_dot(to, light->direction), cosine = (double)sl_dot(n, to);
-    if (light->kind == SL_SOURCE_AREA) strength = c > 0.0 ? c : 0.0;
-    if (light->kind == SL_SOURCE_SPOT) {
-        double x = (c - (double)light->cos_outer) / ((double)light->cos_inner - (double)light->cos_outer);
+    double c = -(double)sl_dot(to, light->source.direction), cosine = (double)sl_dot(n, to);
+    if (light->source.kind == SL_SOURCE_AREA) strength = c > 0.0 ? c : 0.0;
+    if (light->source.kind == SL_SOURCE_SPOT) {
+        const double outer = (double)light->source.cos_outer;
+        double x = (c - outer) / ((double)light->source.cos_inner - outer);
         x = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
         strength = x * x * (3.0 - 2.0 * x);
     }
-    return sl_rgb_scale(sl_rgb_mul(kd, light->intensity),
+    return sl_rgb_scale(sl_rgb_mul(kd, light->source.colour),
                         (float)(strength * (cosine > 0.0 ? cosine : 0.0) / (SL_PI * r * r)));
 }
 
@@ -333,7 +334,7 @@ static void a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empt
             assert_true(w.map->color[0][i] == 0.0f && w.map->path[i] == 0.0f);
     }
     /* A light that has gone out. */
-    w.lights->light[1].intensity = sl_grey(0.0f);
+    w.lights->light[1].source.colour = sl_grey(0.0f);
     take(&w, &h);
     assert_int_equal(w.map->face_count, 0);
     assert_int_equal(passes(&w), 0);

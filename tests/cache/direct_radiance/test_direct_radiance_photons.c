@@ -6,7 +6,8 @@
 #include "trace/trace.h"
 
 static sl_map_light point_light(sl_vec3 position) {
-    return (sl_map_light){.kind = SL_SOURCE_POINT, .position = position, .intensity = {2.0f, 3.0f, 5.0f}};
+    return (sl_map_light){
+        .source = {.kind = SL_SOURCE_POINT, .position = position, .colour = {2.0f, 3.0f, 5.0f}}};
 }
 
 static const sl_radiance_map_settings points = {.filter = SL_MAP_FILTER_POINT, .weight = SL_WEIGHT_FLUX};
@@ -26,7 +27,7 @@ static void fill_floor(hand_map *h, float height) {
         sl_vec3d origin, ray;
         sl_map_face_ray(f, false, i % f->width + 0.5, i / f->width + 0.5, &origin, &ray);
         sl_vec3 p = sl_to_float(sl_addd(origin, sl_scaled(ray, (double)height)));
-        p.y = h->light.position.y - height;
+        p.y = h->light.source.position.y - height;
         hand_texel(h, f->first + (size_t)i, 0, p, sl_v3(0, 1, 0), (sl_rgb){0.5f, 0.25f, 0.0f});
     }
 }
@@ -88,8 +89,8 @@ static void flux_is_reflectance_times_intensity_times_solid_angle_over_pi(void *
             const sl_map_photon *p = &photons->photon[j];
             assert_true(fabs((double)p->flux.r / (0.5 * 2.0 * angle / SL_PI) - 1) < 1e-5);
             assert_true(fabs((double)p->flux.b / (0.5 * 5.0 * angle / SL_PI) - 1) < 1e-5);
-            double b2 = sl_dotd(sl_subd(sl_to_double(p->position), sl_to_double(h->light.position)),
-                                sl_subd(sl_to_double(p->position), sl_to_double(h->light.position)));
+            double b2 = sl_dotd(sl_subd(sl_to_double(p->position), sl_to_double(h->light.source.position)),
+                                sl_subd(sl_to_double(p->position), sl_to_double(h->light.source.position)));
             assert_true(fabs((double)p->footprint / (b2 * angle) - 1) < 1e-5);
             sum += (double)p->flux.g;
         }
@@ -110,7 +111,7 @@ static void printed_areas_are_those_of_12_and_13(void **state) {
     sl_map_photons *photons = take_photons(scene, &h->map, &points);
     for (size_t j = 0; j < photons->count; j++) {
         const sl_map_photon *p = &photons->photon[j];
-        sl_vec3d way = sl_subd(sl_to_double(p->position), sl_to_double(h->light.position));
+        sl_vec3d way = sl_subd(sl_to_double(p->position), sl_to_double(h->light.source.position));
         double b = sl_lengthd(way), side = 2 * b * sl_tan(SL_PI / 4 / m); /* 90 degrees / 2m */
         assert_true(fabs((double)p->printed_area * (0.5 / b) / (side * side) - 1) < 1e-5);
         assert_true(fabs((double)p->cos_alpha - 0.5 / b) < 1e-6);
@@ -141,9 +142,10 @@ static void glossy_scenes_keep_the_flux_that_arrives_and_the_lobe(void **state) 
             assert_true(fabsf(lobe->diffuse.g - 0.5f) < 1e-6f && fabsf(lobe->specular.b - 0.25f) < 1e-6f);
             assert_true(fabsf(lobe->exponent - 7.0f) < 1e-5f);
             sl_vec3 to_light =
-                sl_normalize_or(sl_sub(h->light.position, photons->photon[j].position), sl_v3(0, 0, 0));
+                sl_normalize_or(sl_sub(h->light.source.position, photons->photon[j].position),
+                                sl_v3(0, 0, 0));
             assert_true(sl_dot(lobe->to_light, to_light) > 0.999f);
-            sl_vec3 way = sl_sub(h->light.position, photons->photon[j].position);
+            sl_vec3 way = sl_sub(h->light.source.position, photons->photon[j].position);
             double irradiance = 3.0 * (double)photons->photon[j].cos_alpha / (double)sl_dot(way, way);
             double printed = (double)photons->photon[j].radiance.g;
             if (filter == SL_MAP_FILTER_POINT) assert_true(fabs(printed / irradiance - 1) < 1e-5);

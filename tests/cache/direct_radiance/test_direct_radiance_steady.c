@@ -33,9 +33,9 @@ static sl_scene *room_with_box(void) {
 }
 
 static sl_map_light light_of_frame(int frame) {
-    return (sl_map_light){.kind = SL_SOURCE_POINT,
-                          .position = {0.1f + 0.8f * (float)frame / (FRAMES - 1), 0.3f, 0.25f},
-                          .intensity = {1, 1, 1}};
+    return (sl_map_light){.source.kind = SL_SOURCE_POINT,
+                          .source.position = {0.1f + 0.8f * (float)frame / (FRAMES - 1), 0.3f, 0.25f},
+                          .source.colour = {1, 1, 1}};
 }
 
 static sl_radiance_map_settings sampled(int w, int m, sl_map_filter filter) {

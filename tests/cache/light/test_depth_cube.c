@@ -17,22 +17,18 @@
 typedef struct {
     sl_scene *scene;
     sl_raster *raster;
-    sl_light_eye light; /* the scene's, or the middle of its lamp */
+    sl_light_source light; /* the scene's, or the middle of its lamp */
     sl_depth_cube cube;
     sl_counters counters;
 } world;
 
-static sl_light_eye eye_of(const sl_scene *s) {
-    if (s->light_count) {
-        const sl_light_source source = sl_light_source_of(&s->lights[0]);
-        return (sl_light_eye){source.kind,      source.position, source.direction,
-                              source.cos_outer, false,           {0, 0}};
-    }
+static sl_light_source eye_of(const sl_scene *s) {
+    if (s->light_count) return sl_light_source_of(&s->lights[0]);
     /* half of a parallelogram: its middle is that of the longest side */
     const sl_emitter *e = &s->emitters[0];
     const sl_vec3 a = sl_scene_position(s, s->vertex[0][e->triangle]),
                   c = sl_scene_position(s, s->vertex[2][e->triangle]);
-    return (sl_light_eye){.kind = SL_SOURCE_AREA,
+    return (sl_light_source){.kind = SL_SOURCE_AREA,
                           .position = sl_scale(sl_add(a, c), 0.5f),
                           .direction = sl_scene_geometric_normal(s, e->triangle),
                           .two_sided = e->two_sided};
@@ -83,7 +79,7 @@ static trace_mesh furnished(void) {
 /* ---- against rays ---- */
 
 /* Is the light seen from p? */
-static bool seen(const sl_tracer *tracer, sl_vec3 p, sl_vec3 n, const sl_light_eye *light, uint32_t own) {
+static bool seen(const sl_tracer *tracer, sl_vec3 p, sl_vec3 n, const sl_light_source *light, uint32_t own) {
     sl_ray16 ray = {0};
     sl_counters counters = {{0}};
     p = sl_mad(p, 1e-5f, n);
@@ -97,7 +93,7 @@ static bool seen(const sl_tracer *tracer, sl_vec3 p, sl_vec3 n, const sl_light_e
 }
 
 /* p moved within its plane by (i, k) times `step` as seen from the light. */
-static sl_vec3 beside(sl_vec3 p, sl_vec3 n, const sl_light_eye *light, int i, int k, float step) {
+static sl_vec3 beside(sl_vec3 p, sl_vec3 n, const sl_light_source *light, int i, int k, float step) {
     bool far = light->kind == SL_SOURCE_DIRECTIONAL;
     sl_vec3 d = far ? light->direction : sl_sub(p, light->position);
     float length = sl_length(d);
@@ -128,7 +124,7 @@ static void compare_with_rays(trace_mesh *mesh, sl_light light, int size, float 
     int compared = 0, dark = 0;
     for (uint64_t i = 0; i < 6000; i++) {
         uint32_t own;
-        const sl_light_eye *l = &w.light;
+        const sl_light_source *l = &w.light;
         sl_vec3 p = random_point(w.scene, i, &own), n = sl_scene_geometric_normal(w.scene, own);
         sl_vec3 to = l->kind == SL_SOURCE_DIRECTIONAL ? sl_neg(l->direction) : sl_sub(l->position, p);
         if (sl_dot(n, to) < 0.0f) n = sl_neg(n);
