@@ -188,8 +188,9 @@ static void tell_left_out(const sl_render_options *o, const sl_scene *scene) {
     enum { SAMPLES = 4 };
     const sl_light_paths paths[] = {{o->settings.method, o->settings.transport}, {"path", "full"}};
     double light[2];
-    const bool tracer = !strcmp(o->settings.method, "path") || !strcmp(o->settings.method, "bidirectional");
-    if (tracer || sl_measure_light(scene, &o->settings, paths, 2, SAMPLES, light, NULL) != SL_OK) return;
+    if (sl_is_tracer(o->settings.method) ||
+        sl_measure_light(scene, &o->settings, paths, 2, SAMPLES, light, NULL) != SL_OK)
+        return;
     const double share = light[1] > 0.0 ? 1.0 - light[0] / light[1] : 0.0;
     if (fabs(share) < 0.01) return;
     fprintf(
@@ -324,13 +325,10 @@ static sl_status move_on(const sl_render_options *o, sl_scene *scene, sl_method 
     return status == SL_OK && changes ? sl_method_edit(method, changes, error) : status;
 }
 
-static void say_that_it_stopped(const sl_render_options *o, const sl_progress *progress,
-                                unsigned long long frames) {
-    if (o->quiet) return;
-    if (!o->frames)
-        fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
-                (unsigned long long)progress->batches, 100.0 * progress->fraction, o->output);
-    else if (sl_interrupted()) fprintf(stderr, "softlux: stopped; %llu frames were begun\n", frames);
+void sl_picture_stopped(const sl_render_options *o, const sl_progress *progress) {
+    if (o->quiet || progress->done) return;
+    fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
+            (unsigned long long)progress->batches, 100.0 * progress->fraction, o->output);
 }
 
 sl_status sl_render_pictures(const sl_render_options *o, sl_scene *scene, sl_render_end *end,
@@ -350,7 +348,9 @@ sl_status sl_render_pictures(const sl_render_options *o, sl_scene *scene, sl_ren
     if (whole < frames) *end = SL_RENDER_STOPPED;
     if (o->frames) sl_progress_keep(o->quiet);
     if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
-    if (status == SL_OK && (o->frames || !progress.done)) say_that_it_stopped(o, &progress, frame);
+    if (status == SL_OK && !o->frames) sl_picture_stopped(o, &progress);
+    if (status == SL_OK && o->frames && sl_interrupted() && !o->quiet)
+        fprintf(stderr, "softlux: stopped; %llu frames were begun\n", frame);
     sl_method_destroy(method);
     return status;
 }

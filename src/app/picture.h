@@ -52,6 +52,8 @@ sl_status sl_picture_run(const sl_render_options *options, sl_method *method, sl
  * to be seen. */
 void sl_picture_warn(const sl_render_options *options, const sl_scene *scene, const sl_progress *progress,
                      const sl_image *image);
+/* Says on stderr of a picture that is not done how far it has come. */
+void sl_picture_stopped(const sl_render_options *options, const sl_progress *progress);
 /* *stops: the exposure that a PNG was given. */
 sl_status sl_picture_write(const sl_render_options *options, const sl_image *image, const char *path,
                            double *stops, sl_error *error);

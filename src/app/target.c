@@ -376,9 +376,7 @@ static void say_how_it_ended(const climb *c) {
                 : c->out_of_time ? "when time was up"
                                  : c->why,
                 o->output);
-    else if (!p->progress.done && !o->quiet && !(o->error > 0.0))
-        fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
-                (unsigned long long)p->progress.batches, 100.0 * p->progress.fraction, o->output);
+    else if (!(o->error > 0.0)) sl_picture_stopped(o, &p->progress);
 }
 
 sl_status sl_render_to_target(const sl_render_options *o, const sl_scene *scene, sl_render_end *end,

@@ -90,7 +90,7 @@ static const style curve_style = {
 
 /* Keeps of the tracers those whose own truth this is. */
 static bool belongs(const sl_curve *c, sl_bench_truth truth) {
-    if (!sl_bench_is_tracer(c->row[0]->trial) || truth == SL_BENCH_MATCHED) return true;
+    if (!sl_is_tracer(c->row[0]->trial->method) || truth == SL_BENCH_MATCHED) return true;
     return strstr(c->name, sl_bench_truth_name(truth)) != NULL;
 }
 
@@ -261,7 +261,7 @@ static const style bar_style = {".plot .in{font-size:11px}",
 
 /* Leaves out the tracers, which have one pass, and nothing to show. */
 static bool is_shown(const sl_bench_row *r) {
-    return r->end == SL_CHILD_DONE && r->look && !sl_bench_is_tracer(r->trial);
+    return r->end == SL_CHILD_DONE && r->look && !sl_is_tracer(r->trial->method);
 }
 
 static int bars_of(const sl_bench_scene *s) {

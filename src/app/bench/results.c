@@ -62,10 +62,6 @@ double sl_bench_counter(const sl_bench_row *row, sl_counter counter) {
 
 bool sl_bench_promises(const sl_bench_row *row) { return cJSON_HasObjectItem(row->result, "bound"); }
 
-bool sl_bench_is_tracer(const sl_trial *trial) {
-    return strcmp(trial->method, "path") == 0 || strcmp(trial->method, "bidirectional") == 0;
-}
-
 const char *sl_bench_end_name(sl_child_outcome end) {
     static const char *const names[] = {"ran", "failed", "crashed", "stopped", "left out"};
     return names[end];
@@ -126,7 +122,7 @@ double sl_curve_time_to(const sl_curve *c, sl_bench_truth truth, double error) {
 
 /* Tells whether the methods are measured beside it: tracers, and the photon map. */
 static bool is_peer(const sl_curve *c) {
-    return sl_bench_is_tracer(c->row[0]->trial) || strncmp(c->name, "photons", 7) == 0;
+    return sl_is_tracer(c->row[0]->trial->method) || strncmp(c->name, "photons", 7) == 0;
 }
 
 sl_lead sl_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error) {

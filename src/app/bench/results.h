@@ -91,8 +91,6 @@ double sl_bench_number(const cJSON *object, const char *name);
 double sl_bench_counter(const sl_bench_row *row, sl_counter counter);
 /* Tells whether its error was told without a reference. */
 bool sl_bench_promises(const sl_bench_row *row);
-/* Tells whether the trial is one of the reference tracers'. */
-bool sl_bench_is_tracer(const sl_trial *trial);
 const char *sl_bench_end_name(sl_child_outcome end);
 
 /* ---- curves ---- */

@@ -60,9 +60,8 @@ static sl_bench_quality quality_of(const char *name) {
  * picture does not depend on how many samples follow. */
 static bool is_looked_at(const sl_trials *all, const sl_trial *t) {
     const char *columns = t->table < 0 ? NULL : all->table[t->table].columns;
-    bool tracer = strcmp(t->method, "path") == 0 || strcmp(t->method, "bidirectional") == 0;
     if (columns) return strstr(columns, "part.") || strstr(columns, "first");
-    return t->quality != SL_BENCH_CURVE && (!tracer || t->quality == SL_BENCH_DRAFT);
+    return t->quality != SL_BENCH_CURVE && (!sl_is_tracer(t->method) || t->quality == SL_BENCH_DRAFT);
 }
 
 /* NAME = OPTIONS */

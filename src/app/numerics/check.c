@@ -51,8 +51,7 @@ static sl_status render(const checking *c, const sl_scene *scene, const char *tr
     sl_settings settings = sl_settings_of_papers();
     settings.method = transport ? "path" : c->name;
     settings.transport = transport;
-    const bool tracer = strcmp(c->name, "path") == 0 || strcmp(c->name, "bidirectional") == 0;
-    settings.spp = transport ? REFERENCE_SAMPLES : tracer ? TRACER_SAMPLES : 0;
+    settings.spp = transport ? REFERENCE_SAMPLES : sl_is_tracer(c->name) ? TRACER_SAMPLES : 0;
     settings.quality = SL_QUALITY_DRAFT;
     settings.threads = threads;
     settings.seed = seed;

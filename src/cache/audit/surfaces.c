@@ -23,7 +23,7 @@ static bool shines(const sl_scene *scene, const sl_ray16 *rays, const sl_hit16 *
     return sl_rgb_max(sl_scene_emission(scene, triangle, normal)) > 0.0f;
 }
 
-/* A filter's square at sixteen places, its corners among them. */
+/* Looks at a filter's square in sixteen places, its corners among them; a centre is one without extent. */
 static bool square_shows_light(const looking *l, int x, int y, sl_counters *counters) {
     const float r = l->walk->shape.radius;
     sl_ray16 rays;
@@ -40,31 +40,13 @@ static bool square_shows_light(const looking *l, int x, int y, sl_counters *coun
     return false;
 }
 
-static void look_at_centres(const looking *l, int first, unsigned count, int y, float *out,
-                            sl_counters *counters) {
-    sl_ray16 rays;
-    sl_hit16 hits;
-    for (unsigned i = 0; i < count; i++)
-        sl_path_lens_ray(l->walk->scene, l->lens,
-                         (sl_path_place){(float)(first + (int)i) + 0.5f, (float)y + 0.5f}, &rays, i);
-    sl_trace(l->walk->tracer, &rays, count, true, &hits, counters);
-    for (unsigned i = 0; i < count; i++)
-        out[first + (int)i] = shines(l->walk->scene, &rays, &hits, i) ? 0.0f : 1.0f;
-}
-
 static void look_at_row(void *context, size_t row, unsigned worker) {
     const looking *l = context;
     sl_counters counters = {{0}};
-    int width = l->lens->width, y = (int)row;
-    float *out = l->surfaces->planes + row * (size_t)width;
+    float *out = l->surfaces->planes + row * (size_t)l->lens->width;
     (void)worker;
-    for (int x = 0; x < width; x += SL_PACKET) {
-        unsigned count = width - x < SL_PACKET ? (unsigned)(width - x) : SL_PACKET;
-        if (l->walk->transport.filter == SL_FILTER_CENTRE) look_at_centres(l, x, count, y, out, &counters);
-        else
-            for (int k = x; k < x + (int)count; k++)
-                out[k] = square_shows_light(l, k, y, &counters) ? 0.0f : 1.0f;
-    }
+    for (int x = 0; x < l->lens->width; x++)
+        out[x] = square_shows_light(l, x, (int)row, &counters) ? 0.0f : 1.0f;
 }
 
 sl_status sl_audit_surfaces(const sl_path_walk *walk, const sl_path_lens *lens, unsigned threads,

@@ -152,11 +152,12 @@ void sl_settings_complete(sl_settings *s) {
 
 /* ---- what is allowed ---- */
 
-/* Pixels a side: what is rasterized is snapped to 1/256 pixel, in 22 bits. */
-static int largest_side(const sl_settings *s) {
-    const bool by_rays_alone = strcmp(s->method, "path") == 0 || strcmp(s->method, "bidirectional") == 0;
-    return by_rays_alone ? 32768 : 16384;
+bool sl_is_tracer(const char *method) {
+    return strcmp(method, "path") == 0 || strcmp(method, "bidirectional") == 0;
 }
+
+/* Pixels a side: what is rasterized is snapped to 1/256 pixel, in 22 bits. */
+static int largest_side(const sl_settings *s) { return sl_is_tracer(s->method) ? 32768 : 16384; }
 
 static double choices_of(const row *r) {
     double count = 1.0;

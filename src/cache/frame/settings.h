@@ -54,6 +54,9 @@ sl_status sl_settings_stamp(const sl_settings *settings, sl_image *image, sl_err
 /* The option of that whole name, or else with that last part; NULL where there is none. */
 const sl_setting *sl_setting_named(const char *name);
 
+/* Tells whether the method is one of the reference tracers. */
+bool sl_is_tracer(const char *method);
+
 /* Returns how far the pixel filter reaches that is asked for, where that is a matter of choice. */
 static inline double sl_filter_radius(const sl_settings *settings) {
     if (settings->filter != SL_FILTER_BLACKMAN_HARRIS) return 0.0;
