@@ -2,7 +2,7 @@
 #include "app/auto_method.h"
 #include "app/clock.h"
 #include "app/commands.h"
-#include "app/live/film.h"
+#include "app/live/output.h"
 #include "app/live/report.h"
 #include "app/memory_limit.h"
 #include "app/options.h"
@@ -64,7 +64,7 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
 typedef struct show {
     const show_options *o;
     sl_live *live;
-    sl_film film;
+    sl_show_files files;
     sl_tone tone;
     double begin;
     uint64_t slot;
@@ -121,7 +121,7 @@ static sl_status one_frame(show *s, sl_error *error) {
     sl_status status = sl_live_move(s->live, s->o->at + elapsed, error);
     if (status == SL_OK) status = draw(s, &frame, error);
     return status == SL_OK
-               ? sl_film_write(&s->film, frame, &s->tone, s->report.last.versions > 0, steps, error)
+               ? sl_show_files_write(&s->files, frame, &s->tone, s->report.last.versions > 0, steps, error)
                : status;
 }
 
@@ -165,9 +165,9 @@ static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *er
                                 .stages = &stages};
     sl_status status = sl_scene_set_time(scene, o->at, NULL, error);
     if (status == SL_OK)
-        status = sl_film_open(&s.film, o->output, width, height, o->frames_per_second, error);
+        status = sl_show_files_open(&s.files, o->output, width, height, o->frames_per_second, error);
     if (status == SL_OK) status = play(&s, scene, &stages, error);
-    sl_status closed = sl_film_close(&s.film, status == SL_OK, error);
+    sl_status closed = sl_show_files_close(&s.files, status == SL_OK, error);
     if (status == SL_OK) status = closed;
     if (status == SL_OK && o->json) sl_show_report_json(&s.report);
     else if (status == SL_OK && !o->quiet) sl_show_report_print(&s.report);
@@ -180,7 +180,7 @@ int sl_command_live(int argc, char **argv) {
     if (!parse(argc, argv, &o, &exit_status)) return exit_status;
     sl_error error;
     sl_scene *scene = NULL;
-    sl_status status = sl_film_check(o.output, o.frames_per_second, &error);
+    sl_status status = sl_show_files_check(o.output, o.frames_per_second, &error);
     if (status == SL_OK && o.json && o.output && strcmp(o.output, "-") == 0)
         status = sl_fail(&error, SL_ERROR_USAGE, "--json and --output -: both would go to standard output");
     if (status == SL_OK)
