@@ -30,6 +30,24 @@ void sl_explanation_add(sl_explanation_writer *writer, const sl_explanation_term
     explanation->terms[explanation->count++] = *term;
 }
 
+void sl_explanation_add_light(sl_explanation_writer *writer, const char *layer, const char *kind,
+                              uint64_t index, const sl_vec3 *position, double weight, const float value[3],
+                              const double factor[3]) {
+    sl_explanation_term term = {.layer = layer, .kind = kind, .index = index, .weight = weight};
+    bool any = false;
+    if (position) {
+        const float at[3] = {position->x, position->y, position->z};
+        term.placed = true;
+        memcpy(term.position, at, sizeof at);
+    }
+    for (int c = 0; c < 3; c++) {
+        term.value[c] = value[c];
+        term.contribution[c] = weight * (double)value[c] * factor[c];
+        any = any || term.contribution[c] != 0.0;
+    }
+    if (any) sl_explanation_add(writer, &term);
+}
+
 static const char *const colours[3] = {"R", "G", "B"};
 
 /* The three values of a layer at the pixel, or of the picture where layer is NULL; 0 where there is no such

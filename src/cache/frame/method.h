@@ -26,6 +26,11 @@ __attribute__((format(printf, 3, 4))) sl_status sl_warn(sl_image *image, sl_erro
 typedef struct sl_explanation_writer sl_explanation_writer;
 /* One more term; failures of memory are noticed at the end. */
 void sl_explanation_add(sl_explanation_writer *writer, const sl_explanation_term *term);
+/* Adds weight times value times factor of what lies at a position (NULL: nowhere); nothing where that is
+ * black. */
+void sl_explanation_add_light(sl_explanation_writer *writer, const char *layer, const char *kind,
+                              uint64_t index, const sl_vec3 *position, double weight, const float value[3],
+                              const double factor[3]);
 /* Adds what a layer of the picture ("direct") has at this pixel as one term: for light that no cache holds.
  * Nothing where there is no such layer or it is black there. */
 void sl_explanation_add_layer(sl_explanation_writer *writer, const char *layer, const char *kind);

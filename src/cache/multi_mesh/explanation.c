@@ -13,7 +13,7 @@ static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel
                        size_t *at) {
     const sl_visible_pixels *p = d->pixels;
     if (id[pixel] == SL_NO_INDEX) return false;
-    *face = sl_face_seen(d->mesh->primitives->scene, id[pixel], p->view.origin);
+    *face = sl_root_seen(d->mesh->primitives, d->mesh->primitives->scene, id[pixel], p->view.origin);
     uint32_t entry = p->entry_of_face[*face];
     if (!sl_displayed_wants(d, entry)) return false;
     for (*at = p->face[entry].first; p->pixel[*at] != pixel;) ++*at;
@@ -21,7 +21,7 @@ static bool find_pixel(const sl_displayed *d, const uint32_t *id, uint32_t pixel
 }
 
 /* The mean of the known corners stands in for one that is of no use. */
-static sl_vertex_shares known_shares(const sl_patches *mesh, const sl_mesh_fan *fan, float a, float b) {
+static sl_vertex_shares known_shares(const sl_patches *mesh, const sl_mesh_fan *fan, double a, double b) {
     static const uint32_t corner[3] = {0, 1, 2};
     sl_vertex_shares all = sl_leaf_shares(3, corner, fan->count, fan->spoke, a, b), shares = {.count = 0};
     bool known[3];
@@ -52,61 +52,40 @@ static const char *const kinds[SL_COMPONENTS] = {
     "vertex of the indirect mesh: irradiance"};
 
 /* Gives the factor by which the merge multiplies a mesh's value. */
-static void reflectance_of(const telling *t, sl_component part, float reflectance[3]) {
+static void reflectance_of(const telling *t, sl_component part, double reflectance[3]) {
     const sl_materials_seen *m = t->s->materials;
     float scale = part == SL_INDIRECT ? (float)(1.0 / SL_PI) : 1.0f;
     for (int k = 0; k < 3; k++) {
         const float *plane = part == SL_DIRECT_SPECULAR ? m->specular[k] : m->diffuse[k];
-        reflectance[k] = plane ? plane[t->pixel] * scale : 0.0f;
+        reflectance[k] = plane ? (double)(plane[t->pixel] * scale) : 0.0;
     }
-}
-
-static void tell_vertex(const telling *t, sl_component part, uint32_t vertex, double weight,
-                        const float reflectance[3]) {
-    const sl_patches *mesh = t->s->part[part]->mesh;
-    sl_explanation_term term = {
-        .layer = layers[part], .kind = kinds[part], .index = vertex, .placed = true, .weight = weight};
-    sl_vec3 position = sl_vertex_position(mesh, vertex);
-    term.position[0] = position.x;
-    term.position[1] = position.y;
-    term.position[2] = position.z;
-    for (int k = 0; k < 3; k++) {
-        term.value[k] = sl_vertex_value(mesh, vertex)[k];
-        term.contribution[k] = weight * (double)term.value[k] * (double)reflectance[k];
-    }
-    sl_explanation_add(t->writer, &term);
-}
-
-/* Light that is assumed until there is a mesh of it. */
-static void tell_ambient(const telling *t, const float reflectance[3]) {
-    const float value[3] = {t->s->ambient.r, t->s->ambient.g, t->s->ambient.b};
-    sl_explanation_term term = {
-        .layer = "indirect", .kind = "constant, before the coarse mesh is whole: irradiance", .weight = 1.0};
-    for (int k = 0; k < 3; k++) {
-        term.value[k] = value[k];
-        term.contribution[k] = (double)value[k] * (double)reflectance[k];
-    }
-    sl_explanation_add(t->writer, &term);
 }
 
 static void tell_part(const telling *t, sl_component part) {
     const sl_displayed *d = t->s->part[part];
     uint32_t face;
     size_t at;
-    float reflectance[3];
+    double reflectance[3];
     if (!d || !d->pixels || !find_pixel(d, t->s->id, t->pixel, &face, &at)) return;
     reflectance_of(t, part, reflectance);
     float w1 = d->pixels->w1[at], w2 = d->pixels->w2[at];
     sl_patch_place place = sl_mesh_locate(d->mesh, face, w1, w2);
     sl_mesh_fan fan;
     if (!sl_mesh_fan_shown(d->mesh, &place, d->settings.hanging, &fan)) {
-        if (part == SL_INDIRECT) tell_ambient(t, reflectance);
+        const float value[3] = {t->s->ambient.r, t->s->ambient.g, t->s->ambient.b};
+        if (part == SL_INDIRECT)
+            sl_explanation_add_light(t->writer, layers[part],
+                                     "constant, before the coarse mesh is whole: irradiance", 0, NULL, 1.0,
+                                     value, reflectance);
         return;
     }
     sl_mesh_weights_within(&place, w1, w2, &w1, &w2);
-    sl_vertex_shares all = known_shares(d->mesh, &fan, w1, w2);
-    for (size_t i = 0; i < all.count; i++)
-        if (all.weight[i] != 0.0) tell_vertex(t, part, all.vertex[i], all.weight[i], reflectance);
+    sl_vertex_shares all = known_shares(d->mesh, &fan, (double)w1, (double)w2);
+    for (size_t i = 0; i < all.count; i++) {
+        sl_vec3 position = sl_vertex_position(d->mesh, all.vertex[i]);
+        sl_explanation_add_light(t->writer, layers[part], kinds[part], all.vertex[i], &position,
+                                 all.weight[i], sl_vertex_value(d->mesh, all.vertex[i]), reflectance);
+    }
 }
 
 sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_writer *writer,

@@ -32,8 +32,8 @@ static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
     s->materials = NULL;
     sl_status status = sl_raster_id(s->raster, &view, threads, &target, &s->counters, error);
     if (status == SL_OK)
-        status = sl_visible_pixels_sort(s->scene, s->raster, &view, s->id, threads, &s->visible, &s->counters,
-                                        error);
+        status = sl_visible_pixels_sort(s->primitives, s->raster, &view, s->id, threads, &s->visible,
+                                        &s->counters, error);
     sl_announce_ids(&s->announcer, "identifiers, visible sizes", "image pass 1", s->settings.width,
                     s->settings.height, s->id);
     if (status == SL_OK) status = sl_multi_mesh_see_materials(s, &view, error);
@@ -55,7 +55,8 @@ static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint
     if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(s->lights, share); /* equation (4) */
     sl_mesh_point point = sl_mesh_point_of(s->part[part]->mesh, vertex);
     float exponent = sl_face_material(s->scene, point.face)->exponent;
-    return sl_direct_specular(s->lights, share, &point.lit, exponent, s->scene->camera.eye); /* equation (6) */
+    /* equation (6) */
+    return sl_direct_specular(s->lights, share, &point.lit, exponent, s->scene->camera.eye);
 }
 
 static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t count,

@@ -12,8 +12,8 @@
  *
  * Faces, their shared corners and the quadtrees on them are those of cache/patches, and so are visible sizes
  * (image pass 1, display/pixels.c) and a mesh for each light, refined only where radiance asks for it
- * (irradiance.c); gathers are those of cache/hemisphere; single lights are sampled in cache/light. Here are the
- * method's state, and the functions of its parts. */
+ * (irradiance.c); gathers are those of cache/hemisphere; single lights are sampled in cache/light. Here are
+ * the method's state, and the functions of its parts. */
 #ifndef SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 #define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 

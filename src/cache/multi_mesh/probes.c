@@ -39,8 +39,8 @@ static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
 static sl_rgb value_of_light(const probed_leaf *leaf, size_t light, float share, const sl_mesh_point *point) {
     const sl_sampled_lights one = {.count = 1, .light = &leaf->s->lights->light[light]};
     if (leaf->part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(&one, &share);
-    return sl_direct_specular(&one, &share, &point->lit, sl_face_material(leaf->s->scene, point->face)->exponent,
-                              leaf->s->scene->camera.eye);
+    float exponent = sl_face_material(leaf->s->scene, point->face)->exponent;
+    return sl_direct_specular(&one, &share, &point->lit, exponent, leaf->s->scene->camera.eye);
 }
 
 /* Tells whether an eye could tell the mesh's value at a point from that. */

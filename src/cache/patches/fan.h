@@ -72,6 +72,6 @@ void sl_share_add(sl_vertex_shares *shares, uint32_t vertex, double weight);
 /* Returns those at a place (a, b) of a leaf, as sl_fan_place_of() has it; count 0: there are no spokes, and
  * the leaf is linear or bilinear. */
 sl_vertex_shares sl_leaf_shares(int corners, const uint32_t *corner, size_t count, const sl_fan_spoke *spoke,
-                                float a, float b);
+                                double a, double b);
 
 #endif

@@ -82,7 +82,7 @@ void sl_mesh_weights_within(const sl_patch_place *place, float w1, float w2, flo
 
 /* Where a vertex lies in the world: what samplers need. */
 typedef struct sl_mesh_point {
-    sl_lit_point lit;          /* geometric normal: the face's for vertices inside one, else the shading one */
+    sl_lit_point lit;          /* its geometric normal is the shading one where several faces meet */
     uint32_t face;             /* one of those that share it: the lowest */
 } sl_mesh_point;
 sl_mesh_point sl_mesh_point_at(const sl_primitives *primitives, sl_root_place place);

@@ -59,19 +59,30 @@ void sl_share_add(sl_vertex_shares *s, uint32_t vertex, double weight) {
     s->weight[at] += weight;
 }
 
+static double between_0_and_1(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0; }
+
+/* Barycentric, and bilinear. */
+static void corner_weights(bool triangle, double a, double b, double weight[4]) {
+    a = between_0_and_1(a);
+    b = between_0_and_1(b);
+    double sum = triangle && a + b > 1.0 ? a + b : 1.0, x = a / sum, y = b / sum;
+    weight[0] = triangle ? between_0_and_1(1.0 - x - y) : (1.0 - x) * (1.0 - y);
+    weight[1] = triangle ? x : x * (1.0 - y);
+    weight[2] = triangle ? y : x * y;
+    weight[3] = (1.0 - x) * y;
+}
+
 /* Of a fan: from the centre, the mean of the corners, to a piece of an edge. */
 sl_vertex_shares sl_leaf_shares(int corners, const uint32_t *corner, size_t count, const sl_fan_spoke *spoke,
-                                float a, float b) {
+                                double a, double b) {
     sl_vertex_shares s = {.count = 0};
-    bool triangle = corners == 3;
-    double x = (double)a, y = (double)b;
     if (count == 0) {
-        const double linear[4] = {1.0 - x - y, x, y, 0.0},
-                     bilinear[4] = {(1.0 - x) * (1.0 - y), x * (1.0 - y), x * y, (1.0 - x) * y};
-        for (int c = 0; c < corners; c++) sl_share_add(&s, corner[c], (triangle ? linear : bilinear)[c]);
+        double weight[4];
+        corner_weights(corners == 3, a, b, weight);
+        for (int c = 0; c < corners; c++) sl_share_add(&s, corner[c], weight[c]);
         return s;
     }
-    sl_fan_place place = sl_fan_place_of(triangle, a, b);
+    sl_fan_place place = sl_fan_place_of(corners == 3, (float)a, (float)b);
     uint32_t end[2];
     double along = (double)sl_fan_piece(corners, corner, count, spoke, &place, end), out = (double)place.out;
     for (int c = 0; c < corners; c++) sl_share_add(&s, corner[c], (1.0 - out) / corners);

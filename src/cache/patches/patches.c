@@ -352,27 +352,6 @@ static bool all_evaluated(const sl_patches *p, uint32_t patch) {
     return true;
 }
 
-static double between_0_and_1(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0; }
-
-static void corner_weights(const sl_patch_place *place, double u, double v, double weight[4]) {
-    double a, b;
-    sl_patch_local(place, u, v, &a, &b);
-    a = between_0_and_1(a);
-    b = between_0_and_1(b);
-    if (place->corners == 3) {
-        double sum = a + b > 1.0 ? a + b : 1.0;
-        weight[1] = a / sum;
-        weight[2] = b / sum;
-        weight[0] = between_0_and_1(1.0 - weight[1] - weight[2]);
-        weight[3] = 0.0;
-    } else {
-        weight[0] = (1.0 - a) * (1.0 - b);
-        weight[1] = a * (1.0 - b);
-        weight[2] = a * b;
-        weight[3] = (1.0 - a) * b;
-    }
-}
-
 bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, double v, float *value) {
     sl_patch_place place = *leaf;
     if (place.patch == SL_NO_INDEX) return false;
@@ -381,12 +360,22 @@ bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, d
         if (parent == SL_NO_INDEX) return false;
         place = sl_patch_place_of(p, parent);
     }
-    double weight[4], sum[6] = {0, 0, 0, 0, 0, 0};
-    corner_weights(&place, scaled(u), scaled(v), weight);
-    for (int c = 0; c < place.corners; c++) {
-        const float *of = sl_vertex_value(p, sl_patch_corner(p, place.patch, c));
-        for (int i = 0; i < p->settings.channels; i++) sum[i] += weight[c] * (double)of[i];
+    uint32_t corner[4];
+    double a, b, sum[6] = {0, 0, 0, 0, 0, 0};
+    for (int c = 0; c < place.corners; c++) corner[c] = sl_patch_corner(p, place.patch, c);
+    sl_patch_local(&place, scaled(u), scaled(v), &a, &b);
+    sl_vertex_shares shares = sl_leaf_shares(place.corners, corner, 0, NULL, a, b);
+    for (size_t k = 0; k < shares.count; k++) {
+        const float *of = sl_vertex_value(p, shares.vertex[k]);
+        for (int i = 0; i < p->settings.channels; i++) sum[i] += shares.weight[k] * (double)of[i];
     }
     for (int i = 0; i < p->settings.channels; i++) value[i] = (float)sum[i];
     return true;
+}
+
+bool sl_vertex_surroundings(const sl_patches *p, uint32_t vertex, float *value) {
+    const sl_patch_vertex *v = &p->vertex[vertex];
+    double a = (double)v->u / SL_PATCH_DYADIC, b = (double)v->v / SL_PATCH_DYADIC;
+    sl_patch_place leaf = sl_patch_locate(p, v->root, a, b);
+    return sl_patch_value(p, &leaf, a, b, value);
 }

@@ -155,6 +155,15 @@ void sl_root_parameters(const sl_primitives *p, uint32_t triangle, float w1, flo
     *v = clamped(*v);
 }
 
+void sl_root_corner_parameters(const sl_primitives *p, uint32_t triangle, float uv[6]) {
+    for (int c = 0; c < 3; c++) {
+        double u, v;
+        sl_root_parameters(p, triangle, c == 1 ? 1.0f : 0.0f, c == 2 ? 1.0f : 0.0f, &u, &v);
+        uv[2 * c] = (float)u;
+        uv[2 * c + 1] = (float)v;
+    }
+}
+
 /* ---- points ---------------------------------------------------------------------------------- */
 
 static sl_vec3 weighted(sl_vec3 a, sl_vec3 b, sl_vec3 c, float w1, float w2) {

@@ -70,6 +70,8 @@ uint32_t sl_root_triangle_at(const sl_primitives *primitives, uint32_t root, dou
 /* Gives, the other way, (u, v) in [0,1] of a point of a scene triangle. */
 void sl_root_parameters(const sl_primitives *primitives, uint32_t triangle, float w1, float w2, double *u,
                         double *v);
+/* Gives those of a triangle's corners. */
+void sl_root_corner_parameters(const sl_primitives *primitives, uint32_t triangle, float uv[6]);
 static inline const sl_material *sl_root_material(const sl_primitives *p, uint32_t root) {
     return &p->scene->materials[p->scene->material_index[p->first_triangle[root / 2]]];
 }
@@ -88,10 +90,13 @@ static inline sl_vec3 sl_face_normal(const sl_scene *scene, uint32_t face) {
     sl_vec3 n = sl_scene_geometric_normal(scene, face / 2);
     return face & 1u ? sl_neg(n) : n;
 }
-/* Returns the face of a triangle that an eye sees. */
-static inline uint32_t sl_face_seen(const sl_scene *scene, uint32_t triangle, sl_vec3 eye) {
+/* Returns the root of which an eye sees a plane triangle; of the scene that the primitives were found in, or
+ * of a copy of it. */
+static inline uint32_t sl_root_seen(const sl_primitives *p, const sl_scene *scene, uint32_t triangle,
+                                    sl_vec3 eye) {
     sl_vec3 to_eye = sl_sub(eye, sl_scene_position(scene, scene->vertex[0][triangle]));
-    return 2 * triangle + (sl_side_seen(sl_scene_geometric_normal(scene, triangle), to_eye) < 0.0f);
+    return 2 * p->of_triangle[triangle] +
+           (sl_side_seen(sl_scene_geometric_normal(scene, triangle), to_eye) < 0.0f);
 }
 /* Tells whether a triangle has no area to speak of (below 1e-12 of the scene's scale squared; NaN has none):
  * it receives nothing, and hides light all the same. */

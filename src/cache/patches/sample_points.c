@@ -1,5 +1,5 @@
-/* Where a vertex is sampled: a little beside where it lies, since that is on edges, where other surfaces begin,
- * and may be inside other geometry. */
+/* Where a vertex is sampled: a little beside where it lies, since that is on edges, where other surfaces
+ * begin, and may be inside other geometry. */
 #include <math.h>
 
 #include "base/math.h"

@@ -73,13 +73,6 @@ void sl_changes_drop(sl_changes *changes, sl_patches *patches, const sl_view *vi
 /* Less than what a display of 255 levels can show. */
 static const float least_left = 1e-3f;
 
-bool sl_fade_from(const sl_patches *p, uint32_t vertex, float value[6]) {
-    const sl_patch_vertex *v = &p->vertex[vertex];
-    double a = (double)v->u / SL_PATCH_DYADIC, b = (double)v->v / SL_PATCH_DYADIC;
-    sl_patch_place leaf = sl_patch_locate(p, v->root, a, b);
-    return sl_patch_value(p, &leaf, a, b, value);
-}
-
 static void move_towards(sl_patches *p, const sl_fade *fade, float share) {
     float *value = sl_vertex_value(p, fade->vertex);
     for (int c = 0; c < p->settings.channels; c++) value[c] += share * (fade->value[c] - value[c]);

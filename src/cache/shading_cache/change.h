@@ -63,10 +63,8 @@ typedef struct sl_fades {
     size_t count, capacity;
 } sl_fades;
 
-/* Tells what the patches show at a vertex between others; false: nothing around it has been evaluated. */
-bool sl_fade_from(const sl_patches *patches, uint32_t vertex, float value[6]);
-/* The vertex has its value; from now on it shows what lies between `from` and that. Without memory it shows
- * its value. */
+/* The vertex has its value; from now on it shows what lies between `from` (sl_vertex_surroundings()) and
+ * that. Without memory it shows its value. */
 void sl_fade_begin(sl_fades *fades, sl_patches *patches, uint32_t vertex, const float from[6], float beta);
 /* Once an update, before new ones begin. */
 void sl_fades_go_on(sl_fades *fades, sl_patches *patches, float beta);

@@ -12,57 +12,38 @@ static sl_vertex_shares shares_of(const sl_display_copy *copy, const sl_leaf *le
     uint32_t corner[4];
     sl_leaf_corners(copy, leaf, corner);
     return sl_leaf_shares(leaf->triangle ? 3 : 4, corner, fan ? fan->vertex : 0, fan ? fan + 1 : NULL,
-                          leaf->a, leaf->b);
+                          (double)leaf->a, (double)leaf->b);
 }
 
 /* ---- terms ---- */
 
-static void put_colour(float out[3], sl_rgb in) { out[0] = in.r, out[1] = in.g, out[2] = in.b; }
 static void put_place(float out[3], sl_vec3 in) { out[0] = in.x, out[1] = in.y, out[2] = in.z; }
-
-/* value times factor; nothing where that is black. */
-static void add_term(sl_explanation_writer *writer, sl_explanation_term *term, const float value[3],
-                     const double factor[3]) {
-    bool any = false;
-    for (int c = 0; c < 3; c++) {
-        term->value[c] = value[c];
-        term->contribution[c] = factor[c] * (double)value[c];
-        any = any || term->contribution[c] != 0.0;
-    }
-    if (any) sl_explanation_add(writer, term);
-}
 
 static void tell_colour(sl_explanation_writer *writer, const char *layer, const char *kind, sl_rgb colour,
                         const double factor[3]) {
-    float value[3];
-    sl_explanation_term term = {.layer = layer, .kind = kind, .weight = 1.0};
-    put_colour(value, colour);
-    add_term(writer, &term, value, factor);
+    const float value[3] = {colour.r, colour.g, colour.b};
+    sl_explanation_add_light(writer, layer, kind, 0, NULL, 1.0, value, factor);
 }
+
+static const double whole[3] = {1.0, 1.0, 1.0};
 
 static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint32_t vertex, double weight,
                         const double reflectance[3], sl_explanation_writer *writer) {
     float value[6] = {0};
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
-    bool sampled = v->evaluated != SL_VERTEX_NEVER;
-    sl_display_value(p->copy, p->lobe ? 2 : 1, vertex, value);
-    const char *kind = !sampled      ? "vertex between others, without samples yet"
+    const char *kind = v->evaluated == SL_VERTEX_NEVER ? "vertex between others, without samples yet"
                        : v->extrapolated ? "vertex inside something, with light from around it"
-                                     : "vertex with samples";
-    sl_explanation_term term = {
-        .layer = "irradiance", .kind = kind, .index = vertex, .placed = true, .weight = weight};
-    put_place(term.position, sl_vertex_position(s->patches, vertex));
-    const double diffuse[3] = {weight * reflectance[0], weight * reflectance[1], weight * reflectance[2]},
-                 lobe[3] = {weight, weight, weight};
-    add_term(writer, &term, value, diffuse);
-    term.layer = "radiance";
-    if (p->lobe) add_term(writer, &term, value + 3, lobe);
+                                         : "vertex with samples";
+    sl_vec3 at = sl_vertex_position(s->patches, vertex);
+    sl_display_value(p->copy, p->lobe ? 2 : 1, vertex, value);
+    sl_explanation_add_light(writer, "irradiance", kind, vertex, &at, weight, value, reflectance);
+    if (p->lobe) sl_explanation_add_light(writer, "radiance", kind, vertex, &at, weight, value + 3, whole);
 }
 
 sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
     (void)error;
     const sl_shading_state *s = state;
-    const double whole[3] = {1.0, 1.0, 1.0}, per_pi = (double)(float)(1.0 / SL_PI);
+    const double per_pi = (double)(float)(1.0 / SL_PI);
     sl_shown_pixel p;
     sl_display_pixel(s->display, (size_t)y * (size_t)s->settings.width + (size_t)x, &p);
     tell_colour(writer, "emission", p.root == SL_NO_INDEX ? "environment" : "emitted light", p.emission,
@@ -75,9 +56,8 @@ sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_write
         return SL_OK;
     }
     sl_vertex_shares all = shares_of(p.copy, &p.leaf);
-    for (size_t k = 0; k < all.count; k++) {
-        if (all.weight[k] != 0.0) tell_vertex(s, &p, all.vertex[k], all.weight[k], reflectance, writer);
-    }
+    for (size_t k = 0; k < all.count; k++)
+        tell_vertex(s, &p, all.vertex[k], all.weight[k], reflectance, writer);
     return SL_OK;
 }
 

@@ -31,8 +31,9 @@ static void request_one(void *context, size_t i, unsigned worker, void *result, 
     sl_shading_state *s = context;
     bool moved;
     make_request(s, s->vertex[i], &s->request[i]);
-    s->sample[i] = (sl_sample){.valid = sl_leave_solid(s->patches, s->tracer, &s->scene->camera.eye, s->vertex[i],
-                                                       &s->request[i].point, &moved, counters)};
+    s->sample[i] =
+        (sl_sample){.valid = sl_leave_solid(s->patches, s->tracer, &s->scene->camera.eye, s->vertex[i],
+                                            &s->request[i].point, &moved, counters)};
 }
 
 static void add_sample(sl_sample *sum, const sl_sample *part) {
@@ -153,7 +154,7 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
     v->extrapolated = 0;
     v->is_dense = v->dense;
     float share = share_of(request), from[6];
-    bool fades = is_to_fade(s, vertex, object) && sl_fade_from(s->patches, vertex, from);
+    bool fades = is_to_fade(s, vertex, object) && sl_vertex_surroundings(s->patches, vertex, from);
     blend(s->patches, vertex, sample, share);
     if (s->patches->sets) {
         sl_vertex_sets *sets = &s->patches->sets[vertex];

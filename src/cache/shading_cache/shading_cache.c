@@ -257,7 +257,8 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     status = select_pixels(s, &choices, error);
     if (status == SL_OK) status = evaluate_or_split(s, choices, &vertices, error);
     if (status != SL_OK) return status;
-    sl_shading_sample(s, vertices); /* sample renderer: E of diffuse surfaces, L_o towards the eye of others */
+    /* sample renderer: E of diffuse surfaces, L_o towards the eye of others */
+    sl_shading_sample(s, vertices);
     status = move_and_age(s, vertices, error);
     if (status == SL_OK) status = build_display_arrays(s, error);
     s->done = s->now >= s->last_update || sl_shading_nothing_is_left(s);

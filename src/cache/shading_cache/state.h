@@ -77,8 +77,8 @@ void sl_shading_leave_out_finished(sl_shading_state *s);
 void sl_shading_note_idle(sl_shading_state *s, size_t choices);
 bool sl_shading_nothing_is_left(const sl_shading_state *s);
 
-/* samples.c. The samples of s->vertex[0 .. count), into s->sample: the sample renderer is asked for E of diffuse
- * surfaces, and for L_o towards the eye of others. */
+/* samples.c. The samples of s->vertex[0 .. count), into s->sample: the sample renderer is asked for E of
+ * diffuse surfaces, and for L_o towards the eye of others. */
 void sl_shading_sample(sl_shading_state *s, size_t count);
 void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request,
                               const sl_sample *sample);

@@ -37,15 +37,10 @@ static void reflected_at(const sl_record_cache *cache, size_t index, size_t i, f
 static void tell(const char *layer, const char *kind, const sl_record_cache *cache, size_t index,
                  float weight, float total, const float says[3], sl_rgb reflectance,
                  sl_explanation_writer *writer) {
-    const float reflected[3] = {reflectance.r, reflectance.g, reflectance.b};
-    sl_explanation_term term = {
-        .layer = layer, .kind = kind, .index = index, .placed = true, .weight = (double)weight};
-    put_place(term.position, cache->list.records[index].position);
-    for (int c = 0; c < 3; c++) {
-        term.value[c] = says[c];
-        term.contribution[c] = (double)weight * (double)says[c] / (double)total * (double)reflected[c];
-    }
-    sl_explanation_add(writer, &term);
+    const double all = (double)total, factor[3] = {(double)reflectance.r / all, (double)reflectance.g / all,
+                                                   (double)reflectance.b / all};
+    sl_explanation_add_light(writer, layer, kind, index, &cache->list.records[index].position, (double)weight,
+                             says, factor);
 }
 
 /* Albedo / pi, and ks: a lobe of finite order rings below 0, where the picture is black. */

@@ -115,7 +115,7 @@ static inline void rig_look(rig *r, const sl_camera *camera, unsigned threads) {
     assert_int_equal(sl_raster_id(r->raster, &view, 1, &target, &r->counters, NULL), SL_OK);
     sl_visible_pixels *old = r->pixels;
     assert_int_equal(
-        sl_visible_pixels_sort(r->scene, r->raster, &view, r->id, threads, &r->pixels, &r->counters, NULL),
+        sl_visible_pixels_sort(r->primitives, r->raster, &view, r->id, threads, &r->pixels, &r->counters, NULL),
         SL_OK);
     assert_int_equal(sl_displayed_see(r->mesh, r->pixels, want_all, NULL, NULL), SL_OK);
     sl_visible_pixels_destroy(old);

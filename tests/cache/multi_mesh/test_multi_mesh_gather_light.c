@@ -85,7 +85,8 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
     float t = (float)sl_tan(80.0 / 180.0 * SL_PI);
     sl_frame frame = sl_known_colours_frame(p.lit.normal);
     float offset = 1e-5f * g.scene->scale;
-    sl_view view = sl_view_pyramid(&frame, sl_mad(p.lit.position, offset, p.lit.geometric_normal), -t, t, -t, t, n, n,
+    sl_vec3 eye = sl_mad(p.lit.position, offset, p.lit.geometric_normal);
+    sl_view view = sl_view_pyramid(&frame, eye, -t, t, -t, t, n, n,
                                    1e-3f * offset);
     uint32_t *id = malloc(sizeof *id * 128 * 128), *pixel = malloc(sizeof *pixel * 128 * 128);
     float *w1 = malloc(sizeof *w1 * 128 * 128), *w2 = malloc(sizeof *w2 * 128 * 128);

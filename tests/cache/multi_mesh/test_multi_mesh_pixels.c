@@ -3,16 +3,6 @@
 
 #include "trace_scenes.h"
 
-static void look(const sl_scene *scene, const sl_raster *raster, unsigned threads, int width, int height,
-                 uint32_t *id, sl_visible_pixels **pixels) {
-    sl_view view = sl_view_scene(scene, width, height);
-    sl_target target = {width, height, id, NULL};
-    sl_counters counters = {{0}};
-    assert_int_equal(sl_raster_id(raster, &view, 1, &target, &counters, NULL), SL_OK);
-    assert_int_equal(sl_visible_pixels_sort(scene, raster, &view, id, threads, pixels, &counters, NULL),
-                     SL_OK);
-}
-
 enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
 
 static sl_scene *room(void) {
@@ -25,10 +15,16 @@ static void every_pixel_that_shows_something_is_listed_once_under_its_face(void 
     (void)state;
     sl_scene *scene = room();
     sl_raster *raster = raster_of(scene);
+    sl_primitives *primitives;
+    sl_view view = sl_view_scene(scene, WIDTH, HEIGHT);
+    sl_counters counters = {{0}};
     uint32_t id[PIXELS];
     uint8_t listed[PIXELS] = {0};
     sl_visible_pixels *v;
-    look(scene, raster, 1, WIDTH, HEIGHT, id, &v);
+    sl_target target = {WIDTH, HEIGHT, id, NULL};
+    assert_int_equal(sl_primitives_of_triangles(scene, &primitives, NULL), SL_OK);
+    assert_int_equal(sl_raster_id(raster, &view, 1, &target, &counters, NULL), SL_OK);
+    assert_int_equal(sl_visible_pixels_sort(primitives, raster, &view, id, 1, &v, &counters, NULL), SL_OK);
     size_t shown = 0, sum = 0;
     for (size_t i = 0; i < PIXELS; i++) shown += id[i] != SL_NO_INDEX;
     assert_true(shown > PIXELS / 2);
@@ -50,6 +46,7 @@ static void every_pixel_that_shows_something_is_listed_once_under_its_face(void 
     for (size_t f = 0; f < 2 * scene->triangle_count; f++) faces += v->entry_of_face[f] != SL_NO_INDEX;
     assert_int_equal(faces, v->face_count);
     sl_visible_pixels_destroy(v);
+    sl_primitives_destroy(primitives);
     sl_raster_destroy(raster);
     sl_scene_destroy(scene);
 }

@@ -25,7 +25,7 @@ static scene_with_middle begin(void) {
     split(&s.h, root);
     s.middle = sl_patch_corner(s.h.patches, s.h.patches->patch[root].child, 2);
     float from[6];
-    assert_true(sl_fade_from(s.h.patches, s.middle, from));
+    assert_true(sl_vertex_surroundings(s.h.patches, s.middle, from));
     assert_true(fabsf(from[1] - 3.0f) < 1e-6f); /* what the four have shown there */
     evaluate(&s.h, s.middle, sampled, 2);
     sl_fade_begin(&s.fades, s.h.patches, s.middle, from, beta);

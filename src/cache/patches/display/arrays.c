@@ -154,9 +154,7 @@ static void show_vertex(const sl_display_copy *copy, const sl_patches *p, uint32
     float around[6] = {copy->guess.r, copy->guess.g, copy->guess.b};
     const float *value = sl_vertex_value(p, vertex);
     if (v->evaluated == SL_VERTEX_NEVER) {
-        double a = (double)v->u / SL_PATCH_DYADIC, b = (double)v->v / SL_PATCH_DYADIC;
-        sl_patch_place leaf = sl_patch_locate(p, v->root, a, b);
-        sl_patch_value(p, &leaf, a, b, around);
+        sl_vertex_surroundings(p, vertex, around);
         value = around;
     }
     for (size_t i = 0; i < copy->channels; i++)

@@ -58,22 +58,12 @@ typedef struct triangle_run {
     sl_leaf_field field;
 } triangle_run;
 
-/* The Gouraud pass interpolates a place (u, v) in the root. Of a triangle that is drawn as it stands: plain,
- * or half of a quadrilateral, whose corners go round from wherever the triangle begins. */
-static void scene_places(const void *context, uint32_t t, float *value) {
-    static const float round[3][3][2] = {
-        {{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
-    const sl_primitives *p = ((const frame_job *)context)->display->primitives;
-    uint32_t primitive = p->of_triangle[t];
-    bool plain = p->kind[primitive] == SL_PRIMITIVE_TRIANGLE;
-    const float(*corner)[2] = round[plain ? 0 : 1 + (t - p->first_triangle[primitive])];
-    double u = 0.0, v = 0.0;
-    if (!plain) sl_root_parameters(p, t, 0.0f, 0.0f, &u, &v);
-    int first = u == 0.0 && v == 0.0 ? 0 : u == (double)corner[1][0] && v == (double)corner[1][1] ? 1 : 2;
-    for (int c = 0; c < 3; c++) memcpy(value + 2 * c, corner[(first + c) % 3], 2 * sizeof *value);
+/* The Gouraud pass interpolates a place (u, v) in the root, of a triangle that is drawn as it stands ... */
+static void scene_places(const void *context, uint32_t triangle, float *value) {
+    sl_root_corner_parameters(((const frame_job *)context)->display->primitives, triangle, value);
 }
 
-/* Of a tessellated one. */
+/* ... or of a tessellated one. */
 static void curved_places(const void *context, uint32_t triangle, float *value) {
     const sl_tessellation *t = &((const frame_job *)context)->window->tessellation;
     for (int c = 0; c < 3; c++) {
@@ -82,9 +72,16 @@ static void curved_places(const void *context, uint32_t triangle, float *value) 
     }
 }
 
-/* The side that is seen, of a plane. */
-static uint32_t seen_root(uint32_t primitive, sl_vec3 geometric, sl_vec3 to_viewer) {
-    return 2 * primitive + (sl_side_seen(geometric, to_viewer) < 0.0f ? 1 : 0);
+/* The side that is seen of a tessellated triangle. */
+static uint32_t curved_root(const frame_job *job, uint32_t id) {
+    const sl_tessellation *t = &job->window->tessellation;
+    sl_vec3 corner[3];
+    for (int c = 0; c < 3; c++) {
+        uint32_t v = t->vertex[c][id];
+        corner[c] = sl_v3(t->x[v], t->y[v], t->z[v]);
+    }
+    sl_vec3 geometric = sl_cross(sl_sub(corner[1], corner[0]), sl_sub(corner[2], corner[0]));
+    return 2 * t->primitive[id] + (sl_side_seen(geometric, sl_sub(job->view.origin, corner[0])) < 0.0f);
 }
 
 static void begin_run(const frame_job *job, uint32_t id, bool curved, triangle_run *run) {
@@ -93,25 +90,10 @@ static void begin_run(const frame_job *job, uint32_t id, bool curved, triangle_r
     run->root = SL_NO_INDEX;
     if (id == SL_NO_INDEX) return;
     run->curved = curved;
-    sl_vec3 geometric, corner[3];
-    uint32_t primitive;
-    if (run->curved) {
-        const sl_tessellation *t = &job->window->tessellation;
-        primitive = t->primitive[id];
-        for (int c = 0; c < 3; c++) {
-            uint32_t v = t->vertex[c][id];
-            corner[c] = sl_v3(t->x[v], t->y[v], t->z[v]);
-        }
-        geometric = sl_cross(sl_sub(corner[1], corner[0]), sl_sub(corner[2], corner[0]));
-    } else {
-        primitive = p->of_triangle[id];
-        corner[0] = sl_scene_position(s, s->vertex[0][id]);
-        geometric = sl_scene_geometric_normal(s, id);
-    }
-    run->root = seen_root(primitive, geometric, sl_sub(job->view.origin, corner[0]));
+    run->root = curved ? curved_root(job, id) : sl_root_seen(p, s, id, job->view.origin);
     uint32_t wanted = job->copy->root[run->root];
     run->wanted = wanted == SL_NO_INDEX ? NULL : &job->display->root[wanted];
-    run->leaf = sl_leaf_begin(run->wanted, p->kind[primitive] == SL_PRIMITIVE_TRIANGLE);
+    run->leaf = sl_leaf_begin(run->wanted, p->kind[run->root / 2] == SL_PRIMITIVE_TRIANGLE);
     const sl_material *material = sl_root_material(p, run->root);
     run->lobe = job->copy->channels > 3 && sl_material_has_lobe(material);
     run->emission = sl_root_emission(material, run->root);

@@ -10,7 +10,7 @@
 #include "cache/patches/primitives.h"
 
 typedef struct sort_job {
-    const sl_scene *scene;
+    const sl_primitives *primitives;
     sl_vec3 eye;
     const uint32_t *id;
     size_t pixels;
@@ -22,13 +22,17 @@ typedef struct sort_job {
 
 /* ---- the sort -------------------------------------------------------------------------------- */
 
+static uint32_t root_seen(const sort_job *j, uint32_t triangle) {
+    return sl_root_seen(j->primitives, j->primitives->scene, triangle, j->eye);
+}
+
 /* Lists faces in view with their counts, and their pixels. */
 static sl_status list_faces(sort_job *j, sl_error *error) {
     sl_visible_pixels *out = j->out;
-    size_t faces = 2 * j->scene->triangle_count, visible = 0;
+    size_t faces = 2 * j->primitives->count, visible = 0;
     for (size_t i = 0; i < j->pixels; i++) {
         bool again = i > 0 && j->id[i] == j->id[i - 1], none = j->id[i] == SL_NO_INDEX;
-        j->face[i] = again ? j->face[i - 1] : none ? SL_NO_INDEX : sl_face_seen(j->scene, j->id[i], j->eye);
+        j->face[i] = again ? j->face[i - 1] : none ? SL_NO_INDEX : root_seen(j, j->id[i]);
         if (!none) visible += j->next[j->face[i]]++ == 0;
     }
     out->face = sl_allocate(visible, sizeof *out->face);
@@ -53,7 +57,7 @@ static sl_status list_faces(sort_job *j, sl_error *error) {
 }
 
 static bool allocate(sort_job *j) {
-    size_t n = j->pixels, faces = 2 * j->scene->triangle_count;
+    size_t n = j->pixels, faces = 2 * j->primitives->count;
     sl_visible_pixels *out = j->out;
     j->weight[0] = sl_allocate_unset(2 * n, sizeof *j->weight[0]);
     j->face = sl_allocate_unset(n, sizeof *j->face);
@@ -66,33 +70,29 @@ static bool allocate(sort_job *j) {
            out->pixel && out->w1 && out->w2;
 }
 
-/* Writes what the Gouraud pass interpolates: a place in a triangle, told by its weights of corners 1 and
- * 2. */
-static void corner_places(const void *context, uint32_t triangle, float *value) {
-    static const float places[6] = {0, 0, 1, 0, 0, 1};
-    (void)context;
-    (void)triangle;
-    memcpy(value, places, sizeof places);
+/* The Gouraud pass interpolates a place (u, v) in the root. */
+static void places(const void *context, uint32_t triangle, float *value) {
+    sl_root_corner_parameters(((const sort_job *)context)->primitives, triangle, value);
 }
 
 static sl_status sort(sort_job *j, const sl_raster *raster, const sl_view *view, unsigned threads,
                       sl_counters *counters, sl_error *error) {
     if (!allocate(j)) return sl_fail_memory(error, "visible pixels");
-    const sl_gouraud_pass pass = {.channels = 2, .corners = corner_places, .out = j->weight[0]};
+    const sl_gouraud_pass pass = {.channels = 2, .corners = places, .context = j, .out = j->weight[0]};
     j->weight[1] = j->weight[0] + j->pixels;
     sl_raster_gouraud(raster, view, threads, j->id, &pass, counters);
     return list_faces(j, error);
 }
 
-sl_status sl_visible_pixels_sort(const sl_scene *scene, const sl_raster *raster, const sl_view *view,
-                                 const uint32_t *id, unsigned threads, sl_visible_pixels **pixels,
-                                 sl_counters *counters, sl_error *error) {
+sl_status sl_visible_pixels_sort(const sl_primitives *primitives, const sl_raster *raster,
+                                 const sl_view *view, const uint32_t *id, unsigned threads,
+                                 sl_visible_pixels **pixels, sl_counters *counters, sl_error *error) {
     sl_visible_pixels *out = sl_allocate(1, sizeof *out);
     if (!out) return sl_fail_memory(error, "visible pixels");
     out->width = view->width;
     out->height = view->height;
     out->view = *view;
-    sort_job job = {.scene = scene,
+    sort_job job = {.primitives = primitives,
                     .eye = view->origin,
                     .id = id,
                     .pixels = (size_t)view->width * (size_t)view->height,
