@@ -774,8 +774,8 @@ SL_API sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_
  * *counters (may be NULL) gets the method's, and those of the frames. NULL is allowed. */
 SL_API void sl_live_stop(sl_live *live, sl_counters *counters);
 /** Moves camera, objects and lights to their keyframes' state at a time: the next frame shows it, whatever is
- * under way (methods without a display of their own, all but the Shading Cache, show it once an update has
- * been done there, with as much light as one update makes). With shading-cache.hold the move waits until what
+ * under way (methods without a display of their own, all but the Shading Cache, show it once a picture has
+ * light there, and follow no other move before that). With shading-cache.hold the move waits until what
  * is shown is as good as that; the newest one counts. Fails as sl_scene_set_time() does, and stays where it
  * is. */
 SL_API sl_status sl_live_move(sl_live *live, double time_seconds, sl_error *error);
@@ -789,10 +789,10 @@ SL_API sl_status sl_live_frame(sl_live *live, const sl_image **frame, sl_live_st
 /* ---- the error of a picture, without a reference --------------------------------------------- */
 
 /** Error of a picture against the converged picture of the same light paths: that of --method path with the
- * same transport and pixel filter, and no noise. Judged are the pixels that show surfaces: those that show a
- * lamp or the sky itself (not in a mirror) are in neither error nor mean, unless there are no others. */
+ * same transport and pixel filter, and no noise. Judged are all pixels, and those that show no lamp and no sky
+ * by themselves, whose error the lamps' brightness would hide: what is told is the worse of the two. */
 typedef struct sl_error_estimate {
-    /** an estimate of sl_comparison.rel_rmse over these pixels; 0 where the picture is better than the
+    /** an estimate of sl_comparison.rel_rmse over them; 0 where the picture is better than the
      * probes can tell */
     double rel_rmse;
     /** with 95 % confidence the error is not above that; infinite where nothing can be promised */

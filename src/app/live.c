@@ -113,6 +113,18 @@ static sl_status draw(show *s, const sl_image **frame, sl_error *error) {
     return status;
 }
 
+/* The clock starts with the first picture that has light; a display has frames at once. */
+static sl_status await_light(show *s, sl_error *error) {
+    const sl_image *frame;
+    sl_live_state state = {0};
+    sl_status status = SL_OK;
+    while (status == SL_OK && !sl_interrupted() && !state.versions && !state.done) {
+        status = sl_live_frame(s->live, &frame, &state, error);
+        sl_sleep_until(sl_seconds_now() + 0.005);
+    }
+    return status;
+}
+
 static sl_status one_frame(show *s, sl_error *error) {
     const sl_image *frame;
     uint64_t steps = next_slot(s);
@@ -137,6 +149,7 @@ static sl_status play(show *s, sl_scene *scene, sl_pass_times *stages, sl_error 
     sl_status status = sl_live_start(scene, &settings, &s->live, error);
     if (status == SL_OK && !s->o->quiet && *sl_live_reduction(s->live))
         fprintf(stderr, "softlux: to keep within --memory: %s\n", sl_live_reduction(s->live));
+    if (status == SL_OK) status = await_light(s, error);
     s->begin = sl_seconds_now();
     while (status == SL_OK && goes_on(s)) status = one_frame(s, error);
     s->report.seconds = sl_seconds_now() - s->begin;

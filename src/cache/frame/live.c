@@ -91,15 +91,18 @@ static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl
 
 /* ---- the thread ------------------------------------------------------------------------------ */
 
-/* Waits while there is nothing to do; false: it is to end. */
-static bool next_turn(sl_live *l, pose *turn, change *moved) {
+/* Waits while there is nothing to do; false: it is to end. Moves on once a picture of where things were has
+ * been shown. */
+static bool next_turn(sl_live *l, bool shown, pose *turn, change *moved) {
     sl_monitor_enter(&l->meeting);
     while (!l->stop && l->status == SL_OK && l->progress.done && l->asked.number == l->followed)
         sl_monitor_wait(&l->meeting);
     bool goes_on = !l->stop && l->status == SL_OK;
-    *turn = l->asked;
-    if (!moved->waits) *moved = l->moved;
-    l->moved.waits = false;
+    if (shown) {
+        *turn = l->asked;
+        if (!moved->waits) *moved = l->moved;
+        l->moved.waits = false;
+    }
     sl_monitor_leave(&l->meeting);
     return goes_on;
 }
@@ -113,8 +116,14 @@ static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
 /* Tells whether a move's change of light shows: the Shading Cache counts it when it is found, other methods
  * show whole light when their picture is finished. */
 static bool shows_change(const sl_live *l, uint64_t shown_before, const sl_progress *progress) {
-    if (!l->window) return progress->done;
+    if (!l->window) return progress->frame_done;
     return sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN] > shown_before;
+}
+
+/* A display shows what there is; pictures take its place where the method has none, and are shown whole. */
+static bool shows(const sl_live *l, const sl_progress *progress) {
+    if (l->window || progress->frame_done) return true;
+    return l->method->class->shows && l->method->class->shows(l->method->state);
 }
 
 /* R, G, B alone: a picture's layers take several times that, and three pictures are there at a time. */
@@ -127,7 +136,6 @@ static sl_status take_colours(const sl_image *picture, sl_image **frame, sl_erro
     return status;
 }
 
-/* Pictures take the place of the display where the method has none. */
 static sl_status resolve(sl_live *l, sl_image **frame, sl_error *error) {
     *frame = NULL;
     sl_image *picture = NULL;
@@ -168,15 +176,17 @@ static void update_on_and_on(void *context) {
     change moved = {.waits = false};
     uint64_t at = 0;
     sl_progress progress = {0};
-    while (next_turn(l, &turn, &moved)) {
+    bool shown = true; /* a picture of the last pose that was followed */
+    while (next_turn(l, shown, &turn, &moved)) {
         sl_error error = {0};
         sl_image *picture = NULL;
-        uint64_t shown = sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN];
+        uint64_t changes = sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN];
         sl_status status = turn.number == at ? SL_OK : follow(l, &turn, &error);
         at = turn.number;
         if (status == SL_OK) status = sl_method_update(l->method, &progress, &error);
-        if (status == SL_OK) status = resolve(l, &picture, &error);
-        bool brought = status == SL_OK && moved.waits && shows_change(l, shown, &progress);
+        shown = status == SL_OK && shows(l, &progress);
+        if (shown) status = resolve(l, &picture, &error);
+        bool brought = status == SL_OK && moved.waits && shows_change(l, changes, &progress);
         tell(l, &turn, brought ? &moved : NULL, &progress, picture, status, &error);
         if (status != SL_OK) return;
         if (brought || progress.done) moved.waits = false; /* or it has changed nothing that is seen */
@@ -216,12 +226,16 @@ static double bytes_of_show(const sl_scene *scene, const sl_settings *settings) 
            (double)settings->width * (double)settings->height * (3 * FRAME + WRITTEN);
 }
 
+/* Splatting shows what it has after so many new ones. */
+enum { RECORDS_PER_FRAME = 256 };
+
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
     sl_settings own;
     sl_transport ignored;
     sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, NULL, error);
     own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
     own.filter = SL_FILTER_CENTRE;           /* frames are drawn beside updates, once each */
+    if (!own.records_per_frame) own.records_per_frame = RECORDS_PER_FRAME;
     if (status == SL_OK)
         status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
     if (status == SL_OK) status = sl_scene_copy(l->scene, &l->scene_copy, error);

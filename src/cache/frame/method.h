@@ -99,6 +99,9 @@ typedef struct sl_method_class {
     bool asks; /* the cache grows by what sub-frames see (scene/scene.h), and is asked before any is shown */
     bool any_transport; /* takes --transport: a reference tracer */
     const sl_window_class *window; /* NULL: pictures are resolved between updates alone */
+    /* True: all of the picture has light, though not what it will have; NULL: pictures are shown when they are
+     * done. */
+    bool (*shows)(const void *state);
     /* Estimates the error of what is seen, in displayed levels (0 to 255), as the last update found it; NULL:
      * nobody knows. */
     double (*error_levels)(const void *state);

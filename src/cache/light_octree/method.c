@@ -222,6 +222,9 @@ static sl_status octree_explanation(void *state, int x, int y, sl_explanation_wr
     return SL_OK;
 }
 
+/* True behind each depth, until pixels are shaded by the next. */
+static bool octree_shows(const void *state) { return ((const sl_octree_state *)state)->lit; }
+
 static const sl_counters *octree_counters(const void *state) {
     return &((const sl_octree_state *)state)->counters;
 }
@@ -248,5 +251,6 @@ const sl_method_class sl_light_octree_method = {
     .plan = sl_octree_plan_write,
     .explanation = octree_explanation,
     .raster = octree_raster,
+    .shows = octree_shows,
     .any_transport = false,
 };

@@ -260,6 +260,12 @@ static const sl_raster *multi_mesh_raster(const void *state) {
     return ((const sl_multi_mesh_state *)state)->raster;
 }
 
+/* The most visible edges of light are split by then. */
+static bool multi_mesh_shows(const void *state) {
+    const sl_multi_mesh_state *s = state;
+    return s->phase == SL_PHASE_REFINE && s->fraction >= 0.25;
+}
+
 const sl_method_class sl_multi_mesh_method = {
     .name = "multi-mesh",
     .complete = sl_multi_mesh_complete,
@@ -276,5 +282,6 @@ const sl_method_class sl_multi_mesh_method = {
     .transport = sl_multi_mesh_transport,
     .plan = sl_multi_mesh_plan_write,
     .raster = multi_mesh_raster,
+    .shows = multi_mesh_shows,
     .explanation = sl_multi_mesh_explanation,
 };

@@ -124,6 +124,8 @@ static sl_status sampled_edit(void *state, unsigned changes, sl_error *error) {
     return start_film(s, error);
 }
 
+static bool sampled_shows(const void *state) { return ((const sampled_state *)state)->samples > 0; }
+
 static const sl_counters *sampled_counters(const void *state) {
     return &((const sampled_state *)state)->counters;
 }
@@ -171,7 +173,7 @@ static void sampled_plan(const sl_scene *scene, const sl_settings *settings, sl_
 #define SAMPLED_METHOD(method_name) \
     {.name = method_name, .complete = sampled_complete, .create = sampled_create, \
      .destroy = sampled_destroy, .update = sampled_update, .resolve = sampled_resolve, \
-     .edit = sampled_edit, .counters = sampled_counters, .memory_bytes = sampled_memory_bytes, \
+     .edit = sampled_edit, .shows = sampled_shows, .counters = sampled_counters, .memory_bytes = sampled_memory_bytes, \
      .need = sampled_need, .transport = sampled_transport, .plan = sampled_plan, .any_transport = true}
 
 const sl_method_class sl_path_method = SAMPLED_METHOD("path");
