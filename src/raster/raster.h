@@ -177,6 +177,31 @@ typedef struct sl_gbuffer {
     sl_vec3 *seen_from;
 } sl_gbuffer;
 
+/* ---- one of its pixels ---- */
+
+static inline sl_vec3 sl_gbuffer_position(const sl_gbuffer *g, size_t i) {
+    return sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]);
+}
+static inline sl_vec3 sl_gbuffer_normal(const sl_gbuffer *g, size_t i) {
+    return sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]);
+}
+static inline sl_vec3 sl_gbuffer_geometric(const sl_gbuffer *g, size_t i) {
+    return sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]);
+}
+/* Returns what a pixel that is no background shows, on the side that is seen. */
+static inline sl_surface sl_gbuffer_surface(const sl_scene *scene, const sl_gbuffer *g, size_t i) {
+    return (sl_surface){.position = sl_gbuffer_position(g, i),
+                        .geometric_normal = sl_gbuffer_geometric(g, i),
+                        .normal = sl_gbuffer_normal(g, i),
+                        .diffuse = {g->diffuse_r[i], g->diffuse_g[i], g->diffuse_b[i]},
+                        .material = &scene->materials[g->material[i]],
+                        .front = true};
+}
+/* Returns from where an eye sees it: by way of mirrors, from the last of them. */
+static inline sl_vec3 sl_gbuffer_seen_from(const sl_gbuffer *g, sl_vec3 eye, size_t i) {
+    return g->seen_from ? g->seen_from[i] : eye;
+}
+
 sl_status sl_gbuffer_create(int width, int height, sl_gbuffer **gbuffer, sl_error *error); /* all planes */
 void sl_gbuffer_destroy(sl_gbuffer *gbuffer);
 /* ID pass and its resolution, equal to sl_scene_surface() bit by bit. Needs a scene. */

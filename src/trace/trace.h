@@ -37,6 +37,16 @@ static inline void sl_ray16_set(sl_ray16 *rays, unsigned i, sl_vec3 origin, sl_v
     rays->skip[i] = skip;
 }
 
+/* A shadow ray from a surface to a light `to_light` away, or far away in that direction. It starts `offset`
+ * off the surface and aims at the light itself from there, so that a near light's own surface cannot come
+ * between; its end stops short of the light: beside it, the ray could end behind. */
+static inline void sl_ray16_set_shadow(sl_ray16 *rays, unsigned i, sl_vec3 position, sl_vec3 geometric_normal,
+                                       float offset, sl_vec3 to_light, bool far_away, uint32_t skip) {
+    sl_vec3 shift = sl_scale(geometric_normal, offset);
+    sl_ray16_set(rays, i, sl_add(position, shift), far_away ? to_light : sl_sub(to_light, shift), 0.0f,
+                 far_away ? INFINITY : 1.0f - 1e-4f, skip);
+}
+
 typedef struct sl_hit16 {
     _Alignas(64) float t[SL_PACKET];
     float w1[SL_PACKET], w2[SL_PACKET]; /* barycentric weights of corners 1 and 2 */

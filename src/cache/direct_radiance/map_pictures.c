@@ -21,10 +21,6 @@ static float eight_bits(float value, float low, float high) {
     return low + (step < 255.0f ? step : 255.0f) / 255.0f * extent;
 }
 
-static sl_vec3 at(const float *x, const float *y, const float *z, size_t i) {
-    return sl_v3(x[i], y[i], z[i]);
-}
-
 static void put(float *const plane[3], size_t i, sl_vec3 v) {
     plane[0][i] = v.x, plane[1][i] = v.y, plane[2][i] = v.z;
 }
@@ -60,10 +56,10 @@ static sl_rgb color_of(const sl_map_drawing *d, sl_rgb diffuse, sl_vec3 normal, 
 static void write_texel(const sl_map_drawing *d, const sl_gbuffer *g, size_t pixel, size_t i,
                         const texel_light *light) {
     const sl_rgb diffuse = {g->diffuse_r[pixel], g->diffuse_g[pixel], g->diffuse_b[pixel]};
-    const sl_vec3 normal = at(g->normal_x, g->normal_y, g->normal_z, pixel),
-                  geometric = at(g->geometric_x, g->geometric_y, g->geometric_z, pixel);
+    const sl_vec3 normal = sl_gbuffer_normal(g, pixel),
+                  geometric = sl_gbuffer_geometric(g, pixel);
     const sl_rgb color = color_of(d, diffuse, normal, geometric, light);
-    write_position(d, i, at(g->position_x, g->position_y, g->position_z, pixel));
+    write_position(d, i, sl_gbuffer_position(g, pixel));
     put(d->map->geometric, i, geometric);
     put(d->map->color, i, sl_v3(color.r, color.g, color.b));
     if (d->map->normal[0]) put(d->map->normal, i, normal);
@@ -98,7 +94,7 @@ static void write_mirrored(const sl_map_drawing *d, const sl_map_face *face, con
     sl_radiance_map *map = d->map;
     const size_t pixel = r->pixel[k], i = face->first + pixel;
     const bool parallel = light_of(d, face)->source.kind == SL_SOURCE_DIRECTIONAL;
-    const sl_vec3 y = at(g->position_x, g->position_y, g->position_z, pixel);
+    const sl_vec3 y = sl_gbuffer_position(g, pixel);
     const sl_vec3 arrival = sl_normalize_or(sl_sub(g->seen_from[pixel], y), sl_v3(0, 0, 0));
     const sl_vec3 left = sl_map_face_departure(face, pixel);
     sl_rgb carried = sl_rgb_mul(sl_map_light_intensity(light_of(d, face), left), r->throughput[k]);
@@ -117,7 +113,7 @@ static void turn_to_light(const sl_map_face *face, sl_gbuffer *g) {
     float *const plane[] = {g->normal_x,    g->normal_y,    g->normal_z,
                             g->geometric_x, g->geometric_y, g->geometric_z};
     for (size_t i = 0; i < (size_t)face->width * (size_t)face->height; i++) {
-        if (!(sl_dot(at(g->geometric_x, g->geometric_y, g->geometric_z, i), face->frame.z) > 0.0f)) continue;
+        if (!(sl_dot(sl_gbuffer_geometric(g, i), face->frame.z) > 0.0f)) continue;
         for (int k = 0; k < 6; k++) plane[k][i] = -plane[k][i];
     }
 }
@@ -138,7 +134,7 @@ static void write_face(const sl_map_drawing *d, const sl_map_face *face, const s
     for (size_t p = 0; p < texels; p++) {
         d->map->triangle[face->first + p] = SL_NO_INDEX;
         if (g->id[p] == SL_NO_INDEX) continue;
-        const texel_light light = light_at(d, face, at(g->position_x, g->position_y, g->position_z, p));
+        const texel_light light = light_at(d, face, sl_gbuffer_position(g, p));
         write_texel(d, g, p, face->first + p, &light);
     }
     for (size_t k = 0; r && k < r->count; k++) write_mirrored(d, face, g, r, k);

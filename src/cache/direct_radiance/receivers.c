@@ -29,7 +29,7 @@ static void set_lobes(const sl_gbuffer *g, const sl_scene *scene, const sl_recei
     for (size_t i = 0; i < t->padded; i++) {
         size_t pixel = t->pixel[i < t->count ? i : 0];
         const sl_material *m = &scene->materials[g->material[pixel]];
-        sl_vec3 eye = g->seen_from ? g->seen_from[pixel] : scene->camera.eye;
+        sl_vec3 eye = sl_gbuffer_seen_from(g, scene->camera.eye, pixel);
         float scale = (m->exponent + 2.0f) * (float)(0.5 / SL_PI);
         t->mirrored_x[i] = eye.x, t->mirrored_y[i] = eye.y, t->mirrored_z[i] = eye.z;
         t->exponent[i] = m->exponent;

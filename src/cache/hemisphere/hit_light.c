@@ -30,13 +30,10 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
 void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, bool far_away, sl_rgb irradiance) {
     const sl_gather_hits *h = &q->view->scratch->hits;
     float offset = sl_scene_offset_at(q->view->gather->scene, q->view->gather->offset, sl_hit_position(h, k));
-    sl_vec3 shift = sl_v3(offset * h->geometric_x[k], offset * h->geometric_y[k], offset * h->geometric_z[k]);
-    /* From the shifted origin to the same point of the light, and short of it: beside it, the ray could end
-     * behind the light. */
-    sl_vec3 direction = far_away ? to_light : sl_sub(to_light, shift);
     unsigned i = q->count++;
-    sl_ray16_set(&q->rays, i, sl_add(sl_hit_position(h, k), shift), direction, 0.0f,
-                 far_away ? INFINITY : 1.0f - 1e-4f, h->triangle[k]);
+    sl_ray16_set_shadow(&q->rays, i, sl_hit_position(h, k),
+                        sl_v3(h->geometric_x[k], h->geometric_y[k], h->geometric_z[k]), offset, to_light,
+                        far_away, h->triangle[k]);
     q->slot[i] = (uint32_t)k;
     q->light[i] = irradiance;
     if (q->count == SL_PACKET) sl_flush_shadow_rays(q);

@@ -53,17 +53,11 @@ uint32_t sl_direct_samples(const sl_direct *direct) {
     return share > 1 ? (all + share - 1) / share : all;
 }
 
-sl_receiver sl_receiver_at(const sl_direct *direct, const sl_gbuffer *g, size_t i) {
-    sl_receiver at = {
-        .position = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
-        .normal = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]),
-        .geometric_normal = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]),
-        .triangle = g->id[i],
-        .material = &direct->scene->materials[g->material[i]],
-    };
-    sl_vec3 viewer = g->seen_from ? g->seen_from[i] : direct->scene->camera.eye;
-    at.to_viewer = sl_normalize_or(sl_sub(viewer, at.position), at.geometric_normal);
-    return at;
+sl_bsdf sl_pixel_lobe(const sl_direct *direct, const sl_gbuffer *g, size_t i) {
+    const sl_surface at = sl_gbuffer_surface(direct->scene, g, i);
+    sl_vec3 viewer = sl_gbuffer_seen_from(g, direct->scene->camera.eye, i);
+    return sl_bsdf_make(&at, sl_normalize_or(sl_sub(viewer, at.position), at.geometric_normal),
+                        SL_LOBE_GLOSSY);
 }
 
 bool sl_pixel_is_glossy(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
@@ -74,14 +68,4 @@ bool sl_pixel_reflects(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
     if (g->material[i] == SL_NO_INDEX) return false;
     return g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f ||
            sl_pixel_is_glossy(g, scene, i);
-}
-
-sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light) {
-    if (!sl_material_is_glossy(at->material)) return sl_grey(0.0f);
-    float n_v = sl_dot(at->normal, at->to_viewer);
-    sl_vec3 mirrored = sl_sub(sl_scale(at->normal, 2.0f * n_v), at->to_viewer);
-    float cos_alpha = sl_dot(mirrored, to_light);
-    if (!(cos_alpha > 0.0f)) return sl_grey(0.0f);
-    float n = at->material->exponent, lobe = sl_powf(cos_alpha < 1.0f ? cos_alpha : 1.0f, n);
-    return sl_rgb_scale(at->material->specular, (n + 2.0f) * (float)(0.5 / SL_PI) * lobe);
 }

@@ -53,8 +53,8 @@ static sl_vec3 sum_of(const float *x, const float *y, const float *z, size_t i, 
 
 /* Alike normals, and a chord by those that are smooth or by those that are true. */
 static bool same_surface(const sl_gbuffer *g, size_t i, size_t j) {
-    sl_vec3 d = sl_sub(sl_v3(g->position_x[j], g->position_y[j], g->position_z[j]),
-                       sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
+    sl_vec3 d = sl_sub(sl_gbuffer_position(g, j),
+                       sl_gbuffer_position(g, i));
     float alike =
         g->normal_x[i] * g->normal_x[j] + g->normal_y[i] * g->normal_y[j] + g->normal_z[i] * g->normal_z[j];
     return alike > 0.9f && (is_chord(d, sum_of(g->geometric_x, g->geometric_y, g->geometric_z, i, j)) ||

@@ -4,12 +4,12 @@
 #include "base/math.h"
 #include "cache/light/direct_lamps.h"
 #include "cache/frame/picture_value.h"
-#include "trace/bsdf.h"
 
 /* Both kinds of samples of a pixel wait here for their rays. */
 typedef struct {
     const sl_direct *direct;
-    sl_receiver at;
+    sl_vec3 position;
+    uint32_t triangle;
     sl_bsdf lobe;
     sl_ray16 rays;
     sl_rgb light[SL_PACKET];     /* what a light sample brings, if nothing is in the way */
@@ -23,13 +23,7 @@ typedef struct {
 } queue;
 
 static float offset_at(const queue *q) {
-    return sl_scene_offset_at(q->direct->scene, q->direct->offset, q->at.position);
-}
-
-static void push(queue *q, sl_vec3 direction, float far) {
-    unsigned i = q->count++;
-    sl_vec3 o = sl_mad(q->at.position, offset_at(q), q->at.geometric_normal);
-    sl_ray16_set(&q->rays, i, o, direction, 0.0f, far, q->at.triangle);
+    return sl_scene_offset_at(q->direct->scene, q->direct->offset, q->position);
 }
 
 static void end_light_samples(queue *q, sl_counters *counters) {
@@ -52,19 +46,17 @@ static float weight_of(float p, float samples, float q, float others) {
 static void add_light_sample(queue *q, const float u[2], sl_counters *counters) {
     sl_light_sample s;
     bool any = q->lamps ? sl_lamps_draw(q->lamps, u, &s)
-                        : sl_light_sampler_sample_2d(q->direct->sampler, q->at.position, u[0], u[1], &s);
-    if (!any || s.triangle == q->at.triangle) return;
+                        : sl_light_sampler_sample_2d(q->direct->sampler, q->position, u[0], u[1], &s);
+    if (!any || s.triangle == q->triangle) return;
     q->irradiance +=
-        sl_luminance(s.radiance) * fmaxf(0.0f, sl_dot(q->at.normal, s.to_light)) / q->light_count;
+        sl_luminance(s.radiance) * fmaxf(0.0f, sl_dot(q->lobe.normal, s.to_light)) / q->light_count;
     sl_rgb f = sl_bsdf_reflect(&q->lobe, s.to_light, SL_LOBE_GLOSSY);
     if (!(sl_rgb_max(f) > 0.0f)) return;
     float weight = weight_of(s.pdf, q->light_count, sl_bsdf_pdf(&q->lobe, s.to_light), q->lobe_count);
     q->light[q->count] = sl_rgb_scale(sl_rgb_mul(f, s.radiance), weight);
     bool far_away = isinf(s.distance);
-    sl_vec3 aim =
-        far_away ? s.to_light
-                 : sl_sub(sl_scale(s.to_light, s.distance), sl_scale(q->at.geometric_normal, offset_at(q)));
-    push(q, aim, far_away ? INFINITY : 0.9999f);
+    sl_ray16_set_shadow(&q->rays, q->count++, q->position, q->lobe.geometric_normal, offset_at(q),
+                        far_away ? s.to_light : sl_scale(s.to_light, s.distance), far_away, q->triangle);
     if (q->count == SL_PACKET) end_light_samples(q, counters);
 }
 
@@ -88,7 +80,7 @@ static void end_lobe_samples(queue *q, sl_counters *counters) {
         sl_rgb radiance = light_met(q->direct, d, hits.triangle[i]);
         if (!(sl_rgb_max(radiance) > 0.0f)) continue;
         float other = q->lamps ? sl_lamps_pdf(q->lamps, d, hits.triangle[i], hits.t[i])
-                               : sl_light_sampler_pdf(q->direct->sampler, q->at.position, d, hits.triangle[i],
+                               : sl_light_sampler_pdf(q->direct->sampler, q->position, d, hits.triangle[i],
                                                       hits.t[i]);
         sl_rgb f = sl_bsdf_reflect(&q->lobe, d, SL_LOBE_GLOSSY);
         q->sum = sl_rgb_add(
@@ -104,14 +96,15 @@ static void add_lobe_sample(queue *q, const float u[2], sl_counters *counters) {
     float pdf = sl_bsdf_pdf(&q->lobe, direction);
     if (!(pdf > 0.0f)) return;
     q->pdf[q->count] = pdf;
-    push(q, direction, INFINITY);
+    sl_ray16_set_shadow(&q->rays, q->count++, q->position, q->lobe.geometric_normal, offset_at(q), direction,
+                        true, q->triangle);
     if (q->count == SL_PACKET) end_lobe_samples(q, counters);
 }
 
 /* Of twice as many samples. Directions from a lobe find a lamp better than points on it where the lamp is
  * wider than the lobe; a small one they miss. */
 static uint32_t lobe_samples(const queue *q, uint32_t samples) {
-    float exponent = q->at.material->exponent;
+    float exponent = q->lobe.exponent;
     if (!q->lamps) return (uint32_t)(2.0f * (float)samples * exponent / (exponent + 3000.0f));
     float lobe = (float)(2.0 * SL_PI) / (exponent + 2.0f), lamps = (float)q->lamps->solid_angle;
     return (uint32_t)(2.0f * (float)samples * 0.9f * q->lamps->closest * lamps / (lamps + 2.0f * lobe));
@@ -121,15 +114,13 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
                       uint32_t samples, sl_direct_scratch *scratch, sl_counters *counters) {
     sl_lit_block one = {.count = 0};
     sl_lit_block_add(direct, gbuffer, pixel, &one);
-    queue q = {.direct = direct, .at = sl_receiver_at(direct, gbuffer, pixel)};
-    sl_surface surface = {.position = q.at.position,
-                          .geometric_normal = q.at.geometric_normal,
-                          .normal = q.at.normal,
-                          .material = q.at.material};
-    q.lobe = sl_bsdf_make(&surface, q.at.to_viewer, SL_LOBE_GLOSSY);
+    queue q = {.direct = direct,
+               .position = sl_gbuffer_position(gbuffer, pixel),
+               .triangle = gbuffer->id[pixel],
+               .lobe = sl_pixel_lobe(direct, gbuffer, pixel)};
     sl_lamps *lamps = sl_direct_scratch_lamps(scratch);
     bool by_angle =
-        direct->sides.count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.at.position, lamps);
+        direct->sides.count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.position, lamps);
     q.lamps = by_angle ? lamps : NULL;
     uint32_t lobes = lobe_samples(&q, samples), lights = 2 * samples - lobes;
     q.light_count = (float)lights;

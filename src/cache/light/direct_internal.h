@@ -14,6 +14,7 @@
 
 #include "cache/light/light_kernels.h"
 #include "cache/light/direct.h"
+#include "trace/bsdf.h"
 
 /* beyond, the closed form of all costs more than the noise that it saves */
 enum { SL_EXACT_EMITTERS_MAX = 256 };
@@ -121,17 +122,9 @@ void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t cou
 /* The visible share of a row's pixels, smoothed: three planes of a row. */
 void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, float *share[3]);
 
-/* A pixel that reflects light. */
-typedef struct sl_receiver {
-    sl_vec3 position, normal, geometric_normal, to_viewer;
-    uint32_t triangle;
-    const sl_material *material;
-} sl_receiver;
-
-sl_receiver sl_receiver_at(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel);
+/* The lobe of a pixel that reflects light, towards whom it is seen by. */
+sl_bsdf sl_pixel_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel);
 bool sl_pixel_reflects(const sl_gbuffer *gbuffer, const sl_scene *scene, size_t pixel);
 bool sl_pixel_is_glossy(const sl_gbuffer *gbuffer, const sl_scene *scene, size_t pixel);
-/* ks (n+2)/(2 pi) cos^n alpha, alpha between the light and the mirror direction of the viewer. */
-sl_rgb sl_phong(const sl_receiver *at, sl_vec3 to_light);
 
 #endif

@@ -113,23 +113,14 @@ void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size
 
 /* ---- rays, sixteen at a time ---- */
 
-/* The ray starts off the surface and aims at the light itself from there, so that a near light's own surface
- * cannot come between; its end stops short of the light. */
 static void set_ray(const sl_direct *direct, const sl_lit_block *block, uint32_t lane, sl_aims aims,
                     unsigned k, sl_ray16 *rays) {
-    uint32_t i = lane % SL_LIGHT_BLOCK;
-    float offset =
-              sl_scene_offset_at(direct->scene, direct->offset, sl_v3(block->x[i], block->y[i], block->z[i])),
-          back = aims.far_away ? 0.0f : offset;
-    rays->origin_x[k] = block->x[i] + offset * block->geometric_x[i];
-    rays->origin_y[k] = block->y[i] + offset * block->geometric_y[i];
-    rays->origin_z[k] = block->z[i] + offset * block->geometric_z[i];
-    rays->direction_x[k] = aims.x[lane] - back * block->geometric_x[i];
-    rays->direction_y[k] = aims.y[lane] - back * block->geometric_y[i];
-    rays->direction_z[k] = aims.z[lane] - back * block->geometric_z[i];
-    rays->near[k] = 0.0f;
-    rays->far[k] = aims.far_away ? INFINITY : 0.9999f;
-    rays->skip[k] = block->triangle[i];
+    const uint32_t i = lane % SL_LIGHT_BLOCK;
+    const sl_vec3 p = sl_v3(block->x[i], block->y[i], block->z[i]);
+    sl_ray16_set_shadow(rays, k, p,
+                        sl_v3(block->geometric_x[i], block->geometric_y[i], block->geometric_z[i]),
+                        sl_scene_offset_at(direct->scene, direct->offset, p),
+                        sl_v3(aims.x[lane], aims.y[lane], aims.z[lane]), aims.far_away, block->triangle[i]);
 }
 
 void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t count, const uint32_t *lanes,

@@ -9,8 +9,8 @@
 static void add_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, sl_vec3 to_light,
                      sl_rgb irradiance, float *glossy[3], size_t p) {
     if (!sl_pixel_is_glossy(gbuffer, direct->scene, pixel)) return;
-    sl_receiver at = sl_receiver_at(direct, gbuffer, pixel);
-    sl_rgb f = sl_phong(&at, to_light);
+    sl_bsdf lobe = sl_pixel_lobe(direct, gbuffer, pixel);
+    sl_rgb f = sl_bsdf_value(&lobe, to_light, SL_LOBE_GLOSSY);
     glossy[0][p] += sl_picture_value(f.r * irradiance.r);
     glossy[1][p] += sl_picture_value(f.g * irradiance.g);
     glossy[2][p] += sl_picture_value(f.b * irradiance.b);

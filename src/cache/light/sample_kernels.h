@@ -22,7 +22,7 @@ typedef struct sl_light_pixels {
 typedef void sl_look_at_weigh(const sl_light_pixels *pixels, const uint32_t *light_id, const uint8_t *facing,
                               const float *light_depth, const float *depth);
 
-/* ---- rays (ray_kernels.c) ---- */
+/* ---- rays ---- */
 
 enum { SL_AIMED = 16 };
 

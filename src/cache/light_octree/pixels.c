@@ -23,9 +23,9 @@ typedef struct tile_pass {
 sl_octree_point sl_octree_point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye,
                                          size_t pixel) {
     const sl_material *m = &scene->materials[g->material[pixel]];
-    sl_vec3 place = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]);
-    sl_vec3 n = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]);
-    sl_vec3 from = g->seen_from ? g->seen_from[pixel] : eye;
+    sl_vec3 place = sl_gbuffer_position(g, pixel);
+    sl_vec3 n = sl_gbuffer_normal(g, pixel);
+    sl_vec3 from = sl_gbuffer_seen_from(g, eye, pixel);
     return (sl_octree_point){.position = place,
                              .normal = n,
                              .view = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(from, place), n) : n,
@@ -145,13 +145,8 @@ typedef struct pixel_pass {
 static sl_rgb light_of_pixel(const pixel_pass *pass, unsigned worker, size_t i) {
     const sl_gbuffer *g = pass->gbuffer;
     if (g->material[i] == SL_NO_INDEX) return sl_grey(0.0f);
-    sl_vec3 viewer = g->seen_from ? g->seen_from[i] : pass->scene->camera.eye;
-    sl_surface s = {.position = sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]),
-                    .geometric_normal = sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]),
-                    .normal = sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i]),
-                    .diffuse = {g->diffuse_r[i], g->diffuse_g[i], g->diffuse_b[i]},
-                    .material = &pass->scene->materials[g->material[i]],
-                    .front = true};
+    sl_vec3 viewer = sl_gbuffer_seen_from(g, pass->scene->camera.eye, i);
+    sl_surface s = sl_gbuffer_surface(pass->scene, g, i);
     return sl_photons_radiance(pass->lights, worker, &s,
                                sl_normalize_or(sl_sub(viewer, s.position), s.geometric_normal));
 }

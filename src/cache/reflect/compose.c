@@ -20,7 +20,7 @@ static float *row_of(const sl_composition *c, int channel, int row) {
 static sl_rgb surface_emission(const sl_composition *c, size_t i) {
     const sl_gbuffer *g = c->gbuffer;
     return sl_scene_emission(c->scene, g->id[i],
-                             sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]));
+                             sl_gbuffer_geometric(g, i));
 }
 
 static bool is_dark(const sl_scene *scene, uint32_t material) {

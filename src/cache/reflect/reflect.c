@@ -82,10 +82,6 @@ typedef struct {
     uint32_t skip;
 } reflected;
 
-static sl_vec3 plane_vector(const float *x, const float *y, const float *z, size_t i) {
-    return sl_v3(x[i], y[i], z[i]);
-}
-
 /* Returns the unit direction in which the mirror at p is seen, and how far away that is. */
 static sl_vec3 look_at(const sl_viewer *viewer, sl_vec3 p, sl_vec3 fallback, float *way) {
     const sl_vec3 d = sl_sub(p, viewer->eye);
@@ -98,9 +94,9 @@ static sl_vec3 look_at(const sl_viewer *viewer, sl_vec3 p, sl_vec3 fallback, flo
 static reflected first_ray(const reflecting *c, size_t slot) {
     const sl_gbuffer *g = c->gbuffer;
     size_t i = c->reflections->pixel[slot];
-    sl_vec3 p = plane_vector(g->position_x, g->position_y, g->position_z, i),
-            n = plane_vector(g->normal_x, g->normal_y, g->normal_z, i);
-    sl_vec3 geometric = plane_vector(g->geometric_x, g->geometric_y, g->geometric_z, i);
+    sl_vec3 p = sl_gbuffer_position(g, i),
+            n = sl_gbuffer_normal(g, i);
+    sl_vec3 geometric = sl_gbuffer_geometric(g, i);
     sl_vec3 incoming = look_at(c->viewer, p, sl_neg(geometric), &c->reflections->way[slot]);
     c->reflections->throughput[slot] = c->scene->materials[g->material[i]].mirror;
     return (reflected){slot, p, sl_reflect_off(incoming, n, geometric), g->id[i]};

@@ -23,18 +23,14 @@ typedef struct {
 
 /* ---- which pixels ---- */
 
-static sl_vec3 position_of(const sl_gbuffer *g, size_t i) {
-    return sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]);
-}
-
 /* Does the neighbour j show another surface than i? Not where both lie in one plane, or in a finely
  * tessellated surface. */
 static bool is_edge_between(const sl_gbuffer *g, size_t i, size_t j) {
     const float flat = 0.1f; /* sine of what j may rise above the plane of i */
     if (g->id[i] == g->id[j]) return false;
     if (g->id[i] == SL_NO_INDEX || g->id[j] == SL_NO_INDEX) return true;
-    const sl_vec3 d = sl_sub(position_of(g, j), position_of(g, i));
-    float rise = sl_dot(d, sl_v3(g->geometric_x[i], g->geometric_y[i], g->geometric_z[i]));
+    const sl_vec3 d = sl_sub(sl_gbuffer_position(g, j), sl_gbuffer_position(g, i));
+    float rise = sl_dot(d, sl_gbuffer_geometric(g, i));
     return !(rise * rise <= flat * flat * sl_dot(d, d));
 }
 
@@ -122,8 +118,8 @@ static sl_receiver_class class_of(const sl_splat_state *s, size_t i) {
 }
 
 static bool is_sound(const sl_gbuffer *g, size_t i) {
-    return sl_is_finite(sl_v3(g->normal_x[i], g->normal_y[i], g->normal_z[i])) &&
-           sl_is_finite(sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]));
+    return sl_is_finite(sl_gbuffer_normal(g, i)) &&
+           sl_is_finite(sl_gbuffer_position(g, i));
 }
 
 /* A normal that is not finite would ask for ever. */

@@ -120,7 +120,7 @@ void sl_splat_announce_gather(sl_splat_state *s, sl_record_cache *cache) {
     size_t middle = sl_splat_pixels(s) / 2 + (size_t)s->settings.width / 2;
     if (!sl_announcing(&s->announcer) || !cache->gathers.gather || g->material[middle] == SL_NO_INDEX) return;
     const sl_record *record =
-        record_near(cache, sl_v3(g->position_x[middle], g->position_y[middle], g->position_z[middle]));
+        record_near(cache, sl_gbuffer_position(g, middle));
     if (!record || record->triangle == SL_NO_INDEX) return;
     const sl_scene *scene = s->scene;
     uint32_t t = record->triangle;

@@ -11,10 +11,9 @@
  *   record_walls.c   walls that stand within its reach
  *   record_batch.c   records for many points at once
  *   ../bounces/      more than one bounce: the light that falls on what gathers see
- *   splat.c          steps 4 and 5: records onto the screen
+ *   splat.c          steps 4 and 5: records onto the screen, and onto what is seen in mirrors (../reflect/)
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel, its weight and irradiance
  *   glossy.c         the same for what a glossy lobe reflects of a radiance record
- *   mirrors.c        pixels that show something by way of mirrors (../reflect/)
  *   compose.c        step 6: the picture and its layers
  *   keep.c           records on disk, for another run
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture

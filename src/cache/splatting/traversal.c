@@ -63,9 +63,9 @@ size_t sl_traversal_next(sl_traversal *t, const sl_record_pass *pass, size_t pix
 static sl_gather_point point_at(const sl_record_pass *pass, size_t pixel) {
     const sl_gbuffer *g = pass->gbuffer;
     return (sl_gather_point){
-        .position = sl_v3(g->position_x[pixel], g->position_y[pixel], g->position_z[pixel]),
-        .geometric_normal = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]),
-        .normal = sl_v3(g->normal_x[pixel], g->normal_y[pixel], g->normal_z[pixel]),
+        .position = sl_gbuffer_position(g, pixel),
+        .geometric_normal = sl_gbuffer_geometric(g, pixel),
+        .normal = sl_gbuffer_normal(g, pixel),
         .triangle = g->id[pixel],
         .key = sl_random_key(pass->seed, pixel),
     };

@@ -145,7 +145,7 @@ static void look_up(const application *a, look_ups *l) {
 }
 
 sl_atlas_side sl_atlas_side_seen(const sl_scene *scene, const sl_gbuffer *g, size_t pixel) {
-    sl_vec3 seen = sl_v3(g->geometric_x[pixel], g->geometric_y[pixel], g->geometric_z[pixel]);
+    sl_vec3 seen = sl_gbuffer_geometric(g, pixel);
     return sl_dot(seen, sl_scene_geometric_normal(scene, g->id[pixel])) < 0.0f ? SL_ATLAS_BACK
                                                                                : SL_ATLAS_FRONT;
 }
@@ -165,7 +165,7 @@ static void apply_row(void *context, size_t row, unsigned worker) {
         if (l.count == LOOK_UPS || l.side != a->side[i]) look_up(a, &l);
         l.side = a->side[i];
         sl_atlas_point(&atlas->chart[atlas->chart_of[g->id[i]]],
-                       sl_v3(g->position_x[i], g->position_y[i], g->position_z[i]), &l.s[l.count],
+                       sl_gbuffer_position(g, i), &l.s[l.count],
                        &l.t[l.count]);
         l.pixel[l.count++] = i;
     }
