@@ -76,14 +76,9 @@ char *sl_printed(sl_printer *print, const void *what) {
 }
 
 sl_status sl_print_file(const char *path, sl_printer *print, const void *what, sl_error *error) {
-    sl_output_file file;
     char *text = sl_printed(print, what);
-    sl_status status = text ? sl_output_open(&file, path, error) : sl_fail_memory(error, path);
-    if (status == SL_OK) {
-        status = sl_output_write(&file, text, strlen(text), error);
-        if (status == SL_OK) status = sl_output_commit(&file, error);
-        else sl_output_discard(&file);
-    }
+    sl_status status =
+        text ? sl_output_whole(path, text, strlen(text), error) : sl_fail_memory(error, path);
     free(text);
     return status;
 }

@@ -22,6 +22,13 @@ sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t he
  * Cube maps are refused, and colours by other primaries than Rec. 709's. */
 sl_status sl_sky_read(const char *path, sl_image **image, sl_error *error);
 
+/* Decodes an 8-bit picture (PNG, JPEG, BMP, TGA): the file at `path`, or the `bytes` bytes at `memory` where
+ * that is not NULL (`path` then only names it in errors). *rgba gets width * height texels of R, G, B, A, row
+ * 0 at the top, values as stored (sRGB for colours), A = 255 where the file has no alpha; the caller frees it
+ * with sl_free(). 16-bit PNGs are rounded to 8 bits. */
+sl_status sl_decode_texels(const char *path, const void *memory, size_t bytes, int *width, int *height,
+                           bool *has_alpha, uint8_t **rgba, sl_error *error);
+
 /* sl_image_read() of a file that is in memory already. */
 sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error);
 
@@ -48,6 +55,9 @@ typedef struct sl_png_entry {
 /* texels: width * height of 3 or 4 channels, row 0 at the top; texts: `count` tEXt entries. */
 sl_status sl_png_write(int width, int height, int channels, const uint8_t *texels, const sl_png_entry *texts,
                        size_t count, sl_output_file *file, sl_error *error);
+/* The same as a file of its own. */
+sl_status sl_png_file(const char *path, int width, int height, int channels, const uint8_t *texels,
+                      const sl_png_entry *texts, size_t count, sl_error *error);
 
 /* JPEG, BMP and TGA through stb_image; TGA has no mark of its own, so it is what is left. */
 bool sl_jpeg_recognise(const sl_bytes *bytes);

@@ -1,6 +1,5 @@
 /* Reading by content, writing by name. */
 #include "image/color.h"
-#include "image/decode.h"
 #include "image/formats.h"
 #include "image/tone.h"
 
@@ -172,10 +171,7 @@ static sl_status write_with(write_function *write_image, const sl_image *image, 
     sl_output_file file;
     sl_status status = sl_output_open(&file, path, error);
     if (status != SL_OK) return status;
-    status = write_image(image, &file, error);
-    if (status == SL_OK) return sl_output_commit(&file, error);
-    sl_output_discard(&file);
-    return status;
+    return sl_output_close(&file, write_image(image, &file, error), error);
 }
 
 sl_status sl_image_write(const sl_image *image, const char *path, sl_error *error) {
@@ -185,17 +181,6 @@ sl_status sl_image_write(const sl_image *image, const char *path, sl_error *erro
     if (sl_ends_with(path, ".png"))
         return sl_image_write_png(image, path, (sl_tone){SL_TONE_CLIP, 0.0f, false}, error);
     return sl_fail(error, SL_ERROR_USAGE, "cannot write %s: the name must end in .exr, .pfm or .png", path);
-}
-
-static sl_status write_codes(const sl_image *image, const uint8_t *rgb, const sl_png_entry texts[3],
-                             size_t count, const char *path, sl_error *error) {
-    sl_output_file file;
-    sl_status status = sl_output_open(&file, path, error);
-    if (status != SL_OK) return status;
-    status = sl_png_write(image->width, image->height, 3, rgb, texts, count, &file, error);
-    if (status == SL_OK) return sl_output_commit(&file, error);
-    sl_output_discard(&file);
-    return status;
 }
 
 sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error) {
@@ -208,7 +193,7 @@ sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone to
     const sl_png_entry texts[3] = {{SL_TONE_KEY, sl_tone_curve_name((size_t)tone.curve)},
                                    {SL_TONE_EXPOSURE_KEY, stops},
                                    {SL_TONE_AUTOMATIC_KEY, "true"}};
-    status = write_codes(image, rgb, texts, tone.automatic ? 3 : 2, path, error);
+    status = sl_png_file(path, image->width, image->height, 3, rgb, texts, tone.automatic ? 3 : 2, error);
     sl_free(rgb);
     return status;
 }

@@ -175,7 +175,7 @@ static int give_name(sl_output_file *file) {
     return reason == EEXIST ? put_beside(file) : reason;
 }
 
-sl_status sl_output_commit(sl_output_file *file, sl_error *error) {
+static sl_status commit(sl_output_file *file, sl_error *error) {
     bool whole_or_nothing = file->unnamed || file->temporary;
     int reason = whole_or_nothing && fsync(file->descriptor) != 0 ? errno : 0;
     if (reason == 0 && file->unnamed) reason = give_name(file);
@@ -192,4 +192,17 @@ void sl_output_discard(sl_output_file *file) {
     if (file->descriptor >= 0) close(file->descriptor);
     if (file->temporary) unlink(file->temporary);
     release(file);
+}
+
+sl_status sl_output_close(sl_output_file *file, sl_status written, sl_error *error) {
+    if (written == SL_OK) return commit(file, error);
+    sl_output_discard(file);
+    return written;
+}
+
+sl_status sl_output_whole(const char *path, const void *data, size_t bytes, sl_error *error) {
+    sl_output_file file;
+    sl_status status = sl_output_open(&file, path, error);
+    if (status != SL_OK) return status;
+    return sl_output_close(&file, sl_output_write(&file, data, bytes, error), error);
 }

@@ -21,7 +21,7 @@ typedef struct sl_output_file {
 } sl_output_file;
 
 /* All failures are SL_ERROR_OUTPUT (or SL_ERROR_RESOURCES for want of memory), "cannot write PATH: reason".
- * After a failed open nothing is to be undone; after a successful one exactly one of commit and discard must
+ * After a failed open nothing is to be undone; after a successful one exactly one of close and discard must
  * follow. */
 sl_status sl_output_open(sl_output_file *file, const char *path, sl_error *error);
 /* Fails as opening would, so that it is known before the work; leaves no trace. Devices and pipes are not
@@ -33,8 +33,10 @@ sl_status sl_output_write(sl_output_file *file, const void *data, size_t bytes, 
 /* For formats whose writer goes back; independent of the sequence. */
 sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t bytes, uint64_t offset,
                              sl_error *error);
-/* Gives the file its name. Where it fails the file has been discarded. */
-sl_status sl_output_commit(sl_output_file *file, sl_error *error);
+/* Gives the file its name if all was `written`, or discards it; returns what came of it. */
+sl_status sl_output_close(sl_output_file *file, sl_status written, sl_error *error);
 void sl_output_discard(sl_output_file *file);
+/* Writes a file of these bytes. */
+sl_status sl_output_whole(const char *path, const void *data, size_t bytes, sl_error *error);
 
 #endif

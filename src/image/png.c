@@ -218,3 +218,12 @@ sl_status sl_png_write(int width, int height, int channels, const uint8_t *texel
     png_destroy_write_struct(&work.png, &work.info);
     return work.status;
 }
+
+sl_status sl_png_file(const char *path, int width, int height, int channels, const uint8_t *texels,
+                      const sl_png_entry *texts, size_t count, sl_error *error) {
+    sl_output_file file;
+    sl_status status = sl_output_open(&file, path, error);
+    if (status != SL_OK) return status;
+    status = sl_png_write(width, height, channels, texels, texts, count, &file, error);
+    return sl_output_close(&file, status, error);
+}

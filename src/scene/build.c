@@ -1,6 +1,6 @@
 /* From a model to a scene: check, repair, weld. Everything that loads or makes a scene ends here, so that
  * nothing behind this file ever meets a triangle without area, a vertex that is not finite or a normal
- * without direction. */
+ * without direction. Indices are checked where they are added. */
 #include <math.h>
 #include <string.h>
 
@@ -87,7 +87,7 @@ static sl_status fill_vertices(const corners *all, sl_scene *s, sl_error *error)
 /* ---- triangles ------------------------------------------------------------------------------- */
 
 typedef struct dropped {
-    size_t out_of_range, nonfinite, without_area;
+    size_t nonfinite, without_area;
 } dropped;
 
 /* Tells whether a triangle can be kept; its geometric normal if so. */
@@ -95,13 +95,7 @@ static bool keep_triangle(const sl_model *m, size_t triangle, sl_vec3 *normal, d
     const uint32_t *index = m->indices + 3 * triangle;
     sl_vec3 p[3];
     sl_vec3d cross;
-    for (int i = 0; i < 3; i++) {
-        if (index[i] >= m->vertex_count) {
-            lost->out_of_range++;
-            return false;
-        }
-        p[i] = vector_at(m->positions, index[i]);
-    }
+    for (int i = 0; i < 3; i++) p[i] = vector_at(m->positions, index[i]);
     const bool finite = sl_is_finite(p[0]) && sl_is_finite(p[1]) && sl_is_finite(p[2]),
                has_area = finite && sl_triangle_cross(p[0], p[1], p[2], &cross);
     lost->nonfinite += !finite;
@@ -148,13 +142,11 @@ static sl_status add_surface(const sl_model *m, const sl_bicubic *given, corners
         if (keep_triangle(m, t, &normal, &lost)) add_triangle(m, t, given, surface, normal, all, s);
     }
     surface->triangle_count = (uint32_t)s->triangle_count - surface->first_triangle;
-    if (surface->triangle_count && lost.out_of_range + lost.nonfinite == 0) return SL_OK;
+    if (surface->triangle_count && lost.nonfinite == 0) return SL_OK;
     return sl_fail(error, SL_ERROR_INPUT, "a bicubic surface has no area or is not finite");
 }
 
 static sl_status tell_of_dropped(sl_scene *s, size_t given, const dropped *lost, sl_error *error) {
-    if (lost->out_of_range)
-        sl_scene_warn(s, "%zu triangles with vertex indices out of range dropped", lost->out_of_range);
     if (lost->nonfinite)
         sl_scene_warn(s, "%zu triangles with NaN or infinite vertices dropped", lost->nonfinite);
     if (lost->without_area) sl_scene_warn(s, "%zu triangles without area dropped", lost->without_area);
@@ -164,20 +156,9 @@ static sl_status tell_of_dropped(sl_scene *s, size_t given, const dropped *lost,
             error, SL_ERROR_INPUT,
             "no triangles: expected faces of three corners or more (points and lines are not drawn)");
     return sl_fail(error, SL_ERROR_INPUT,
-                   "no triangles: expected one with an area; of %zu, %zu have NaN or infinite vertices, %zu "
-                   "indices out of range, and %zu no area",
-                   given, lost->nonfinite, lost->out_of_range, lost->without_area);
-}
-
-static sl_status check_indices(const sl_model *m, size_t triangle, sl_error *error) {
-    const sl_scene *s = &m->scene;
-    if (m->material_index[triangle] >= s->material_count)
-        return sl_fail(error, SL_ERROR_INPUT, "triangle %zu names material %u of %zu", triangle,
-                       m->material_index[triangle], s->material_count);
-    if (m->object_index[triangle] >= s->object_count)
-        return sl_fail(error, SL_ERROR_INPUT, "a triangle names object %u of %zu", m->object_index[triangle],
-                       s->object_count);
-    return SL_OK;
+                   "no triangles: expected one with an area; of %zu, %zu have NaN or infinite vertices, and "
+                   "%zu no area",
+                   given, lost->nonfinite, lost->without_area);
 }
 
 static sl_status add_triangles(const sl_model *m, corners *all, sl_scene *s, sl_error *error) {
@@ -186,11 +167,11 @@ static sl_status add_triangles(const sl_model *m, corners *all, sl_scene *s, sl_
         const sl_bicubic *surface =
             s->bicubic_count < m->bicubic_count ? &m->bicubics[s->bicubic_count] : NULL;
         sl_vec3 normal;
-        sl_status status = check_indices(m, t, error);
-        if (status == SL_OK && surface && t == surface->first_triangle) {
+        sl_status status = SL_OK;
+        if (surface && t == surface->first_triangle) {
             status = add_surface(m, surface, all, s, error);
             t += surface->triangle_count - 1;
-        } else if (status == SL_OK && keep_triangle(m, t, &normal, &lost) &&
+        } else if (keep_triangle(m, t, &normal, &lost) &&
                    !add_triangle(m, t, NULL, NULL, normal, all, s)) {
             status = sl_fail_memory(error, "the scene's vertices");
         }
@@ -244,13 +225,6 @@ static sl_status check_sky(sl_scene *s, sl_error *error) {
     return status;
 }
 
-static sl_status set_film(sl_scene *s, sl_error *error) {
-    if (!s->film_width) s->film_width = FILM_DEFAULT;
-    if (!s->film_height) s->film_height = FILM_DEFAULT;
-    if (s->film_width > 0 && s->film_height > 0) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "film: expected a width and height of at least 1");
-}
-
 static sl_status light_if_dark(const sl_model *m, sl_scene *s, bool shut_out, sl_error *error) {
     const bool any = s->light_count || s->emitter_count || s->environment.present;
     if (any && !shut_out) return SL_OK;
@@ -264,8 +238,8 @@ static sl_status complete(sl_model *m, sl_error *error) {
     bool shut_out = false;
     s->is_read = true;
     if (m->dark_lights) sl_scene_warn(s, "%zu lights have no intensity and are left out", m->dark_lights);
-    sl_status status = set_film(s, error);
-    if (status == SL_OK) status = add_what_is_missing(m, error);
+    if (!s->film_width) s->film_width = s->film_height = FILM_DEFAULT;
+    sl_status status = add_what_is_missing(m, error);
     if (status == SL_OK) status = sl_materials_check(s, error);
     if (status == SL_OK) status = sl_lights_check(s, error);
     if (status == SL_OK) status = check_sky(s, error);

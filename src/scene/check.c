@@ -1,29 +1,22 @@
 /* Surfaces and lights must be physical: no negative or infinite reflectance or light, no surface that
  * reflects more than it receives. Where a repair is obvious it is made, with a warning; the rest is an input
  * error. */
+#include <float.h>
 #include <math.h>
 
 #include "base/error.h"
 #include "scene/affine.h"
 #include "scene/derive.h"
+#include "scene/parts.h"
 
-static bool channel_is_valid(float value) { return value >= 0.0f && isfinite(value); }
-static bool rgb_is_valid(sl_rgb c) {
-    return channel_is_valid(c.r) && channel_is_valid(c.g) && channel_is_valid(c.b);
-}
-
+/* Mesh files may say that more than all is reflected, which is put right. */
 static sl_status check_numbers(const sl_material *m, sl_error *error) {
-    const struct {
-        const char *what;
-        sl_rgb value;
-    } all[] = {{"diffuse reflectance", m->diffuse}, {"specular reflectance", m->specular},
-               {"mirror reflectance", m->mirror},   {"emission", m->emission},
-               {"exponent", sl_grey(m->exponent)},  {"bump depth", sl_grey(m->bump_depth)}};
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
-        if (rgb_is_valid(all[i].value)) continue;
-        return sl_fail(error, SL_ERROR_INPUT,
-                       "material '%s': expected a finite %s of at least 0, got (%g, %g, %g)", m->name,
-                       all[i].what, (double)all[i].value.r, (double)all[i].value.g, (double)all[i].value.b);
+    char text[SL_RULE_TEXT];
+    for (int i = 0; i < SL_MATERIAL_NUMBERS; i++) {
+        sl_material_number number = sl_material_numbers[i];
+        number.most = (double)FLT_MAX;
+        if (!sl_material_number_fits(&number, m, text))
+            return sl_fail(error, SL_ERROR_INPUT, "material '%s': %s", m->name, text);
     }
     return SL_OK;
 }
@@ -68,17 +61,9 @@ static void settle_mirror(sl_scene *scene, sl_material *m) {
     m->texture = SL_NO_INDEX;
 }
 
-static bool texture_exists(const sl_scene *scene, uint32_t index) {
-    return index == SL_NO_INDEX || index < scene->texture_count;
-}
-
 sl_status sl_material_check(sl_scene *scene, sl_material *m, sl_error *error) {
     sl_status status = check_numbers(m, error);
     if (status != SL_OK) return status;
-    if (!texture_exists(scene, m->texture) || !texture_exists(scene, m->alpha_texture) ||
-        m->height_map > scene->texture_count) {
-        return sl_fail(error, SL_ERROR_INPUT, "material '%s' names a texture that does not exist", m->name);
-    }
     settle_mirror(scene, m);
     conserve_energy(scene, m);
     return SL_OK;
@@ -92,7 +77,8 @@ sl_status sl_materials_check(sl_scene *scene, sl_error *error) {
 }
 
 static sl_status check_light(sl_light *light, size_t index, sl_error *error) {
-    if (!rgb_is_valid(light->intensity)) {
+    const sl_rgb i = light->intensity;
+    if (!(i.r >= 0.0f && i.g >= 0.0f && i.b >= 0.0f) || !sl_rgb_is_finite(i)) {
         return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected a finite intensity of at least 0", index);
     }
     if (light->type != SL_LIGHT_DIRECTIONAL && !sl_is_finite(light->position)) {

@@ -74,15 +74,10 @@ sl_status sl_environment_complete(sl_environment *e, size_t *repaired, sl_error 
         return SL_OK;
     }
     if (e->width == 0) {
-        if (!is_light(e->constant.r) || !is_light(e->constant.g) || !is_light(e->constant.b))
-            return sl_fail(error, SL_ERROR_INPUT, "environment: expected a finite radiance of at least 0");
         e->height = 0;
         e->present = sl_rgb_max(e->constant) > 0.0f;
         return SL_OK;
     }
-    if (e->width < 0 || e->height <= 0 || !e->texels)
-        return sl_fail(error, SL_ERROR_INPUT, "environment: expected a picture, got %d x %d texels", e->width,
-                       e->height);
     e->row_cdf = sl_allocate((size_t)e->height, sizeof(double));
     e->column_cdf = sl_allocate((size_t)e->width * (size_t)e->height, sizeof(double));
     if (!e->row_cdf || !e->column_cdf) return sl_fail_memory(error, "the environment");

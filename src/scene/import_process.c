@@ -16,7 +16,6 @@
 #include "base/memory.h"
 #include "base/print.h"
 #include "scene/import_reply.h"
-#include "scene/importer_path.h"
 
 extern char **environ;
 

@@ -9,6 +9,10 @@
 #include "scene/affine.h"
 #include "softlux.h"
 
+/* Where that program is: the one thing of the library that differs between the build folder and an
+ * installation. */
+extern const char sl_importer_path[];
+
 /* Limits of a process; beyond them it is ended. */
 typedef struct sl_import_limits {
     unsigned seconds, processor_seconds; /* the former by the clock */

@@ -1,4 +1,4 @@
-#include "scene/importer_path.h"
+#include "scene/import_process.h"
 
 #ifndef SL_IMPORTER
 #error "the makefile says where softlux-import is: in the build folder, or where it is installed"

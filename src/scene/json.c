@@ -14,61 +14,50 @@
 #include "scene/file.h"
 #include "scene/parts.h"
 
-/* ---- lines: the text and the parsed tree are walked side by side ----------------------------- */
+/* ---- lines: values stand in the text in the order of the parsed tree ------------------------- */
 
-typedef struct walk {
-    const char *at;
-    unsigned long line;
-    const cJSON *wanted;
-} walk;
+static bool is_space(char c) { return c && (unsigned char)c <= ' '; }
 
-static void skip_space(walk *w) {
-    for (; *w->at && (unsigned char)*w->at <= ' '; w->at++) w->line += *w->at == '\n';
+static const char *skip_space(const char *at) {
+    while (is_space(*at)) at++;
+    return at;
 }
 
-static void skip_string(walk *w) {
-    for (w->at++; *w->at && *w->at != '"'; w->at++) {
-        if (*w->at == '\\' && w->at[1]) w->at++;
-    }
-    if (*w->at) w->at++;
+static const char *behind_string(const char *at) {
+    for (at++; *at && *at != '"'; at++) at += *at == '\\' && at[1];
+    return at + (*at == '"');
 }
 
-static void skip_plain(walk *w) {
-    while (*w->at && !strchr(",]} \t\r\n", *w->at)) w->at++;
+static unsigned long line_of(const char *text, const char *at) {
+    unsigned long line = 1;
+    for (; text < at && *text; text++) line += *text == '\n';
+    return line;
 }
 
-/* True once the wanted item is reached; w->line is then its line. */
-static bool walk_value(walk *w, const cJSON *item) {
-    skip_space(w);
-    if (item == w->wanted) return true;
-    if (*w->at == '"') {
-        skip_string(w);
-    } else if (*w->at == '{' || *w->at == '[') {
-        bool has_keys = *w->at++ == '{';
-        for (const cJSON *child = item->child; child; child = child->next) {
-            skip_space(w);
-            if (child == w->wanted) return true;
-            if (has_keys) {
-                skip_string(w);
-                skip_space(w);
-                if (*w->at) w->at++; /* the colon */
-            }
-            if (walk_value(w, child)) return true;
-            skip_space(w);
-            if (*w->at == ',') w->at++;
-        }
-        skip_space(w);
-        if (*w->at) w->at++; /* the closing bracket */
-    } else {
-        skip_plain(w);
+/* Counts the items that stand before the wanted one; false: it is not among them. */
+static bool count_before(const cJSON *item, const cJSON *wanted, size_t *count) {
+    if (item == wanted) return true;
+    ++*count;
+    for (const cJSON *child = item->child; child; child = child->next) {
+        if (count_before(child, wanted, count)) return true;
     }
     return false;
 }
 
 /* Returns the line on which an item (its key, where it has one) begins. */
 static unsigned long line_of_item(const sl_json *json, const cJSON *item) {
-    walk w = {json->text, 1, item};
-    return item && walk_value(&w, json->root) ? w.line : 1;
+    size_t before = 0;
+    if (!item || !count_before(json->root, item, &before)) return 1;
+    for (const char *at = json->text, *key = NULL; *at;) {
+        const char *token = at++;
+        if (is_space(*token) || strchr(",:]}", *token)) continue;
+        if (*token == '"') at = behind_string(token);
+        else if (!strchr("{[", *token)) at = token + strcspn(token, ",]} \t\r\n");
+        if (*token == '"' && *skip_space(at) == ':') key = token;
+        else if (before-- == 0) return line_of(json->text, key ? key : token);
+        else key = NULL;
+    }
+    return 1;
 }
 
 void sl_json_fail(sl_json *json, const cJSON *item, const char *format, ...) {
@@ -89,12 +78,6 @@ void sl_json_take(sl_json *json, const cJSON *item, const char *what, sl_status 
 }
 
 /* ---- the file -------------------------------------------------------------------------------- */
-
-static unsigned long line_of(const char *text, const char *at) {
-    unsigned long line = 1;
-    for (; text < at && *text; text++) line += *text == '\n';
-    return line;
-}
 
 static const char *behind_digits(const char *at) { return at + strspn(at, "0123456789"); }
 
@@ -119,8 +102,7 @@ static const char *behind_number(const char *at) {
 static const char *find_what_is_no_json(const char *text) {
     for (const char *at = text; *at; at++) {
         if (*at == '"') {
-            for (at++; *at && *at != '"'; at++) at += *at == '\\' && at[1];
-            if (!*at) return NULL;
+            at = behind_string(at) - 1;
         } else if (*at == ',' && strchr("]}", at[1 + strspn(at + 1, " \t\r\n")])) {
             return at;
         } else if (strchr("+-.0123456789", *at)) {

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
-#include "image/decode.h"
+#include "image/formats.h"
 #include "scene/bicubic.h"
 #include "scene/derive.h"
 #include "scene/file.h"

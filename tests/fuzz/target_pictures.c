@@ -2,7 +2,6 @@
 #include "support.h"
 
 #include "base/memory.h"
-#include "image/decode.h"
 #include "image/formats.h"
 #include "scene/model.h"
 

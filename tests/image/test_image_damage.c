@@ -16,7 +16,6 @@
 #include <stb/stb_image_write.h>
 
 #include "base/random.h"
-#include "image/decode.h"
 #include "image/formats.h"
 #include "image_support.h"
 #include "scene_files.h"

@@ -25,7 +25,7 @@
 
 #include "base/random.h"
 #include "image/color.h"
-#include "image/decode.h"
+#include "image/formats.h"
 #include "image_support.h"
 #include "scene_files.h"
 

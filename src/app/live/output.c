@@ -109,7 +109,7 @@ sl_status sl_show_files_close(sl_show_files *files, bool well, sl_error *error) 
     free(files->rgb);
     free(files->yuv);
     if (!files->opened) return SL_OK;
-    if (well) return sl_output_commit(&files->file, error);
+    if (well) return sl_output_close(&files->file, SL_OK, error);
     sl_output_discard(&files->file);
     return SL_OK;
 }

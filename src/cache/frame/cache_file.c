@@ -96,19 +96,13 @@ void sl_cache_write_start(sl_cache_writer *writer, const sl_cache_header *header
 }
 
 sl_status sl_cache_write_end(sl_cache_writer *writer, const char *path, sl_error *error) {
-    sl_output_file file;
-    sl_status status = SL_OK;
+    sl_status status;
     if (!writer->failed) {
         store(writer->bytes + SIZE_AT, writer->size + CHECKSUM_BYTES, 8);
         sl_cache_write_u64(writer, checksum(writer->bytes, writer->size));
     }
     if (writer->failed) status = sl_fail_memory(error, "a cache file");
-    else status = sl_output_open(&file, path, error);
-    if (status == SL_OK) {
-        status = sl_output_write(&file, writer->bytes, writer->size, error);
-        if (status == SL_OK) status = sl_output_commit(&file, error);
-        else sl_output_discard(&file);
-    }
+    else status = sl_output_whole(path, writer->bytes, writer->size, error);
     sl_free(writer->bytes);
     *writer = (sl_cache_writer){0};
     return status;
