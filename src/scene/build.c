@@ -19,47 +19,91 @@ static sl_vec3 vector_at(const float *xyz, size_t i) {
 
 /* ---- vertices: equal corners become one, in the order of their first use ------------------------ */
 
+enum { CORNER_VALUES = 8, SLOTS_LEAST = 64 };
+
 typedef struct corner {
-    float value[8];  /* position, normal, texture coordinates */
-    uint32_t object; /* or, where vertices are kept, the model's vertex */
+    float value[CORNER_VALUES]; /* position, normal, texture coordinates */
+    /* the object, or, where vertices are kept, the model's vertex; SL_NO_INDEX: a surface, whose vertices are
+     * no others' */
+    uint32_t owner;
 } corner;
 
+/* Those that are found are the scene's vertices, whose arrays grow. */
 typedef struct corners {
-    corner *list;
-    size_t count, room;
-    uint32_t *slot; /* of a hash table, open addressing: a number in the list, or SL_NO_INDEX */
+    float **value[CORNER_VALUES];
+    size_t *count, room;
+    uint32_t *owner;
+    uint32_t *slot; /* of a hash table, open addressing: a vertex, or SL_NO_INDEX; half are never used */
     size_t slots;
 } corners;
 
-static size_t slot_of(const corners *all, const corner *c) {
-    uint64_t hash = c->object, word;
-    for (int i = 0; i < 8; i += 2) {
+static corners corners_of(sl_scene *s) {
+    return (corners){{&s->position_x, &s->position_y, &s->position_z, &s->normal_x, &s->normal_y,
+                      &s->normal_z, &s->texture_u, &s->texture_v},
+                     .count = &s->vertex_count};
+}
+
+static corner corner_at(const corners *all, size_t vertex) {
+    corner c = {.owner = all->owner[vertex]};
+    for (int i = 0; i < CORNER_VALUES; i++) c.value[i] = (*all->value[i])[vertex];
+    return c;
+}
+
+static bool is_corner(const corners *all, size_t vertex, const corner *c) {
+    for (int i = 0; i < CORNER_VALUES; i++) {
+        if ((*all->value[i])[vertex] != c->value[i]) return false;
+    }
+    return all->owner[vertex] == c->owner;
+}
+
+/* Finds the slot of a corner, or the free one that it is to have. */
+static uint32_t *slot_of(const corners *all, const corner *c) {
+    uint64_t hash = c->owner, word;
+    for (int i = 0; i < CORNER_VALUES; i += 2) {
         memcpy(&word, (float[2]){c->value[i] + 0.0f, c->value[i + 1] + 0.0f}, sizeof word); /* no -0 */
         hash = sl_hash64(hash ^ word);
     }
-    return (size_t)hash & (all->slots - 1);
+    size_t at = (size_t)hash & (all->slots - 1);
+    while (all->slot[at] != SL_NO_INDEX && !is_corner(all, all->slot[at], c))
+        at = (at + 1) & (all->slots - 1);
+    return &all->slot[at];
 }
 
-static bool same_corner(const corner *a, const corner *b) {
-    for (int i = 0; i < 8; i++) {
-        if (a->value[i] != b->value[i]) return false;
+static bool add_slots(corners *all) {
+    const size_t slots = all->slots ? 2 * all->slots : SLOTS_LEAST;
+    sl_free(all->slot);
+    all->slots = slots;
+    if (!(all->slot = sl_allocate_unset(slots, sizeof *all->slot))) return false;
+    memset(all->slot, 0xff, slots * sizeof *all->slot); /* SL_NO_INDEX */
+    for (size_t v = 0; v < *all->count; v++) {
+        const corner c = corner_at(all, v);
+        if (c.owner != SL_NO_INDEX) *slot_of(all, &c) = (uint32_t)v;
     }
-    return a->object == b->object;
+    return true;
+}
+
+static bool set_room(corners *all, size_t room) {
+    bool made = sl_regrow(&all->owner, *all->count, room, sizeof *all->owner);
+    for (int i = 0; i < CORNER_VALUES && made; i++)
+        made = sl_regrow(all->value[i], *all->count, room, sizeof **all->value[i]);
+    if (made) all->room = room;
+    return made;
 }
 
 static bool add_corner(corners *all, const corner *c, uint32_t *number) {
-    if (!sl_make_room(&all->list, all->count, &all->room, sizeof *all->list)) return false;
-    *number = (uint32_t)all->count++;
-    all->list[*number] = *c;
+    if (*all->count == all->room && !set_room(all, sl_grown_capacity(all->room, all->room + SLOTS_LEAST)))
+        return false;
+    *number = (uint32_t)(*all->count)++;
+    for (int i = 0; i < CORNER_VALUES; i++) (*all->value[i])[*number] = c->value[i];
+    all->owner[*number] = c->owner;
     return true;
 }
 
 static bool find_corner(corners *all, const corner *c, uint32_t *number) {
-    size_t at = slot_of(all, c);
-    while (all->slot[at] != SL_NO_INDEX && !same_corner(&all->list[all->slot[at]], c))
-        at = (at + 1) & (all->slots - 1);
-    if (all->slot[at] == SL_NO_INDEX && !add_corner(all, c, &all->slot[at])) return false;
-    *number = all->slot[at];
+    if (all->slots < 2 * (*all->count + 1) && !add_slots(all)) return false;
+    uint32_t *slot = slot_of(all, c);
+    if (*slot == SL_NO_INDEX && !add_corner(all, c, slot)) return false;
+    *number = *slot;
     return true;
 }
 
@@ -69,19 +113,7 @@ static corner corner_of(const sl_model *m, uint32_t vertex, uint32_t object, sl_
                   n = sl_unit_or(vector_at(m->normals, vertex), facet);
     const float u = m->uvs[2 * (size_t)vertex], v = m->uvs[2 * (size_t)vertex + 1];
     return (corner){{p.x, p.y, p.z, n.x, n.y, n.z, isfinite(u) ? u : 0.0f, isfinite(v) ? v : 0.0f},
-                    m->keeps_vertices ? vertex : object};
-}
-
-static sl_status fill_vertices(const corners *all, sl_scene *s, sl_error *error) {
-    float **arrays[] = {&s->position_x, &s->position_y, &s->position_z, &s->normal_x,
-                        &s->normal_y,   &s->normal_z,   &s->texture_u,  &s->texture_v};
-    s->vertex_count = all->count;
-    for (size_t i = 0; i < 8; i++) {
-        float *to = *arrays[i] = sl_allocate(all->count, sizeof(float));
-        if (!to) return sl_fail_memory(error, "the scene's vertices");
-        for (size_t v = 0; v < all->count; v++) to[v] = all->list[v].value[i];
-    }
-    return SL_OK;
+                    m->keeps_vertices && object != SL_NO_INDEX ? vertex : object};
 }
 
 /* ---- triangles ------------------------------------------------------------------------------- */
@@ -116,9 +148,6 @@ static bool add_triangle(const sl_model *m, size_t from, const sl_bicubic *given
     }
     s->material_index[to] = m->material_index[from];
     s->object_index[to] = m->object_index[from];
-    s->geometric_normal_x[to] = normal.x;
-    s->geometric_normal_y[to] = normal.y;
-    s->geometric_normal_z[to] = normal.z;
     return true;
 }
 
@@ -128,14 +157,14 @@ static sl_status add_surface(const sl_model *m, const sl_bicubic *given, corners
                              sl_error *error) {
     sl_bicubic *surface = &s->bicubics[s->bicubic_count++];
     *surface = *given;
-    surface->first_vertex = (uint32_t)all->count;
+    surface->first_vertex = (uint32_t)s->vertex_count;
     surface->first_triangle = (uint32_t)s->triangle_count;
     const uint32_t side = (uint32_t)given->steps + 1;
     dropped lost = {0};
     sl_vec3 normal = sl_v3(0, 0, 0);
     uint32_t number;
     for (uint32_t v = given->first_vertex; v < given->first_vertex + side * side; v++) {
-        const corner at = corner_of(m, v, 0, normal);
+        const corner at = corner_of(m, v, SL_NO_INDEX, normal);
         if (!add_corner(all, &at, &number)) return sl_fail_memory(error, "the scene's vertices");
     }
     for (size_t t = given->first_triangle; t < (size_t)given->first_triangle + given->triangle_count; t++) {
@@ -181,30 +210,31 @@ static sl_status add_triangles(const sl_model *m, corners *all, sl_scene *s, sl_
 }
 
 static sl_status allocate_triangles(const sl_model *m, sl_scene *s, sl_error *error) {
-    uint32_t **whole[] = {&s->vertex[0],      &s->vertex[1],    &s->vertex[2],
-                          &s->material_index, &s->object_index, &s->emitter_of_triangle};
-    float **real[] = {&s->geometric_normal_x, &s->geometric_normal_y, &s->geometric_normal_z};
-    s->bicubics = sl_allocate(m->bicubic_count, sizeof *s->bicubics);
-    bool there = s->bicubics;
-    for (size_t i = 0; i < 6; i++) there &= (*whole[i] = sl_allocate(m->triangle_count, 4)) != NULL;
-    for (size_t i = 0; i < 3; i++) there &= (*real[i] = sl_allocate(m->triangle_count, 4)) != NULL;
+    uint32_t **arrays[] = {&s->vertex[0], &s->vertex[1], &s->vertex[2], &s->material_index, &s->object_index};
+    bool there = (s->bicubics = sl_allocate(m->bicubic_count, sizeof *s->bicubics));
+    for (size_t i = 0; i < 5; i++) there &= (*arrays[i] = sl_allocate_unset(m->triangle_count, 4)) != NULL;
     return there ? SL_OK : sl_fail_memory(error, "the scene's triangles");
 }
 
-static sl_status add_geometry(const sl_model *m, sl_scene *s, sl_error *error) {
-    corners all = {.slots = 16};
-    while (all.slots < 6 * m->triangle_count) all.slots *= 2; /* of which half are never used */
+/* What follows from the triangles; the model's are gone by then. */
+static sl_status allocate_derived(sl_scene *s, sl_error *error) {
+    float **normal[] = {&s->geometric_normal_x, &s->geometric_normal_y, &s->geometric_normal_z};
+    bool there = (s->emitter_of_triangle = sl_allocate_unset(s->triangle_count, 4));
+    for (size_t i = 0; i < 3; i++) there &= (*normal[i] = sl_allocate_unset(s->triangle_count, 4)) != NULL;
+    return there ? SL_OK : sl_fail_memory(error, "the scene's triangles");
+}
+
+/* Moves the model's triangles into the scene: at no time are there two of all. */
+static sl_status add_geometry(sl_model *m, sl_scene *s, sl_error *error) {
+    corners all = corners_of(s);
     sl_status status = allocate_triangles(m, s, error);
-    if (status == SL_OK && !(all.slot = sl_allocate_unset(all.slots, sizeof *all.slot)))
-        status = sl_fail_memory(error, "the scene's vertices");
-    if (status == SL_OK) {
-        memset(all.slot, 0xff, all.slots * sizeof *all.slot); /* SL_NO_INDEX */
-        status = add_triangles(m, &all, s, error);
-    }
-    if (status == SL_OK) status = fill_vertices(&all, s, error);
-    sl_free(all.list);
+    if (status == SL_OK) status = add_triangles(m, &all, s, error);
     sl_free(all.slot);
-    return status;
+    sl_model_drop_geometry(m);
+    if (status == SL_OK && !set_room(&all, s->vertex_count))
+        status = sl_fail_memory(error, "the scene's vertices");
+    sl_free(all.owner);
+    return status == SL_OK ? allocate_derived(s, error) : status;
 }
 
 /* ---- the whole ------------------------------------------------------------------------------- */

@@ -12,18 +12,32 @@ typedef struct sl_half_edge {
     bool upwards;       /* it begins at the lower end */
 } sl_half_edge;
 
-/* Finds by vertex the first one at its place: vertex_count of them, which the caller frees. NULL: no memory.
- */
-uint32_t *sl_scene_places(const sl_scene *scene);
-/* Lists all half-edges, those between the same two places together, by their index: 3 triangle_count of them,
- * which the caller frees. NULL: no memory. */
-sl_half_edge *sl_scene_half_edges(const sl_scene *scene, const uint32_t *places);
-/* Returns the end of those that lie between the same places as the first, count at most. */
-size_t sl_half_edges_of_one(const sl_half_edge *edges, size_t first, size_t count);
+/* All half-edges, by the places of their ends, those between the same two by their index. */
+typedef struct sl_half_edges {
+    const sl_scene *scene;
+    size_t count;     /* 3 for each triangle */
+    uint32_t *index;
+    uint32_t *places; /* by vertex: the first one at its place */
+} sl_half_edges;
+
+/* False: no memory. To be released, whatever comes of it. */
+bool sl_half_edges_list(const sl_scene *scene, sl_half_edges *edges);
+void sl_half_edges_release(sl_half_edges *edges);
+/* Returns the end of those that lie between the same places as the first. */
+size_t sl_half_edges_of_one(const sl_half_edges *edges, size_t first);
 
 /* Returns the vertex where a half-edge begins, or, one further, where it ends. */
 static inline uint32_t sl_half_edge_vertex(const sl_scene *s, uint32_t index, uint32_t further) {
     return s->vertex[(index % 3 + further) % 3][index / 3];
+}
+
+static inline sl_half_edge sl_half_edge_of(const sl_half_edges *e, uint32_t index) {
+    const uint32_t a = e->places[sl_half_edge_vertex(e->scene, index, 0)],
+                   b = e->places[sl_half_edge_vertex(e->scene, index, 1)];
+    return (sl_half_edge){a < b ? a : b, a < b ? b : a, index, a < b};
+}
+static inline sl_half_edge sl_half_edge_at(const sl_half_edges *e, size_t i) {
+    return sl_half_edge_of(e, e->index[i]);
 }
 
 #endif

@@ -215,10 +215,20 @@ sl_status sl_model_add_texture(sl_model *m, const char *name, const sl_texture *
     return SL_OK;
 }
 
+void sl_model_drop_geometry(sl_model *m) {
+    void *arrays[] = {m->positions,      m->normals,      m->uvs,     m->indices,
+                      m->material_index, m->object_index, m->bicubics};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) sl_free(arrays[i]);
+    m->positions = m->normals = m->uvs = NULL;
+    m->indices = m->material_index = m->object_index = NULL;
+    m->bicubics = NULL;
+    m->vertex_count = m->triangle_count = m->bicubic_count = 0;
+    m->vertex_room = m->triangle_room = m->bicubic_room = 0;
+}
+
 void sl_model_clear(sl_model *m) {
-    void *plain[] = {m->positions,      m->normals,      m->uvs,      m->indices,
-                     m->material_index, m->object_index, m->bicubics, m->folder};
-    for (size_t i = 0; i < sizeof plain / sizeof plain[0]; i++) sl_free(plain[i]);
+    sl_model_drop_geometry(m);
+    sl_free(m->folder);
     sl_scene_release(&m->scene);
     *m = (sl_model){0};
 }

@@ -28,6 +28,8 @@ typedef struct sl_model {
 } sl_model;
 
 void sl_model_clear(sl_model *model);
+/* Frees vertices, triangles and surfaces: what is added is numbered from 0 again. */
+void sl_model_drop_geometry(sl_model *model);
 /* Makes the scene of the model, which is as good as cleared then. */
 sl_status sl_model_build(sl_model *model, sl_scene **scene, sl_error *error);
 

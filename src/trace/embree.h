@@ -22,6 +22,11 @@ static inline void *sl_embree_state(const void *callback_context) {
     return ((const sl_embree_query *)callback_context)->state;
 }
 
+/* Which copy of a mesh is met; RTC_INVALID_GEOMETRY_ID: none. */
+static inline unsigned sl_embree_instance(const void *callback_context) {
+    return ((const sl_embree_query *)callback_context)->context.instID[0];
+}
+
 /* The callbacks' rays: structures of n-element arrays in the order of struct RTCRay (a hit record starts with
  * its ray). */
 static inline float *sl_embree_tfar(void *rays, unsigned n) { return (float *)rays + 8 * n; }

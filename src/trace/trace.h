@@ -12,10 +12,13 @@ typedef struct sl_tracer sl_tracer;
  * build. */
 sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *embree_config,
                            sl_tracer **tracer, sl_error *error);
+/* The same where copies of meshes (copies.h) share a hierarchy that saves so many triangles, or more. */
+sl_status sl_tracer_create_sharing(const sl_scene *scene, unsigned threads, const char *embree_config,
+                                   size_t worth, sl_tracer **tracer, sl_error *error);
 void sl_tracer_destroy(sl_tracer *tracer);
 size_t sl_tracer_memory_bytes(const sl_tracer *tracer);
-/* The most that one takes while it is made, by the scene's count of triangles. */
-double sl_tracer_memory_need(size_t triangles);
+/* The most that one takes while it is made. */
+double sl_tracer_memory_need(const sl_scene *scene);
 
 enum { SL_PACKET = 16 };
 

@@ -1,48 +1,12 @@
-/* The hierarchy and its queries. One Embree user primitive a triangle; its box is inflated, since Embree's
- * walk rounds; and while a ray is under way its far end is kept a little beyond the best hit, so that near
- * ties are still visited. The answer is then a function of the ray and the set of triangles alone: the least
+/* Queries. While a ray is under way its far end is kept a little beyond the best hit, so that near ties are
+ * still visited. The answer is then a function of the ray and the set of triangles alone: the least
  * (distance, index) among all hits. */
-#include "trace/trace.h"
-
-#include <stdatomic.h>
-#include <stdio.h>
-
 #include "base/counters.h"
-#include "base/error.h"
-#include "base/memory.h"
-#include "base/parallel.h"
-#include "trace/ray_setup.h"
-#include "trace/triangle_order.h"
+#include "trace/hierarchy.h"
 
-/* Boxes grow by four times what rounding decides a hit within (ray_setup.h). */
-#define INFLATION 2e-6
 #define FARTHEST 1.8e18f /* that Embree takes */
 
 enum { FEW_RAYS = 2 }; /* not worth a packet */
-
-/* A cache line, so that meeting a triangle costs one miss at most. */
-typedef struct placed_triangle {
-    _Alignas(64) sl_triangle_corners corners;
-    uint32_t index; /* in the scene */
-} placed_triangle;
-
-struct sl_tracer {
-    const sl_scene *scene;
-    RTCDevice device;
-    RTCScene hierarchy;
-    placed_triangle *triangles; /* a user primitive each */
-    bool any_alpha;
-    float unit;      /* Embree's unit of length over ours, a power of two; 1 but for astronomical scenes */
-    float inflation;
-    sl_vec3d centre;
-    double diagonal;
-    sl_triangle_test *test;
-    sl_ray_frames *frames;
-    sl_ray_setup setup;
-    sl_rays_usual *find_usual;
-    sl_rays_ready *make_ready;
-    atomic_llong embree_bytes;
-};
 
 /* State of a query for its callbacks. */
 typedef struct query_state {
@@ -52,173 +16,22 @@ typedef struct query_state {
     uint32_t occluded; /* occlusion queries: bit per ray */
 } query_state;
 
-/* ---- building -------------------------------------------------------------------------------- */
-
-static float least(const float v[3]) { return fminf(v[0], fminf(v[1], v[2])); }
-static float greatest(const float v[3]) { return fmaxf(v[0], fmaxf(v[1], v[2])); }
-
-static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments) {
-    const sl_tracer *tracer = arguments->geometryUserPtr;
-    const sl_triangle_corners *c = &tracer->triangles[arguments->primID].corners;
-    float grow = tracer->inflation, unit = tracer->unit;
-    struct RTCBounds *box = arguments->bounds_o;
-    box->lower_x = (least(c->p[0]) - grow) * unit;
-    box->lower_y = (least(c->p[1]) - grow) * unit;
-    box->lower_z = (least(c->p[2]) - grow) * unit;
-    box->upper_x = (greatest(c->p[0]) + grow) * unit;
-    box->upper_y = (greatest(c->p[1]) + grow) * unit;
-    box->upper_z = (greatest(c->p[2]) + grow) * unit;
-}
-
-static void intersect_callback(const struct RTCIntersectFunctionNArguments *arguments);
-static void occluded_callback(const struct RTCOccludedFunctionNArguments *arguments);
-
-/* Origins beyond this are far from the scene. */
-static double far_squared(const sl_tracer *tracer) { return 4.0 * tracer->diagonal * tracer->diagonal; }
-
-static bool count_memory(void *tracer, ssize_t bytes, bool post) {
-    (void)post;
-    atomic_fetch_add(&((sl_tracer *)tracer)->embree_bytes, (long long)bytes);
-    return true;
-}
-
-static sl_status fail_embree(const sl_tracer *tracer, const char *what, sl_error *error) {
-    enum RTCError code = rtcGetDeviceError(tracer->device);
-    return sl_fail(error, SL_ERROR_RESOURCES, "Embree could not %s (error %d)", what, (int)code);
-}
-
-static void copy_triangles(sl_tracer *tracer, const uint32_t *order) {
-    const sl_scene *s = tracer->scene;
-    float greatest_coordinate = 0.0f;
-    for (size_t i = 0; i < s->triangle_count; i++) {
-        uint32_t t = order[i];
-        sl_triangle_corners *c = &tracer->triangles[i].corners;
-        tracer->triangles[i].index = t;
-        for (int k = 0; k < 3; k++) {
-            sl_vec3 p = sl_scene_position(s, s->vertex[k][t]);
-            c->p[0][k] = p.x;
-            c->p[1][k] = p.y;
-            c->p[2][k] = p.z;
-            greatest_coordinate =
-                fmaxf(greatest_coordinate, fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z))));
-        }
-        tracer->any_alpha |= sl_scene_has_alpha(s, t);
-    }
-    /* Embree drops boxes that reach beyond 1.8e18. */
-    int exponent;
-    frexpf(greatest_coordinate, &exponent);
-    tracer->unit = exponent > 40 ? ldexpf(1.0f, -exponent) : 1.0f;
-    sl_vec3d low = sl_to_double(s->box_min), high = sl_to_double(s->box_max);
-    tracer->centre = sl_scaled(sl_addd(low, high), 0.5);
-    tracer->diagonal = sl_lengthd(sl_subd(high, low));
-    /* The second term: far from the origin a box must grow by some units in the last place to grow at all. */
-    tracer->inflation = (float)(INFLATION * tracer->diagonal + 0x1p-22 * (double)greatest_coordinate);
-}
-
-static sl_status place_triangles(sl_tracer *tracer, sl_error *error) {
-    size_t count = tracer->scene->triangle_count;
-    uint32_t *order = sl_allocate(count, sizeof *order);
-    tracer->triangles = sl_allocate(count, sizeof *tracer->triangles);
-    sl_status status = order && tracer->triangles ? sl_triangle_order(tracer->scene, order, error)
-                                                  : sl_fail_memory(error, "the tracer's triangles");
-    if (status == SL_OK) copy_triangles(tracer, order);
-    sl_free(order);
-    return status;
-}
-
-static sl_status build_hierarchy(sl_tracer *tracer, sl_error *error) {
-    RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_USER);
-    if (!geometry) return fail_embree(tracer, "make a geometry", error);
-    rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)tracer->scene->triangle_count);
-    rtcSetGeometryUserData(geometry, tracer);
-    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
-    rtcSetGeometryBoundsFunction(geometry, triangle_bounds, NULL);
-    rtcSetGeometryIntersectFunction(geometry, intersect_callback);
-    rtcSetGeometryOccludedFunction(geometry, occluded_callback);
-    rtcCommitGeometry(geometry);
-    tracer->hierarchy = rtcNewScene(tracer->device);
-    if (!tracer->hierarchy) {
-        rtcReleaseGeometry(geometry);
-        return fail_embree(tracer, "make a scene", error);
-    }
-    rtcSetSceneFlags(tracer->hierarchy, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(tracer->hierarchy, RTC_BUILD_QUALITY_HIGH);
-    rtcAttachGeometry(tracer->hierarchy, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(tracer->hierarchy);
-    if (rtcGetDeviceError(tracer->device) != RTC_ERROR_NONE) {
-        return sl_fail(error, SL_ERROR_RESOURCES, "Embree could not build the hierarchy of %zu triangles",
-                       tracer->scene->triangle_count);
-    }
-    return SL_OK;
-}
-
-sl_status sl_tracer_create(const sl_scene *scene, unsigned threads, const char *embree_config,
-                           sl_tracer **out, sl_error *error) {
-    *out = NULL;
-    if (scene->triangle_count >= SL_NO_INDEX) {
-        return sl_fail(error, SL_ERROR_RESOURCES, "a scene may have at most %u triangles, this has %zu",
-                       SL_NO_INDEX - 1, scene->triangle_count);
-    }
-    sl_tracer *tracer = sl_allocate(1, sizeof *tracer);
-    if (!tracer) return sl_fail_memory(error, "the tracer");
-    tracer->scene = scene;
-    tracer->test = SL_KERNEL_OF(sl_isa_best(), sl_triangle_test);
-    tracer->frames = SL_KERNEL_OF(sl_isa_best(), sl_ray_frames);
-    tracer->find_usual = SL_KERNEL_OF(sl_isa_best(), sl_rays_usual);
-    tracer->make_ready = SL_KERNEL_OF(sl_isa_best(), sl_rays_ready);
-    sl_status status = place_triangles(tracer, error);
-    if (status != SL_OK) {
-        sl_tracer_destroy(tracer);
-        return status;
-    }
-    tracer->setup = (sl_ray_setup){tracer->centre, far_squared(tracer), (double)tracer->unit};
-
-    /* Embree ends the process where it cannot start one. */
-    unsigned builders = sl_threads_to_be_had(sl_thread_count(threads));
-    if (builders == 0) {
-        sl_tracer_destroy(tracer);
-        return sl_fail(error, SL_ERROR_RESOURCES, "no thread could be had for the rays' hierarchy");
-    }
-    char config[256];
-    /* Embree's default, a leaf for each triangle, makes it test boxes longer than we would test triangles. */
-    snprintf(config, sizeof config, "threads=%u,object_accel_max_leaf_size=4%s%s", builders,
-             embree_config ? "," : "", embree_config ? embree_config : "");
-    tracer->device = rtcNewDevice(config);
-    if (!tracer->device) {
-        status = sl_fail(error, SL_ERROR_RESOURCES, "Embree could not make a device with \"%s\" (error %d)",
-                         config, (int)rtcGetDeviceError(NULL));
-    } else {
-        rtcSetDeviceMemoryMonitorFunction(tracer->device, count_memory, tracer);
-        status = build_hierarchy(tracer, error);
-    }
-    if (status != SL_OK) {
-        sl_tracer_destroy(tracer);
-        return status;
-    }
-    *out = tracer;
-    return SL_OK;
-}
-
-void sl_tracer_destroy(sl_tracer *tracer) {
-    if (!tracer) return;
-    if (tracer->hierarchy) rtcReleaseScene(tracer->hierarchy);
-    if (tracer->device) rtcReleaseDevice(tracer->device);
-    sl_free(tracer->triangles);
-    sl_free(tracer);
-}
-
-size_t sl_tracer_memory_bytes(const sl_tracer *tracer) {
-    long long embree = atomic_load(&((sl_tracer *)tracer)->embree_bytes);
-    return sizeof *tracer + tracer->scene->triangle_count * sizeof *tracer->triangles +
-           (size_t)(embree > 0 ? embree : 0);
-}
-
-/* Measured: 145 to 164 bytes a triangle at 10^5 to 10^6 of them while Embree builds (of which 64 are ours),
- * and a few megabytes of pools. */
-double sl_tracer_memory_need(size_t triangles) { return 6e6 + 168.0 * (double)triangles; }
-
 /* ---- callbacks: a triangle is proposed for some of the rays ---------------------------------- */
+
+/* Finds the corners and the number of the triangle that is proposed; of a copy those that the scene has. */
+static inline const sl_triangle_corners *find_triangle(const sl_traced_part *part, const void *context,
+                                                       unsigned primitive, sl_triangle_corners *own,
+                                                       uint32_t *triangle) {
+    if (!part->placed) {
+        *triangle = part->tracer->copies.copy[sl_embree_instance(context)].first + part->order[primitive];
+        sl_scene_corners(part->tracer->scene, *triangle, own);
+        return own;
+    }
+    const sl_placed_triangle *placed = &part->placed[primitive];
+    __builtin_prefetch(placed + 1); /* mostly the leaf's next triangle */
+    *triangle = placed->index;
+    return &placed->corners;
+}
 
 /* Tells whether the candidate beats what ray k has: nearer, or as near with a lower index. */
 static bool is_better(const sl_ray_state *r, unsigned k, float t, uint32_t triangle) {
@@ -239,16 +52,17 @@ static float embree_far(const query_state *state, unsigned k, float t) {
     return (float)(end * (double)state->tracer->unit);
 }
 
-static void intersect_callback(const struct RTCIntersectFunctionNArguments *arguments) {
+void sl_intersect_callback(const struct RTCIntersectFunctionNArguments *arguments) {
     query_state *state = sl_embree_state(arguments->context);
     unsigned n = arguments->N;
     const unsigned *id = sl_embree_id(arguments->rayhit, n);
     float *tfar = sl_embree_tfar(arguments->rayhit, n);
-    const placed_triangle *placed = &state->tracer->triangles[arguments->primID];
-    __builtin_prefetch(placed + 1); /* mostly the leaf's next triangle */
-    uint32_t triangle = placed->index;
+    sl_triangle_corners own;
+    uint32_t triangle;
+    const sl_triangle_corners *corners =
+        find_triangle(arguments->geometryUserPtr, arguments->context, arguments->primID, &own, &triangle);
     sl_candidates c;
-    uint32_t hits = state->tracer->test(&state->rays, &placed->corners, arguments->valid, id, n, &c);
+    uint32_t hits = state->tracer->test(&state->rays, corners, arguments->valid, id, n, &c);
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
         sl_ray_state *r = &state->rays;
@@ -262,16 +76,17 @@ static void intersect_callback(const struct RTCIntersectFunctionNArguments *argu
     }
 }
 
-static void occluded_callback(const struct RTCOccludedFunctionNArguments *arguments) {
+void sl_occluded_callback(const struct RTCOccludedFunctionNArguments *arguments) {
     query_state *state = sl_embree_state(arguments->context);
     unsigned n = arguments->N;
     const unsigned *id = sl_embree_id(arguments->ray, n);
     float *tfar = sl_embree_tfar(arguments->ray, n);
-    const placed_triangle *placed = &state->tracer->triangles[arguments->primID];
-    __builtin_prefetch(placed + 1); /* mostly the leaf's next triangle */
-    uint32_t triangle = placed->index;
+    sl_triangle_corners own;
+    uint32_t triangle;
+    const sl_triangle_corners *corners =
+        find_triangle(arguments->geometryUserPtr, arguments->context, arguments->primID, &own, &triangle);
     sl_candidates c;
-    uint32_t hits = state->tracer->test(&state->rays, &placed->corners, arguments->valid, id, n, &c);
+    uint32_t hits = state->tracer->test(&state->rays, corners, arguments->valid, id, n, &c);
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
         if (!is_better(&state->rays, k, c.t[i], triangle)) continue;
@@ -290,7 +105,7 @@ static sl_vec3 start_near(const sl_tracer *tracer, sl_vec3 origin, sl_vec3d dire
     sl_vec3d to_centre = sl_subd(tracer->centre, sl_to_double(origin));
     double distance_squared = sl_dotd(to_centre, to_centre), diagonal = tracer->diagonal;
     *start = 0.0;
-    if (distance_squared <= far_squared(tracer)) return origin;
+    if (distance_squared <= sl_tracer_far_squared(tracer)) return origin;
     double length_squared = sl_dotd(direction, direction);
     double forward = sl_dotd(to_centre, direction) / length_squared - diagonal / sqrt(length_squared);
     if (!(forward > 0.0) || !isfinite(forward)) return origin;
@@ -390,6 +205,11 @@ static void occluded_singly(const sl_tracer *tracer, sl_embree_query *query, con
     }
 }
 
+/* Embree 3.13's walk of coherent packets may go round for ever among instances, in occlusion queries. */
+static bool goes_as_packet(const sl_tracer *tracer, bool coherent, unsigned valids) {
+    return coherent && valids > FEW_RAYS && tracer->copies.copy_count == 0;
+}
+
 void sl_trace(const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, bool coherent, sl_hit16 *hits,
               sl_counters *counters) {
     query_state state;
@@ -402,7 +222,8 @@ void sl_trace(const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, boo
             packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         sl_embree_query query;
         sl_embree_begin(&query, &state);
-        if (coherent && valids > FEW_RAYS) sl_embree_intersect16(tracer->hierarchy, &query, valid, &packet);
+        if (goes_as_packet(tracer, coherent, valids))
+            sl_embree_intersect16(tracer->hierarchy, &query, valid, &packet);
         else intersect_singly(tracer, &query, valid, &packet.ray);
     }
     for (unsigned i = 0; i < count; i++) {
@@ -424,7 +245,8 @@ uint32_t sl_trace_occluded(const sl_tracer *tracer, const sl_ray16 *rays, unsign
     if (valids == 0) return 0;
     sl_embree_query query;
     sl_embree_begin(&query, &state);
-    if (coherent && valids > FEW_RAYS) sl_embree_occluded16(tracer->hierarchy, &query, valid, &packet);
+    if (goes_as_packet(tracer, coherent, valids))
+        sl_embree_occluded16(tracer->hierarchy, &query, valid, &packet);
     else occluded_singly(tracer, &query, valid, &packet);
     return state.occluded;
 }

@@ -1,18 +1,12 @@
 /* Along the Morton curve through the triangles' centres. */
 #include "trace/triangle_order.h"
 
-#include <stdlib.h>
-
+#include "base/code_sort.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/morton.h"
 
 enum { AXIS_BITS = 20 };
-
-typedef struct place {
-    uint64_t code;
-    uint32_t triangle;
-} place;
 
 /* Along one axis, from the scene's low end in units of its largest extent. */
 static uint64_t cell(float a, float b, float c, float low, double extent) {
@@ -30,21 +24,15 @@ static uint64_t morton_code(const sl_scene *s, size_t triangle, double extent) {
                           cell(a.z, b.z, c.z, s->box_min.z, extent));
 }
 
-static int by_code(const void *a, const void *b) {
-    const place *p = a, *q = b;
-    if (p->code != q->code) return p->code < q->code ? -1 : 1;
-    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
-}
-
-sl_status sl_triangle_order(const sl_scene *scene, uint32_t *order, sl_error *error) {
-    size_t count = scene->triangle_count;
-    place *places = sl_allocate(count, sizeof *places);
+sl_status sl_triangle_order(const sl_scene *scene, uint32_t *order, size_t count, sl_error *error) {
+    sl_coded *places = sl_allocate_unset(count, sizeof *places);
     if (!places) return sl_fail_memory(error, "the order of the tracer's triangles");
     sl_vec3d size = sl_subd(sl_to_double(scene->box_max), sl_to_double(scene->box_min));
     double extent = fmax(size.x, fmax(size.y, size.z));
-    for (size_t t = 0; t < count; t++) places[t] = (place){morton_code(scene, t, extent), (uint32_t)t};
-    qsort(places, count, sizeof *places, by_code);
-    for (size_t i = 0; i < count; i++) order[i] = places[i].triangle;
+    for (size_t i = 0; i < count; i++)
+        places[i] = (sl_coded){morton_code(scene, order[i], extent), order[i]};
+    sl_sort_coded(places, count);
+    for (size_t i = 0; i < count; i++) order[i] = places[i].item;
     sl_free(places);
     return SL_OK;
 }

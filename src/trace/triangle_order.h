@@ -4,8 +4,8 @@
 
 #include "scene/scene.h"
 
-/* Fills order[0 .. triangle_count) with triangle indices such that neighbours in space are near one another
- * in memory: rays that meet one triangle then find the next ones in the cache. No hit depends on it. */
-sl_status sl_triangle_order(const sl_scene *scene, uint32_t *order, sl_error *error);
+/* Puts `count` triangles in such an order that neighbours in space are near one another in memory: rays that
+ * meet one triangle then find the next ones in the cache. No hit depends on it. */
+sl_status sl_triangle_order(const sl_scene *scene, uint32_t *order, size_t count, sl_error *error);
 
 #endif

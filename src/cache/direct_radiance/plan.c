@@ -160,7 +160,7 @@ sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settin
     const double layers = m->without_layers ? 3.0 : LAYERS, triangles = (double)scene->triangle_count;
     const bool rays = m->visibility != SL_VISIBILITY_NONE || f.mirror_triangles;
     const double suns = smaller((double)f.directional_lights, SL_MAP_LIGHTS_MAX);
-    return (sl_memory_need){.hierarchies = rays ? sl_tracer_memory_need(scene->triangle_count) +
+    return (sl_memory_need){.hierarchies = rays ? sl_tracer_memory_need(scene) +
                                                       sl_raster_memory_kept(scene->triangle_count)
                                                 : sl_raster_memory_need(scene->triangle_count),
                             .caches = points * cube + map_bytes(m, points, suns) +

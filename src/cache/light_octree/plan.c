@@ -183,7 +183,7 @@ sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings
                                  : 0.0;
     if (o->atlas) caches += (double)o->atlas_size * o->atlas_size * A_TEXEL;
     caches += sl_need_lights(scene) * 400.0 + sl_need_of_threads(settings, A_THREAD) + sky;
-    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count) +
+    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene) +
                                            sl_raster_memory_kept(scene->triangle_count),
                             .caches = caches,
                             .picture =

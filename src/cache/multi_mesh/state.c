@@ -198,7 +198,7 @@ sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *sett
     double caches = triangles * A_TRIANGLE + (plan.indirect ? coarse_bytes(scene, settings) : 0.0) +
                     LEAVES_LEAST * A_LEAF;
     caches += sl_need_of_threads(settings, A_CELL * (n * n + l * l)) + lights * 2000.0 + 3e6;
-    return (sl_memory_need){.hierarchies = plan.lights ? sl_tracer_memory_need(scene->triangle_count) +
+    return (sl_memory_need){.hierarchies = plan.lights ? sl_tracer_memory_need(scene) +
                                                              sl_raster_memory_kept(scene->triangle_count)
                                                        : sl_raster_memory_need(scene->triangle_count),
                             .caches = caches,

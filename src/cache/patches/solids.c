@@ -41,24 +41,27 @@ static uint32_t root_of(uint32_t *parent, uint32_t t) {
 }
 
 /* Triangles that share an edge get the lowest of their numbers as parent. */
-static void join_edges(const sl_half_edge *edges, size_t count, uint32_t *parent) {
-    for (uint32_t t = 0; t < count / 3; t++) parent[t] = t;
-    for (size_t i = 1; i < count; i++) {
-        if (edges[i].low != edges[i - 1].low || edges[i].high != edges[i - 1].high) continue;
-        uint32_t a = root_of(parent, edges[i - 1].index / 3), b = root_of(parent, edges[i].index / 3);
-        parent[a < b ? b : a] = a < b ? a : b;
+static void join_edges(const sl_half_edges *edges, uint32_t *parent) {
+    for (uint32_t t = 0; t < edges->count / 3; t++) parent[t] = t;
+    for (size_t i = 0, end; i < edges->count; i = end) {
+        end = sl_half_edges_of_one(edges, i);
+        for (size_t k = i + 1; k < end; k++) {
+            const uint32_t a = root_of(parent, edges->index[k - 1] / 3),
+                           b = root_of(parent, edges->index[k] / 3);
+            parent[a < b ? b : a] = a < b ? a : b;
+        }
     }
 }
 
 /* An edge that has one triangle, or three, or two that run the same way, may be the border of a hole. */
-static void find_sealed(sl_solids *solids, const sl_half_edge *edges) {
+static void find_sealed(sl_solids *solids, const sl_half_edges *edges) {
     const sl_scene *s = solids->scene;
-    const size_t count = 3 * s->triangle_count;
-    for (size_t i = 0, end; i < count; i = end) {
-        end = sl_half_edges_of_one(edges, i, count);
-        const bool whole = end == i + 2 && edges[i].upwards != edges[i + 1].upwards;
+    for (size_t i = 0, end; i < edges->count; i = end) {
+        end = sl_half_edges_of_one(edges, i);
+        const bool whole =
+            end == i + 2 && sl_half_edge_at(edges, i).upwards != sl_half_edge_at(edges, i + 1).upwards;
         for (size_t k = i; k < end; k++) {
-            const uint32_t t = edges[k].index / 3;
+            const uint32_t t = edges->index[k] / 3;
             body *b = &solids->bodies[solids->body_of[t]];
             if (!whole || sl_scene_has_alpha(s, t) || s->object_index[t] != b->object) b->sealed = false;
         }
@@ -67,11 +70,11 @@ static void find_sealed(sl_solids *solids, const sl_half_edge *edges) {
 
 static bool find_bodies(sl_solids *solids) {
     const sl_scene *s = solids->scene;
-    uint32_t *places = sl_scene_places(s), *parent = sl_allocate(s->triangle_count, sizeof *parent);
-    sl_half_edge *edges = places ? sl_scene_half_edges(s, places) : NULL;
-    bool done = edges && parent;
+    uint32_t *parent = sl_allocate(s->triangle_count, sizeof *parent);
+    sl_half_edges edges;
+    bool done = sl_half_edges_list(s, &edges) && parent;
     if (done) {
-        join_edges(edges, 3 * s->triangle_count, parent);
+        join_edges(&edges, parent);
         for (uint32_t t = 0; t < s->triangle_count; t++) {
             uint32_t root = root_of(parent, t); /* root <= t */
             solids->body_of[t] = root == t ? (uint32_t)solids->count++ : solids->body_of[root];
@@ -82,10 +85,9 @@ static bool find_bodies(sl_solids *solids) {
     if (done) {
         for (uint32_t t = (uint32_t)s->triangle_count; t-- > 0;)
             solids->bodies[solids->body_of[t]] = (body){.sealed = true, .object = s->object_index[t]};
-        find_sealed(solids, edges);
+        find_sealed(solids, &edges);
     }
-    sl_free(places);
-    sl_free(edges);
+    sl_half_edges_release(&edges);
     sl_free(parent);
     return done;
 }

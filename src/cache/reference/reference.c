@@ -151,7 +151,7 @@ static sl_memory_need sampled_need(const sl_scene *scene, const sl_settings *set
     /* from both ends: two subpaths for each ray of a packet; and lists of what falls on other pixels, 64
      * tasks of 256 pixels */
     const bool both = film_of(settings)->bidirectional;
-    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count),
+    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene),
                             .caches = sl_need_lights(scene) * AN_EMITTER +
                                       sl_need_of_threads(settings, both ? 1e6 : 1e5) + (both ? 8e6 : 0.0),
                             .picture = sl_need_of_pixels(settings, A_PIXEL)};

@@ -116,7 +116,7 @@ sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *setting
     double caches = triangles * A_TRIANGLE + patches * patch + (double)scene->bicubic_count * A_CURVED +
                     (plan.caustics ? 4e5 * A_PHOTON : 0.0);
     caches += (double)settings->shading_cache.points * 4000.0 + sl_need_lights(scene) * 400.0;
-    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene->triangle_count) +
+    return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene) +
                                            sl_raster_memory_kept(scene->triangle_count),
                             .caches = caches + sl_need_of_threads(settings, A_THREAD) + 4e6,
                             .picture = sl_need_of_pixels(settings, A_PIXEL)};

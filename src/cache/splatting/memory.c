@@ -34,7 +34,7 @@ sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings)
     const double sky = 20.0 * (double)scene->environment.width * (double)scene->environment.height;
     bool tracer = plan.direct || plan.mirrors;
     return (sl_memory_need){
-        .hierarchies = tracer ? sl_tracer_memory_need(scene->triangle_count) +
+        .hierarchies = tracer ? sl_tracer_memory_need(scene) +
                                     sl_raster_memory_kept(scene->triangle_count)
                               : sl_raster_memory_need(scene->triangle_count),
         .caches = 3.0 * RECORDS_LEAST * record_bytes(settings, plan.radiance) +

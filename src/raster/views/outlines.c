@@ -1,21 +1,21 @@
 #include "raster/views/outlines.h"
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "scene/edges.h"
 
 #include <math.h>
 
-typedef struct edge {
-    uint32_t vertex[2];
-    uint32_t triangle[2]; /* of a silhouette; SL_NO_INDEX: the edge counts from everywhere */
-} edge;
-
+/* A list of half-edges, by their numbers: one for each edge that counts from everywhere, two for one that is
+ * a silhouette at times, the first of them marked. */
 struct sl_outlines {
     const sl_scene *scene;
-    edge *edges;
-    size_t count;
+    uint32_t *list;
+    size_t count, room;
 };
+
+#define TWO 0x80000000u
 
 /* ---- which edges ---- */
 
@@ -38,32 +38,32 @@ static bool is_flat(const sl_scene *s, uint32_t t, uint32_t u) {
     return agree(sl_scene_geometric_normal(s, t), sl_scene_geometric_normal(s, u), 0.999999f);
 }
 
-/* Keeps the edge of `count` triangles, unless it is one of two that go on into each other in one plane. */
-static void keep(sl_outlines *o, const sl_half_edge *e, size_t count) {
+/* Keeps the edge of `count` triangles, unless it is one of two that go on into each other in one plane. What
+ * is kept takes the room of what has been looked at. */
+static void keep(sl_outlines *o, const sl_half_edges *edges, size_t first, size_t count) {
     const sl_scene *s = o->scene;
-    const uint32_t t = e[0].index / 3, u = count == 2 ? e[1].index / 3 : SL_NO_INDEX;
-    const bool smooth = count == 2 && is_smooth(s, &e[0], &e[1]);
-    if (smooth && is_flat(s, t, u)) return;
-    o->edges[o->count++] =
-        (edge){{sl_half_edge_vertex(s, e[0].index, 0), sl_half_edge_vertex(s, e[0].index, 1)},
-               {smooth ? t : SL_NO_INDEX, smooth ? u : SL_NO_INDEX}};
+    const sl_half_edge a = sl_half_edge_at(edges, first), b = sl_half_edge_at(edges, first + count - 1);
+    const bool smooth = count == 2 && is_smooth(s, &a, &b);
+    if (smooth && is_flat(s, a.index / 3, b.index / 3)) return;
+    o->list[o->count++] = a.index | (smooth ? TWO : 0);
+    if (smooth) o->list[o->count++] = b.index;
 }
 
 static bool find_edges(sl_outlines *o) {
-    const size_t count = 3 * o->scene->triangle_count;
-    uint32_t *places = sl_scene_places(o->scene);
-    sl_half_edge *halves = places ? sl_scene_half_edges(o->scene, places) : NULL;
-    size_t edges = 0;
-    for (size_t i = 0; halves && i < count; edges++) i = sl_half_edges_of_one(halves, i, count);
-    o->edges = sl_allocate(edges, sizeof *o->edges);
-    for (size_t i = 0, end; halves && o->edges && i < count; i = end) {
-        end = sl_half_edges_of_one(halves, i, count);
-        keep(o, &halves[i], end - i);
+    sl_half_edges edges;
+    const bool found = 3 * o->scene->triangle_count < TWO && sl_half_edges_list(o->scene, &edges);
+    if (!found) return false;
+    o->list = edges.index;
+    for (size_t i = 0, end; i < edges.count; i = end) {
+        end = sl_half_edges_of_one(&edges, i);
+        keep(o, &edges, i, end - i);
     }
-    const bool found = halves && o->edges;
-    sl_free(places);
-    sl_free(halves);
-    return found;
+    edges.index = NULL;
+    o->room = edges.count;
+    sl_half_edges_release(&edges);
+    if (o->count > o->room / 2) return true; /* a smaller copy would save little, and is one */
+    o->room = o->count;
+    return sl_regrow(&o->list, o->count, o->count, sizeof *o->list);
 }
 
 sl_status sl_outlines_create(const sl_scene *scene, sl_outlines **outlines, sl_error *error) {
@@ -76,16 +76,15 @@ sl_status sl_outlines_create(const sl_scene *scene, sl_outlines **outlines, sl_e
 }
 
 void sl_outlines_destroy(sl_outlines *o) {
-    if (o) sl_free(o->edges);
+    if (o) sl_free(o->list);
     sl_free(o);
 }
 
-size_t sl_outlines_bytes(const sl_outlines *o) { return sizeof *o + o->count * sizeof *o->edges; }
+size_t sl_outlines_bytes(const sl_outlines *o) { return sizeof *o + o->room * sizeof *o->list; }
 
-/* Edges, half-edges with what sorting takes, and places of vertices, of which there are no more than corners.
- */
+/* Half-edges, and places of vertices, of which there are no more than corners, with what sorting takes. */
 double sl_outlines_need(double triangles) {
-    return 3.0 * triangles * (sizeof(edge) + 2.0 * sizeof(sl_half_edge) + sizeof(uint32_t));
+    return 3.0 * triangles * (double)(5 * sizeof(uint32_t) + sizeof(uint32_t));
 }
 
 /* ---- which pixels ---- */
@@ -174,9 +173,10 @@ static void draw_segment(const drawing *d, window_point a, window_point b) {
     for (int k = (int)floor(first - 1e-3); k <= (int)floor(last + 1e-3); k++) touch_column(d, p, steep, k);
 }
 
-static void draw_edge(const drawing *d, const sl_scene *s, const edge *e) {
-    clip_point c[2] = {clip_of(d->view, sl_scene_position(s, e->vertex[0])),
-                       clip_of(d->view, sl_scene_position(s, e->vertex[1]))};
+static void draw_edge(const drawing *d, const sl_scene *s, uint32_t half_edge) {
+    clip_point c[2];
+    for (uint32_t k = 0; k < 2; k++)
+        c[k] = clip_of(d->view, sl_scene_position(s, sl_half_edge_vertex(s, half_edge, k)));
     if (!(c[0].near >= 0.0) && !(c[1].near >= 0.0)) return;
     for (int k = 0; k < 2; k++)
         if (c[k].near < 0.0) c[k] = between(c[k], c[1 - k], c[k].near / (c[k].near - c[1 - k].near));
@@ -187,10 +187,19 @@ static bool faces(const sl_scene *s, uint32_t triangle, sl_vec3 to_eye) {
     return sl_dot(sl_scene_geometric_normal(s, triangle), to_eye) > 0.0f;
 }
 
-static bool counts(const sl_scene *s, const edge *e, sl_vec3 eye) {
-    const sl_vec3 to_eye = sl_sub(eye, sl_scene_position(s, e->vertex[0]));
-    return e->triangle[0] == SL_NO_INDEX ||
-           faces(s, e->triangle[0], to_eye) != faces(s, e->triangle[1], to_eye);
+static bool is_silhouette(const sl_scene *s, uint32_t a, uint32_t b, sl_vec3 eye) {
+    const sl_vec3 to_eye = sl_sub(eye, sl_scene_position(s, sl_half_edge_vertex(s, a, 0)));
+    return faces(s, a / 3, to_eye) != faces(s, b / 3, to_eye);
+}
+
+static void draw_edges(const drawing *d, const sl_outlines *o) {
+    for (size_t i = 0; i < o->count; i++) {
+        const uint32_t half_edge = o->list[i] & ~TWO;
+        const bool two = o->list[i] & TWO;
+        if (!two || is_silhouette(o->scene, half_edge, o->list[i + 1], d->view->origin))
+            draw_edge(d, o->scene, half_edge);
+        i += two;
+    }
 }
 
 /* ---- pixels and those around them ---- */
@@ -227,8 +236,7 @@ sl_status sl_outlines_draw(const sl_outlines *o, const sl_view *view, const floa
     bool made = d.farthest && d.touched;
     if (made) {
         spread_farthest(view, depth, d.farthest);
-        for (size_t i = 0; i < o->count; i++)
-            if (counts(o->scene, &o->edges[i], view->origin)) draw_edge(&d, o->scene, &o->edges[i]);
+        draw_edges(&d, o);
         spread_touched(view, d.touched, touched);
     }
     sl_free(d.farthest);

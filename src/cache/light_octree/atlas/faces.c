@@ -12,30 +12,31 @@
 #define FOLD (-0.9)
 /* ---- edges ---- */
 
-/* Glues a half-edge to the one that goes on from it most evenly, of those at the same place. */
-static void glue(sl_atlas_faces *f, const sl_half_edge *e, size_t count) {
+/* Glues a half-edge to the one that goes on from it most evenly, of those at the same place that follow. */
+static void glue(sl_atlas_faces *f, const sl_half_edges *edges, size_t first, size_t end) {
     enum { MOST = 64 }; /* of a fan of more pages some stay open */
+    const sl_half_edge e = sl_half_edge_at(edges, first);
     double best = FOLD;
     uint32_t found = SL_NO_INDEX;
-    for (size_t k = 1; k < count && k < MOST; k++) {
-        double flatness = sl_dotd(f->normal[e[0].index / 3], f->normal[e[k].index / 3]);
-        if (e[k].upwards == e[0].upwards || f->opposite[e[k].index] != SL_NO_INDEX || !(flatness > best))
+    for (size_t k = first + 1; k < end && k < first + MOST; k++) {
+        const sl_half_edge other = sl_half_edge_at(edges, k);
+        const double flatness = sl_dotd(f->normal[e.index / 3], f->normal[other.index / 3]);
+        if (other.upwards == e.upwards || f->opposite[other.index] != SL_NO_INDEX || !(flatness > best))
             continue;
         best = flatness;
-        found = e[k].index;
+        found = other.index;
     }
     if (found == SL_NO_INDEX) return;
-    f->opposite[e[0].index] = found;
-    f->opposite[found] = e[0].index;
+    f->opposite[e.index] = found;
+    f->opposite[found] = e.index;
 }
 
-static void glue_all(sl_atlas_faces *f, const sl_half_edge *edges) {
-    const size_t count = 3 * f->count;
-    for (size_t h = 0; h < count; h++) f->opposite[h] = SL_NO_INDEX;
-    for (size_t i = 0, end; i < count; i = end) {
-        end = sl_half_edges_of_one(edges, i, count);
+static void glue_all(sl_atlas_faces *f, const sl_half_edges *edges) {
+    for (size_t h = 0; h < edges->count; h++) f->opposite[h] = SL_NO_INDEX;
+    for (size_t i = 0, end; i < edges->count; i = end) {
+        end = sl_half_edges_of_one(edges, i);
         for (size_t k = i; k < end; k++) {
-            if (f->opposite[edges[k].index] == SL_NO_INDEX) glue(f, edges + k, end - k);
+            if (f->opposite[edges->index[k]] == SL_NO_INDEX) glue(f, edges, k, end);
         }
     }
 }
@@ -62,15 +63,13 @@ sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_err
     f->opposite = sl_allocate(3 * count, sizeof *f->opposite);
     f->normal = sl_allocate(count, sizeof *f->normal);
     f->area = sl_allocate(count, sizeof *f->area);
-    uint32_t *places = sl_scene_places(scene);
-    sl_half_edge *edges = places ? sl_scene_half_edges(scene, places) : NULL;
-    const bool good = f->opposite && f->normal && f->area && edges;
+    sl_half_edges edges;
+    const bool good = sl_half_edges_list(scene, &edges) && f->opposite && f->normal && f->area;
     if (good) {
         for (uint32_t face = 0; face < count; face++) measure(f, face);
-        glue_all(f, edges);
+        glue_all(f, &edges);
     }
-    sl_free(places);
-    sl_free(edges);
+    sl_half_edges_release(&edges);
     if (good) return SL_OK;
     sl_atlas_faces_release(f);
     return sl_fail_memory(error, "an atlas's faces");

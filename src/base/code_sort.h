@@ -1,0 +1,16 @@
+/* Things in the order of a code, such as their place along the Morton curve (morton.h). */
+#ifndef SL_BASE_CODE_SORT_H
+#define SL_BASE_CODE_SORT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct sl_coded {
+    uint64_t code;
+    uint32_t item;
+} sl_coded;
+
+/* Sorts by code, then by item, in place. */
+void sl_sort_coded(sl_coded *list, size_t count);
+
+#endif
