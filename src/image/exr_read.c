@@ -343,7 +343,7 @@ static sl_status check_primaries(const exr_reader *reader, sl_error *error) {
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-static sl_status read_picture(const sl_bytes *bytes, bool sky, sl_image **image, sl_error *error) {
+sl_status sl_exr_read(const sl_bytes *bytes, bool sky, sl_image **image, sl_error *error) {
     exr_reader reader = {.source = {.bytes = bytes}};
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = on_error;
@@ -371,11 +371,4 @@ static sl_status read_picture(const sl_bytes *bytes, bool sky, sl_image **image,
     if (status == SL_OK) *image = reader.image;
     else sl_image_destroy(reader.image);
     return status;
-}
-
-sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) {
-    return read_picture(bytes, false, image, error);
-}
-sl_status sl_exr_read_sky(const sl_bytes *bytes, sl_image **image, sl_error *error) {
-    return read_picture(bytes, true, image, error);
 }

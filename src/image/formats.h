@@ -33,8 +33,7 @@ sl_status sl_decode_texels(const char *path, const void *memory, size_t bytes, i
 sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error);
 
 bool sl_exr_recognise(const sl_bytes *bytes);
-sl_status sl_exr_read(const sl_bytes *bytes, sl_image **image, sl_error *error);
-sl_status sl_exr_read_sky(const sl_bytes *bytes, sl_image **image, sl_error *error);
+sl_status sl_exr_read(const sl_bytes *bytes, bool sky, sl_image **image, sl_error *error);
 sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error);
 
 bool sl_pfm_recognise(const sl_bytes *bytes);

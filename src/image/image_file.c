@@ -130,7 +130,7 @@ static sl_status read_picture(const sl_bytes *bytes, sl_image **image, sl_error 
 
 sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error) {
     *image = NULL;
-    if (sl_exr_recognise(bytes)) return sl_exr_read(bytes, image, error);
+    if (sl_exr_recognise(bytes)) return sl_exr_read(bytes, false, image, error);
     if (sl_pfm_recognise(bytes)) return sl_pfm_read(bytes, image, error);
     if (sl_hdr_recognise(bytes)) return sl_hdr_read(bytes, image, error);
     if (sl_png_recognise(bytes) || sl_jpeg_recognise(bytes)) return read_picture(bytes, image, error);
@@ -156,7 +156,7 @@ sl_status sl_image_read(const char *path, sl_image **image, sl_error *error) {
 }
 
 static sl_status decode_sky(const sl_bytes *bytes, sl_image **image, sl_error *error) {
-    return sl_exr_recognise(bytes) ? sl_exr_read_sky(bytes, image, error)
+    return sl_exr_recognise(bytes) ? sl_exr_read(bytes, true, image, error)
                                    : sl_image_decode(bytes, image, error);
 }
 

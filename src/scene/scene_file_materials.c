@@ -86,11 +86,9 @@ static void fail_unknown(sl_scene_file *file, const cJSON *item, const char *nam
 }
 
 uint32_t sl_scene_file_material_named(sl_scene_file *file, const cJSON *item, const char *name) {
-    for (size_t i = 0; i < file->model.scene.material_count; i++) {
-        if (strcmp(file->model.scene.materials[i].name, name) == 0) return (uint32_t)i;
-    }
-    fail_unknown(file, item, name);
-    return 0;
+    const uint32_t number = sl_scene_find_material(&file->model.scene, name);
+    if (!number) fail_unknown(file, item, name);
+    return number ? number - 1 : 0;
 }
 
 static bool a_mesh_asks_for(const cJSON *meshes, const char *name) {

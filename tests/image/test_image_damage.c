@@ -86,7 +86,7 @@ static sample_file write_hdr(void) {
     return sample;
 }
 
-enum { SAMPLES = 13, COMPLETE = 11 }; /* the last are read as textures only */
+enum { SAMPLES = 13 }; /* the last two are read as textures only */
 
 static void make_samples(sample_file samples[SAMPLES]) {
     int count = 0;
@@ -103,7 +103,6 @@ static void make_samples(sample_file samples[SAMPLES]) {
     samples[count++] = write_exr_of("piz.exr", EXR_COMPRESSION_PIZ, 0);
     samples[count++] = write_exr_of("pxr24.exr", EXR_COMPRESSION_PXR24, 0);
     samples[count++] = write_exr_of("b44.exr", EXR_COMPRESSION_B44, 0);
-    assert_int_equal(count, COMPLETE);
     samples[count++] = write_8_bit("sample.bmp");
     samples[count++] = write_8_bit("sample.tga");
     assert_int_equal(count, SAMPLES);
@@ -114,7 +113,7 @@ static void free_samples(sample_file samples[SAMPLES]) {
 }
 
 /* Reads a damaged file, as an image and as texels; checks what must hold of any answer. True if it was taken
- * for an image. */
+ * for one of them. */
 static bool survives(const uint8_t *bytes, size_t size) {
     sl_error error = {0};
     sl_image *image = NULL;
@@ -138,7 +137,7 @@ static bool survives(const uint8_t *bytes, size_t size) {
     assert_true((decoded == SL_OK) == (rgba != NULL));
     free(rgba);
     free(copy);
-    return status == SL_OK;
+    return status == SL_OK || decoded == SL_OK;
 }
 
 static void files_cut_short_at_any_length_are_refused(void **state) {
@@ -146,31 +145,10 @@ static void files_cut_short_at_any_length_are_refused(void **state) {
     sample_file samples[SAMPLES];
     make_samples(samples);
     for (int i = 0; i < SAMPLES; i++) {
-        assert_true(survives(samples[i].bytes, samples[i].size) == (i < COMPLETE));
+        assert_true(survives(samples[i].bytes, samples[i].size));
         for (size_t size = 0; size < samples[i].size; size++) {
             if (survives(samples[i].bytes, size))
                 fail_msg("%s was taken at %zu bytes", samples[i].name, size);
-        }
-    }
-    free_samples(samples);
-}
-
-static void textures_cut_short_are_refused(void **state) {
-    (void)state;
-    sample_file samples[SAMPLES];
-    make_samples(samples);
-    for (int i = COMPLETE; i < SAMPLES; i++) {
-        int width, height;
-        bool has_alpha;
-        uint8_t *rgba;
-        assert_int_equal(sl_decode_texels("whole", samples[i].bytes, samples[i].size, &width, &height,
-                                          &has_alpha, &rgba, NULL),
-                         SL_OK);
-        free(rgba);
-        for (size_t size = 0; size < samples[i].size; size++) {
-            assert_int_not_equal(
-                sl_decode_texels("cut", samples[i].bytes, size, &width, &height, &has_alpha, &rgba, NULL),
-                SL_OK);
         }
     }
     free_samples(samples);
@@ -298,7 +276,6 @@ static void what_cannot_be_opened_is_named(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(files_cut_short_at_any_length_are_refused),
-        cmocka_unit_test(textures_cut_short_are_refused),
         cmocka_unit_test(changed_bytes_never_crash_a_reader),
         cmocka_unit_test(absurd_sizes_are_refused_before_memory_is_asked_for),
         cmocka_unit_test(a_huge_exr_window_is_refused),
