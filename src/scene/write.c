@@ -1,11 +1,13 @@
 /* A scene as files: JSON, OBJ and MTL, control points of surfaces, PNG and EXR, that give it again bit for
  * bit.
  */
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/print.h"
@@ -16,11 +18,11 @@
 #include "scene/lines.h"
 #include "scene/parts.h"
 
-/* The text of a file, in memory until it is whole. */
+/* Text that grows; once there is no memory for more, it stays as it is. */
 typedef struct text {
-    FILE *to;
     char *bytes;
-    size_t count;
+    size_t count, room;
+    bool failed;
 } text;
 
 typedef struct writer {
@@ -29,9 +31,28 @@ typedef struct writer {
     char **materials, **objects; /* names that files can have, each of another */
     text json;
     size_t meshes;           /* mesh files so far */
-    bool failed;             /* there was no memory for something in a text */
     sl_error *error;
 } writer;
+
+static void put_bytes(text *t, const char *bytes, size_t count) {
+    if (t->count + count > t->room) {
+        const size_t room = 2 * (t->count + count) + 4096;
+        t->failed = t->failed || !sl_regrow(&t->bytes, t->count, room, 1);
+        if (t->failed) return;
+        t->room = room;
+    }
+    memcpy(t->bytes + t->count, bytes, count);
+    t->count += count;
+}
+
+__attribute__((format(printf, 2, 3))) static void put(text *t, const char *format, ...) {
+    char line[512];
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = sl_print_list(line, sizeof line, format, arguments);
+    va_end(arguments);
+    put_bytes(t, line, (size_t)length < sizeof line ? (size_t)length : sizeof line - 1);
+}
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
@@ -43,21 +64,14 @@ static char *path_of(const writer *w, const char *suffix) {
     return path;
 }
 
-static sl_status open_text(const writer *w, text *t) {
-    *t = (text){.to = open_memstream(&t->bytes, &t->count)};
-    return t->to ? SL_OK : sl_fail_memory(w->error, w->base);
-}
-
 /* Writes the text to a file of its own and frees it. */
 static sl_status write_text(const writer *w, text *t, const char *suffix) {
     char *path = path_of(w, suffix);
-    bool failed = w->failed || ferror(t->to);
-    failed |= fclose(t->to) != 0;
-    sl_status status = !path    ? SL_ERROR_RESOURCES
-                       : failed ? sl_fail_memory(w->error, path)
-                                : sl_output_whole(path, t->bytes, t->count, w->error);
+    sl_status status = !path       ? SL_ERROR_RESOURCES
+                       : t->failed ? sl_fail_memory(w->error, path)
+                                   : sl_output_whole(path, t->bytes, t->count, w->error);
     sl_free(path);
-    free(t->bytes);
+    sl_free(t->bytes);
     *t = (text){0};
     return status;
 }
@@ -109,56 +123,56 @@ static sl_status make_names(writer *w) {
 }
 
 /* Puts a string of JSON. */
-static void put_string(FILE *t, const char *string) {
-    fprintf(t, "\"");
+static void put_string(text *t, const char *string) {
+    put(t, "\"");
     for (const char *c = string; *c; c++) {
-        if (*c == '"' || *c == '\\') fprintf(t, "\\");
-        if ((unsigned char)*c < ' ') fprintf(t, "\\u%04x", (unsigned)*c);
-        else fputc(*c, t);
+        if (*c == '"' || *c == '\\') put(t, "\\");
+        if ((unsigned char)*c < ' ') put(t, "\\u%04x", (unsigned)*c);
+        else put_bytes(t, c, 1);
     }
-    fprintf(t, "\"");
+    put(t, "\"");
 }
 
 /* Puts the name of a file beside the JSON file. */
 static void put_file(writer *w, const char *suffix) {
     char *path = path_of(w, suffix);
-    if (path) put_string(w->json.to, sl_file_name(path));
-    w->failed |= !path;
+    if (path) put_string(&w->json, sl_file_name(path));
+    w->json.failed = w->json.failed || !path;
     sl_free(path);
 }
 
 /* Puts as few digits as read back to the same float. */
-static void put_number(FILE *t, float value) {
+static void put_number(text *t, float value) {
     char number[32];
     for (int digits = 6; digits <= 9; digits++) {
         sl_print(number, sizeof number, "%.*g", digits, (double)value);
         if ((float)strtod(number, NULL) == value) break;
     }
-    fprintf(t, "%s", number);
+    put(t, "%s", number);
 }
 
-static void put_floats(FILE *t, const char *key, const float *v, int count) {
-    fprintf(t, "\"%s\": [", key);
+static void put_floats(text *t, const char *key, const float *v, int count) {
+    put(t, "\"%s\": [", key);
     for (int i = 0; i < count; i++) {
-        if (i) fprintf(t, ", ");
+        if (i) put(t, ", ");
         put_number(t, v[i]);
     }
-    fprintf(t, "]");
+    put(t, "]");
 }
-static void put_rgb(FILE *t, const char *key, sl_rgb c) {
+static void put_rgb(text *t, const char *key, sl_rgb c) {
     put_floats(t, key, (float[3]){c.r, c.g, c.b}, 3);
 }
-static void put_vec3(FILE *t, const char *key, sl_vec3 v) {
+static void put_vec3(text *t, const char *key, sl_vec3 v) {
     put_floats(t, key, (float[3]){v.x, v.y, v.z}, 3);
 }
 
 /* ---- triangles ------------------------------------------------------------------------------- */
 
-static void put_values(FILE *t, const char *word, const float *values, int count) {
+static void put_values(text *t, const char *word, const float *values, int count) {
     char number[SL_NUMBER_ROOM];
-    fprintf(t, "%s", word);
-    for (int i = 0; i < count; i++) fprintf(t, " %s", sl_write_number(values[i], number));
-    fprintf(t, "\n");
+    put(t, "%s", word);
+    for (int i = 0; i < count; i++) put(t, " %s", sl_write_number(values[i], number));
+    put(t, "\n");
 }
 
 /* Finds the vertices that triangles from `first` to `end` name: they are together. */
@@ -173,7 +187,7 @@ static void range_of(const sl_scene *s, size_t first, size_t end, uint32_t *low,
     }
 }
 
-static void put_vertices(FILE *out, const sl_scene *s, uint32_t low, uint32_t high) {
+static void put_vertices(text *out, const sl_scene *s, uint32_t low, uint32_t high) {
     for (uint32_t v = low; v <= high; v++) {
         put_values(out, "v", (float[3]){s->position_x[v], s->position_y[v], s->position_z[v]}, 3);
         put_values(out, "vn", (float[3]){s->normal_x[v], s->normal_y[v], s->normal_z[v]}, 3);
@@ -181,34 +195,34 @@ static void put_vertices(FILE *out, const sl_scene *s, uint32_t low, uint32_t hi
     }
 }
 
-static void put_library(writer *w, FILE *out) {
+static void put_library(writer *w, text *out) {
     char *path = path_of(w, ".mtl");
-    fprintf(out, "mtllib %s\n", path ? sl_file_name(path) : "");
-    w->failed |= !path;
+    put(out, "mtllib ");
+    if (path) put_bytes(out, sl_file_name(path), strlen(sl_file_name(path)));
+    put(out, "\n");
+    out->failed = out->failed || !path;
     sl_free(path);
 }
 
 /* With a library triangles name their materials; without, the scene file does. */
 static sl_status write_triangles(writer *w, size_t first, size_t end, bool library, const char *suffix) {
     const sl_scene *s = w->scene;
-    text out;
+    text out = {0};
     uint32_t low, high;
-    sl_status status = open_text(w, &out);
-    if (status != SL_OK) return status;
-    if (library) put_library(w, out.to);
+    if (library) put_library(w, &out);
     range_of(s, first, end, &low, &high);
-    put_vertices(out.to, s, low, high);
+    put_vertices(&out, s, low, high);
     for (size_t t = first; t < end; t++) {
         const uint32_t object = s->object_index[t], material = s->material_index[t];
-        if (t == first || object != s->object_index[t - 1]) fprintf(out.to, "o %s\n", w->objects[object]);
+        if (t == first || object != s->object_index[t - 1]) put(&out, "o %s\n", w->objects[object]);
         if (library && (t == first || material != s->material_index[t - 1]))
-            fprintf(out.to, "usemtl %s\n", w->materials[material]);
-        fprintf(out.to, "f");
+            put(&out, "usemtl %s\n", w->materials[material]);
+        put(&out, "f");
         for (int c = 0; c < 3; c++) {
             const uint32_t v = s->vertex[c][t] - low + 1;
-            fprintf(out.to, " %u/%u/%u", v, v, v);
+            put(&out, " %u/%u/%u", v, v, v);
         }
-        fprintf(out.to, "\n");
+        put(&out, "\n");
     }
     return write_text(w, &out, suffix);
 }
@@ -222,13 +236,11 @@ typedef struct run {
 } run;
 
 static sl_status write_surfaces(writer *w, const run *r, const char *suffix) {
-    text out;
-    sl_status status = open_text(w, &out);
-    if (status != SL_OK) return status;
-    fprintf(out.to, "%zu\n", r->surfaces);
+    text out = {0};
+    put(&out, "%zu\n", r->surfaces);
     for (size_t k = 0; k < 16 * r->surfaces; k++) {
         const sl_vec3 p = r->surface[k / 16].point[k % 16 / 4][k % 4];
-        fprintf(out.to, "%s%.9g %.9g %.9g\n", k % 16 ? "" : "3 3\n", (double)p.x, (double)p.y, (double)p.z);
+        put(&out, "%s%.9g %.9g %.9g\n", k % 16 ? "" : "3 3\n", (double)p.x, (double)p.y, (double)p.z);
     }
     return write_text(w, &out, suffix);
 }
@@ -261,23 +273,23 @@ static run run_from(const sl_scene *s, size_t first, size_t surfaces, bool has_l
 
 static void put_run(writer *w, const run *r, const char *suffix) {
     const sl_scene *s = w->scene;
-    fprintf(w->json.to, "%s\n    {\"file\": ", w->meshes ? "," : "");
+    put(&w->json, "%s\n    {\"file\": ", w->meshes ? "," : "");
     put_file(w, suffix);
     if (r->surfaces) {
-        fprintf(w->json.to, ", \"name\": ");
-        put_string(w->json.to, w->objects[s->object_index[r->first]]);
+        put(&w->json, ", \"name\": ");
+        put_string(&w->json, w->objects[s->object_index[r->first]]);
     }
     if (!r->library) {
-        fprintf(w->json.to, ", \"material\": ");
-        put_string(w->json.to, w->materials[s->material_index[r->first]]);
+        put(&w->json, ", \"material\": ");
+        put_string(&w->json, w->materials[s->material_index[r->first]]);
     }
-    fprintf(w->json.to, "}");
+    put(&w->json, "}");
 }
 
 static sl_status write_meshes(writer *w, bool *has_library) {
     const sl_scene *s = w->scene;
     sl_status status = SL_OK;
-    fprintf(w->json.to, "  \"meshes\": [");
+    put(&w->json, "  \"meshes\": [");
     for (size_t t = 0, surfaces = 0; t < s->triangle_count && status == SL_OK; w->meshes++) {
         const run r = run_from(s, t, surfaces, *has_library);
         char suffix[48];
@@ -289,7 +301,7 @@ static sl_status write_meshes(writer *w, bool *has_library) {
         surfaces += r.surfaces;
         t = r.end;
     }
-    fprintf(w->json.to, "],\n");
+    put(&w->json, "],\n");
     return status;
 }
 
@@ -297,10 +309,8 @@ static sl_status write_meshes(writer *w, bool *has_library) {
 
 /* Names the materials, whose values are in the JSON file, to the bit. */
 static sl_status write_library(writer *w) {
-    text out;
-    sl_status status = open_text(w, &out);
-    if (status != SL_OK) return status;
-    for (size_t i = 0; i < w->scene->material_count; i++) fprintf(out.to, "newmtl %s\n", w->materials[i]);
+    text out = {0};
+    for (size_t i = 0; i < w->scene->material_count; i++) put(&out, "newmtl %s\n", w->materials[i]);
     return write_text(w, &out, ".mtl");
 }
 
@@ -310,33 +320,33 @@ static void texture_suffix(uint32_t texture, char suffix[48]) {
 
 static void put_texture(writer *w, const char *key, uint32_t texture) {
     char suffix[48];
-    fprintf(w->json.to, ", \"%s\": ", key);
+    put(&w->json, ", \"%s\": ", key);
     texture_suffix(texture, suffix);
-    if (texture == SL_NO_INDEX) fprintf(w->json.to, "null");
+    if (texture == SL_NO_INDEX) put(&w->json, "null");
     else put_file(w, suffix);
 }
 
 static void put_material(writer *w, const sl_material *m) {
-    FILE *t = w->json.to;
-    fprintf(t, ": {");
+    text *t = &w->json;
+    put(t, ": {");
     if (sl_material_is_mirror(m)) {
         put_rgb(t, "mirror", m->mirror);
     } else {
         put_rgb(t, "diffuse", m->diffuse);
-        fprintf(t, ", ");
+        put(t, ", ");
         put_rgb(t, "specular", m->specular);
     }
-    fprintf(t, ", \"exponent\": ");
+    put(t, ", \"exponent\": ");
     put_number(t, m->exponent);
-    fprintf(t, ", ");
+    put(t, ", ");
     put_rgb(t, "emission", m->emission);
-    fprintf(t, ", \"two_sided\": %s", m->emission_two_sided ? "true" : "false");
+    put(t, ", \"two_sided\": %s", m->emission_two_sided ? "true" : "false");
     put_texture(w, "texture", m->texture);
     put_texture(w, "alpha", m->alpha_texture);
     put_texture(w, "bump", m->height_map ? m->height_map - 1 : SL_NO_INDEX);
-    fprintf(t, ", \"bump_depth\": ");
+    put(t, ", \"bump_depth\": ");
     put_number(t, m->bump_depth);
-    fprintf(t, "}");
+    put(t, "}");
 }
 
 static bool is_used(const sl_scene *s, size_t material) {
@@ -349,15 +359,15 @@ static bool is_used(const sl_scene *s, size_t material) {
 /* Puts all materials; without a library only those that a mesh asks for may be named. */
 static void put_materials(writer *w, bool has_library) {
     const char *between = "\n";
-    fprintf(w->json.to, "  \"materials\": {");
+    put(&w->json, "  \"materials\": {");
     for (size_t i = 0; i < w->scene->material_count; i++) {
         if (!has_library && !is_used(w->scene, i)) continue;
-        fprintf(w->json.to, "%s    ", between);
-        put_string(w->json.to, w->materials[i]);
+        put(&w->json, "%s    ", between);
+        put_string(&w->json, w->materials[i]);
         put_material(w, &w->scene->materials[i]);
         between = ",\n";
     }
-    fprintf(w->json.to, "},\n");
+    put(&w->json, "},\n");
 }
 
 static sl_status write_texture(const writer *w, uint32_t number) {
@@ -368,9 +378,9 @@ static sl_status write_texture(const writer *w, uint32_t number) {
     char *path = path_of(w, suffix);
     uint8_t *bytes = path ? sl_allocate_unset(texels, channels) : NULL;
     for (size_t i = 0; bytes && i < texels; i++) memcpy(bytes + channels * i, t->texels + 4 * i, channels);
-    sl_status status = !path    ? SL_ERROR_RESOURCES
-                       : !bytes ? sl_fail_memory(w->error, path)
-                                : sl_png_file(path, t->width, t->height, (int)channels, bytes, NULL, 0, w->error);
+    sl_status status = path ? SL_OK : SL_ERROR_RESOURCES;
+    if (path && !bytes) status = sl_fail_memory(w->error, path);
+    if (bytes) status = sl_png_file(path, t->width, t->height, (int)channels, bytes, NULL, 0, w->error);
     sl_free(bytes);
     sl_free(path);
     return status;
@@ -380,26 +390,26 @@ static sl_status write_texture(const writer *w, uint32_t number) {
 
 static double degrees_of(float cosine) { return sl_acos((double)cosine) / sl_radians(1.0); }
 
-static void put_light(FILE *t, const sl_light *l) {
+static void put_light(text *t, const sl_light *l) {
     static const char *const types[] = {"point", "spot", "directional"};
     const bool sun = l->type == SL_LIGHT_DIRECTIONAL;
-    fprintf(t, "{\"type\": \"%s\", ", types[l->type]);
+    put(t, "{\"type\": \"%s\", ", types[l->type]);
     put_rgb(t, sun ? "irradiance" : "intensity", l->intensity);
-    if (!sun) fprintf(t, ", "), put_vec3(t, "position", l->position);
-    if (l->type != SL_LIGHT_POINT) fprintf(t, ", "), put_vec3(t, "direction", l->direction);
+    if (!sun) put(t, ", "), put_vec3(t, "position", l->position);
+    if (l->type != SL_LIGHT_POINT) put(t, ", "), put_vec3(t, "direction", l->direction);
     if (l->type == SL_LIGHT_SPOT)
-        fprintf(t, ", \"inner_deg\": %.17g, \"outer_deg\": %.17g", degrees_of(l->cos_inner),
+        put(t, ", \"inner_deg\": %.17g, \"outer_deg\": %.17g", degrees_of(l->cos_inner),
             degrees_of(l->cos_outer));
-    fprintf(t, "}");
+    put(t, "}");
 }
 
 static void put_lights(writer *w) {
-    fprintf(w->json.to, "  \"lights\": [");
+    put(&w->json, "  \"lights\": [");
     for (size_t i = 0; i < w->scene->light_count; i++) {
-        fprintf(w->json.to, "%s\n    ", i ? "," : "");
-        put_light(w->json.to, &w->scene->lights[i]);
+        put(&w->json, "%s\n    ", i ? "," : "");
+        put_light(&w->json, &w->scene->lights[i]);
     }
-    fprintf(w->json.to, "],\n");
+    put(&w->json, "],\n");
 }
 
 static sl_status write_sky(writer *w) {
@@ -407,15 +417,15 @@ static sl_status write_sky(writer *w) {
     const sl_environment *e = &w->scene->environment;
     sl_image *image = NULL;
     if (!e->present) return SL_OK;
-    fprintf(w->json.to, "  \"environment\": {");
+    put(&w->json, "  \"environment\": {");
     if (e->width == 0) {
-        put_rgb(w->json.to, "radiance", e->constant);
-        fprintf(w->json.to, "},\n");
+        put_rgb(&w->json, "radiance", e->constant);
+        put(&w->json, "},\n");
         return SL_OK;
     }
-    fprintf(w->json.to, "\"file\": ");
+    put(&w->json, "\"file\": ");
     put_file(w, suffix);
-    fprintf(w->json.to, "},\n");
+    put(&w->json, "},\n");
     char *path = path_of(w, suffix);
     sl_status status =
         path ? sl_image_create(e->width, e->height, 3, NULL, &image, w->error) : SL_ERROR_RESOURCES;
@@ -431,20 +441,20 @@ static sl_status write_sky(writer *w) {
 
 static void put_view(writer *w) {
     const sl_camera *c = &w->scene->camera;
-    FILE *t = w->json.to;
-    fprintf(t, "  \"camera\": {");
+    text *t = &w->json;
+    put(t, "  \"camera\": {");
     put_vec3(t, "eye", c->eye);
     const sl_vec3 x = c->right, y = c->up, z = c->back;
-    fprintf(t, ", ");
+    put(t, ", ");
     put_floats(t, "frame", (float[9]){x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}, 9);
-    fprintf(t, ", \"fov_deg\": %.17g},\n", (double)c->vertical_fov / sl_radians(1.0));
-    fprintf(t, "  \"film\": {\"width\": %d, \"height\": %d}\n}\n", w->scene->film_width, w->scene->film_height);
+    put(t, ", \"fov_deg\": %.17g},\n", (double)c->vertical_fov / sl_radians(1.0));
+    put(t, "  \"film\": {\"width\": %d, \"height\": %d}\n}\n", w->scene->film_width, w->scene->film_height);
 }
 
 static sl_status write_all(writer *w) {
     bool has_library = false;
     sl_status status = make_names(w);
-    fprintf(w->json.to, "{\n  \"softlux\": 1,\n");
+    put(&w->json, "{\n  \"softlux\": 1,\n");
     for (uint32_t i = 0; i < w->scene->texture_count && status == SL_OK; i++) status = write_texture(w, i);
     if (status == SL_OK) status = write_meshes(w, &has_library);
     if (status == SL_OK && has_library) status = write_library(w);
@@ -465,10 +475,8 @@ sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_error *erro
     if (!w.base) return sl_fail_memory(error, path);
     w.base[length - 5] = 0;
     void *before = sl_c_locale_begin();
-    sl_status status = open_text(&w, &w.json);
-    if (status == SL_OK) status = write_all(&w);
-    if (w.json.to) fclose(w.json.to);
-    free(w.json.bytes);
+    sl_status status = write_all(&w);
+    sl_free(w.json.bytes);
     sl_c_locale_end(before);
     sl_strings_free(w.materials, scene->material_count);
     sl_strings_free(w.objects, scene->object_count);
