@@ -46,12 +46,15 @@ __attribute__((format(printf, 1, 2))) static verdict bad(const char *format, ...
 
 /* ---- one picture ---- */
 
-static sl_status render(const checking *c, const sl_scene *scene, const char *transport, unsigned threads,
+/* By the method; or its light paths, path traced. */
+static sl_status render(const checking *c, const sl_scene *scene, bool traced, unsigned threads,
                         uint64_t seed, sl_image **image, sl_error *error) {
+    char transport[64];
     sl_settings settings = sl_settings_of_papers();
-    settings.method = transport ? "path" : c->name;
-    settings.transport = transport;
-    settings.spp = transport ? REFERENCE_SAMPLES : sl_is_tracer(c->name) ? TRACER_SAMPLES : 0;
+    snprintf(transport, sizeof transport, "matched:%s", c->name);
+    settings.method = traced ? "path" : c->name;
+    settings.transport = traced ? transport : NULL;
+    settings.spp = traced ? REFERENCE_SAMPLES : sl_is_tracer(c->name) ? TRACER_SAMPLES : 0;
     settings.quality = SL_QUALITY_DRAFT;
     settings.threads = threads;
     settings.seed = seed;
@@ -143,12 +146,10 @@ static verdict compare(const checking *c, const sl_hard_case *hard, sl_image *im
 /* Compares with the same room and light paths, path traced. */
 static verdict compare_with_truth(const checking *c, const sl_hard_case *hard, const sl_scene *scene,
                                   const sl_image *image) {
-    char transport[64];
     sl_error error;
     sl_image *truth = NULL;
     sl_comparison result;
-    snprintf(transport, sizeof transport, "matched:%s", c->name);
-    if (render(c, scene, transport, 0, 2, &truth, &error) != SL_OK)
+    if (render(c, scene, true, 0, 2, &truth, &error) != SL_OK)
         return bad("path traced: %.70s", error.message);
     verdict v = sound(truth);
     const bool tells = sl_image_channel(image, "even.R") != NULL;
@@ -169,8 +170,8 @@ static verdict check_case(const checking *c, const sl_hard_case *hard) {
     sl_image *one = NULL, *three = NULL;
     verdict v;
     if (sl_hard_case_load(hard, &scene, &error) != SL_OK ||
-        render(c, scene, NULL, 1, 0, &one, &error) != SL_OK ||
-        render(c, scene, NULL, 3, 0, &three, &error) != SL_OK)
+        render(c, scene, false, 1, 0, &one, &error) != SL_OK ||
+        render(c, scene, false, 3, 0, &three, &error) != SL_OK)
         v = bad("%.90s", error.message);
     else if (!same_bits(one, three)) v = bad("other bits with three threads");
     else v = sound(one);
@@ -185,15 +186,13 @@ static verdict check_case(const checking *c, const sl_hard_case *hard) {
 
 /* Renders the plain room, and finds how much of its picture is noise, and how far it is from the truth. */
 static sl_status prepare(checking *c, sl_error *error) {
-    char transport[64];
     sl_scene *scene = NULL;
     sl_image *other = NULL, *truth = NULL;
     sl_comparison seeds, errors;
-    snprintf(transport, sizeof transport, "matched:%s", c->name);
     sl_status status = sl_hard_case_load(NULL, &scene, error);
-    if (status == SL_OK) status = render(c, scene, NULL, 1, 0, &c->plain, error);
-    if (status == SL_OK) status = render(c, scene, NULL, 1, 1, &other, error);
-    if (status == SL_OK) status = render(c, scene, transport, 0, 2, &truth, error);
+    if (status == SL_OK) status = render(c, scene, false, 1, 0, &c->plain, error);
+    if (status == SL_OK) status = render(c, scene, false, 1, 1, &other, error);
+    if (status == SL_OK) status = render(c, scene, true, 0, 2, &truth, error);
     if (status == SL_OK) status = sl_image_compare(other, c->plain, NULL, &seeds, NULL, error);
     if (status == SL_OK) status = sl_image_compare(c->plain, truth, NULL, &errors, NULL, error);
     if (status == SL_OK) c->noise = seeds.rel_rmse, c->error = apart(c->plain, truth, &errors, true);
