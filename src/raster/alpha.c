@@ -18,7 +18,7 @@ static bool opaque_at(const sl_raster *raster, uint32_t triangle, const sl_edge_
 }
 
 void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass,
-                         const sl_tile *tile, const sl_batch *b, uint32_t t) {
+                         const sl_tile *tile, const sl_triangle_batch *b, uint32_t t) {
     uint32_t me = b->id[t];
     sl_wide_edges e;
     if (!sl_widen_edges(b, t, &e)) return;

@@ -147,8 +147,8 @@ static bool find_span(const sl_pass_view *view, const clip_vertex triangle[3], c
 }
 
 /* span: NULL, or what the depth plane goes through. */
-static bool append(sl_batch *batch, const window_vertex *a, const window_vertex *b, const window_vertex *c,
-                   const window_vertex *span) {
+static bool append(sl_triangle_batch *batch, const window_vertex *a, const window_vertex *b,
+                   const window_vertex *c, const window_vertex *span) {
     const window_vertex *corner[3] = {a, b, c};
     for (int k = 0; k < 3; k++) {
         if (!corner[k]->finite) return false;
@@ -181,7 +181,7 @@ static bool holds_centre(const window_vertex *window, int count) {
 }
 
 uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *buffer, const uint16_t corner[3],
-                          sl_batch *batch) {
+                          sl_triangle_batch *batch) {
     clip_vertex polygon[2][POLYGON_MAX], triangle[3];
     int32_t codes = 0;
     for (int k = 0; k < 3; k++) {

@@ -344,7 +344,7 @@ static void append_masks(uint32_t masked, uint32_t bits, uint8_t *to) {
 
 /* The fan's triangles (i - 1, i, 0) of the polygons that have a corner i. */
 INLINE void append_fans(const fetched *f, const window *windows, int n, ints count, ints spanned,
-                        const corners *span, sl_batch *batch) {
+                        const corners *span, sl_triangle_batch *batch) {
     for (int i = 2; i < n; i++) {
         const uint32_t bits = sl_part_negative(count > i), t = batch->count;
         const window *corner[3] = {&windows[i - 1], &windows[i], &windows[0]};
@@ -369,7 +369,7 @@ INLINE void append_fans(const fetched *f, const window *windows, int n, ints cou
 
 /* The first `count` lanes, which cross at most `planes` planes. Returns those left to clip.c. */
 INLINE uint32_t clip_part(const sl_pass_view *view, const fetched *f, uint32_t count, int planes,
-                          sl_batch *batch) {
+                          sl_triangle_batch *batch) {
     const ints asked = sl_part_lane() < (int32_t)count;
     vertex triangle[3];
     polygon polygons[MOST_PLANES + 1];
@@ -400,7 +400,7 @@ INLINE uint32_t clip_part(const sl_pass_view *view, const fetched *f, uint32_t c
 
 uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view,
                                    const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count,
-                                   sl_batch *batch) {
+                                   sl_triangle_batch *batch) {
     /* four lanes, without fused operations, gain nothing over clip.c */
     if (SL_PART == 4) return (1u << count) - 1u;
     uint32_t left = 0;

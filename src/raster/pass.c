@@ -174,7 +174,7 @@ typedef struct {
 
 static void append_triangles(const render *r, uint32_t first, const uint8_t *list, uint32_t count) {
     const sl_raster *raster = r->raster;
-    sl_batch *batch = &r->scratch->batch;
+    sl_triangle_batch *batch = &r->scratch->batch;
     for (uint32_t n = 0; n < count; n++) {
         batch->id[batch->count] = raster->triangle[first + list[n]];
         batch->masked[batch->count] = raster->masked && raster->triangle_masked[first + list[n]];
@@ -208,7 +208,7 @@ static void make_room(const render *r, uint32_t triangles, uint32_t *tiny) {
 
 static void clip_one(const render *r, uint32_t triangle, uint32_t *tiny) {
     const sl_raster *raster = r->raster;
-    sl_batch *batch = &r->scratch->batch;
+    sl_triangle_batch *batch = &r->scratch->batch;
     make_room(r, SL_CLIP_TRIANGLES, tiny);
     uint16_t corner[3] = {raster->corner[0][triangle], raster->corner[1][triangle],
                           raster->corner[2][triangle]};

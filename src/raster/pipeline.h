@@ -47,15 +47,17 @@ struct sl_raster_kernels {
     /* Appends what is left of at most SL_LANES triangles of the cluster that starts at triangle `first`;
      * there must be room for SL_CLIP_ROOM. Returns those left to sl_clip_triangle(), a bit each. */
     uint32_t (*clip)(const sl_raster *raster, uint32_t first, const sl_pass_view *view,
-                     const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count, sl_batch *batch);
+                     const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count,
+                     sl_triangle_batch *batch);
     /* Edge functions and pixels of triangles [first, count); depth planes of [0, count). */
-    void (*set_up_edges)(const sl_tile *tile, sl_batch *batch, uint32_t first);
-    void (*set_up_depth)(const sl_pass_view *view, sl_batch *batch);
+    void (*set_up_edges)(const sl_tile *tile, sl_triangle_batch *batch, uint32_t first);
+    void (*set_up_depth)(const sl_pass_view *view, sl_triangle_batch *batch);
     /* Draws the tiny triangles, the first of the batch. */
-    void (*rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
+    void (*rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_triangle_batch *batch,
                            const sl_tiny *tiny);
     /* Draws triangles [first, count) that have no mask. */
-    void (*rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch, uint32_t first);
+    void (*rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_triangle_batch *batch,
+                      uint32_t first);
     /* Tells whether all pixels of the rectangle, which lies within the tile, show something nearer than
      * `nearest`. */
     bool (*occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
@@ -75,7 +77,7 @@ struct sl_raster_scratch {
     sl_vertex_buffer vertices;
     sl_classes classes;
     sl_tiny tiny;
-    sl_batch batch;
+    sl_triangle_batch batch;
 };
 
 bool sl_visible_allocate(sl_visible *visible, const sl_raster *raster);
@@ -92,7 +94,7 @@ void sl_spare_give(const sl_raster *raster, sl_raster_scratch *scratch);
 
 /* Draws triangle t of the batch, pixel by pixel, where its alpha mask is opaque (alpha.c). */
 void sl_rasterize_masked(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass,
-                         const sl_tile *tile, const sl_batch *batch, uint32_t t);
+                         const sl_tile *tile, const sl_triangle_batch *batch, uint32_t t);
 
 /* Fate of a visible cluster in one render: 0 if no tile drew it, else how many of its triangles fell into
  * each class (sl_fate_of), which is the same whatever tile drew it. */

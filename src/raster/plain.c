@@ -111,7 +111,7 @@ static void to_window(const sl_pass_view *view, corner *c) {
 static uint32_t clip(const sl_pass_view *view, const corner c[3], corner pieces[SL_CLIP_TRIANGLES][3]) {
     const uint16_t all_three[3] = {0, 1, 2};
     sl_vertex_buffer buffer;
-    sl_batch fan;
+    sl_triangle_batch fan;
     fan.count = 0;
     for (int k = 0; k < 3; k++) {
         buffer.x[k] = c[k].x, buffer.y[k] = c[k].y, buffer.z[k] = c[k].z, buffer.w[k] = c[k].w;

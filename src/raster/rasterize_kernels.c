@@ -30,7 +30,7 @@ typedef struct {
     sl_part_ints origin_u, origin_v, id;
 } block_plane;
 
-static inline block_plane block_plane_of(const sl_batch *b, uint32_t t) {
+static inline block_plane block_plane_of(const sl_triangle_batch *b, uint32_t t) {
     return (block_plane){sl_part_float(b->depth_origin[t]), sl_part_float(b->depth_du[t]),
                          sl_part_float(b->depth_dv[t]),     sl_part_float(b->depth_min[t]),
                          sl_part_float(b->depth_max[t]),    sl_part_int(b->origin_u[t]),
@@ -56,7 +56,7 @@ static inline sl_part_floats block_depth(const block_plane *p, sl_part_floats ro
 }
 
 /* Planes in OpenGL's form and steep ones: pixel by pixel. */
-static inline sl_part_floats opengl_depth(const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
+static inline sl_part_floats opengl_depth(const sl_triangle_batch *b, uint32_t t, int32_t x, int32_t y) {
     sl_part_floats z;
     for (int l = 0; l < SL_PART; l++) z[l] = sl_depth_at(SL_OPENGL_PLANE, b, t, x + (l & 3), y + (l >> 2));
     return z;
@@ -112,11 +112,9 @@ static inline void find_extents(const int32_t a[3], const int32_t b[3], const in
 
 /* Blocks [x0, x1] x [y0, y1], numbered from the tile's first; e: the edge functions at the first pixel of the
  * first. */
-static inline __attribute__((always_inline)) void draw_blocks(const sl_tile *tile, const sl_batch *batch,
-                                                              uint32_t t, sl_depth_rule rule, bool steep,
-                                                              const int32_t a[3], const int32_t b[3],
-                                                              const int32_t e[3], int x0, int y0, int x1,
-                                                              int y1) {
+static inline __attribute__((always_inline)) void draw_blocks(
+    const sl_tile *tile, const sl_triangle_batch *batch, uint32_t t, sl_depth_rule rule, bool steep,
+    const int32_t a[3], const int32_t b[3], const int32_t e[3], int x0, int y0, int x1, int y1) {
     const int left = tile->left + x0 * SL_BLOCK, low = tile->low + y0 * SL_BLOCK, columns = x1 - x0 + 1,
               rows = y1 - y0 + 1;
     const size_t stride = (size_t)tile->blocks_x * SL_LANES,
@@ -168,8 +166,8 @@ static inline __attribute__((always_inline)) void draw_blocks(const sl_tile *til
 
 /* ---- triangles of at most a span ---- */
 
-static inline void draw_small(const sl_tile *tile, const sl_batch *batch, uint32_t t, sl_depth_rule rule,
-                              bool steep) {
+static inline void draw_small(const sl_tile *tile, const sl_triangle_batch *batch, uint32_t t,
+                              sl_depth_rule rule, bool steep) {
     const int32_t a[3] = {batch->a[0][t], batch->a[1][t], batch->a[2][t]};
     const int32_t b[3] = {batch->b[0][t], batch->b[1][t], batch->b[2][t]};
     const int32_t e[3] = {batch->e[0][t], batch->e[1][t], batch->e[2][t]};
@@ -183,8 +181,8 @@ static inline void draw_small(const sl_tile *tile, const sl_batch *batch, uint32
 bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels,
                                    float nearest);
 
-static inline void draw_span(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_wide_edges *w,
-                             sl_depth_rule rule, bool steep, sl_rectangle span) {
+static inline void draw_span(const sl_tile *tile, const sl_triangle_batch *batch, uint32_t t,
+                             const sl_wide_edges *w, sl_depth_rule rule, bool steep, sl_rectangle span) {
     int bx = (span.x0 - tile->left) / SL_BLOCK, by = (span.y0 - tile->low) / SL_BLOCK;
     int x = tile->left + bx * SL_BLOCK, y = tile->low + by * SL_BLOCK;
     int32_t a[3], b[3], e[3];
@@ -204,7 +202,7 @@ static inline void draw_span(const sl_tile *tile, const sl_batch *batch, uint32_
                 (span.y1 - tile->low) / SL_BLOCK);
 }
 
-static inline void draw_large(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
+static inline void draw_large(const sl_pass_view *view, const sl_tile *tile, const sl_triangle_batch *batch,
                               uint32_t t, sl_depth_rule rule, bool steep) {
     sl_wide_edges w;
     if (!sl_widen_edges(batch, t, &w)) return;
@@ -221,7 +219,7 @@ static inline void draw_large(const sl_pass_view *view, const sl_tile *tile, con
     }
 }
 
-static inline bool fits_span(const sl_batch *batch, uint32_t t) {
+static inline bool fits_span(const sl_triangle_batch *batch, uint32_t t) {
     int32_t low_u = batch->snapped_u[0][t], high_u = low_u, low_v = batch->snapped_v[0][t], high_v = low_v;
     for (int k = 1; k < 3; k++) {
         int32_t u = batch->snapped_u[k][t], v = batch->snapped_v[k][t];
@@ -235,11 +233,11 @@ static inline bool fits_span(const sl_batch *batch, uint32_t t) {
 
 /* By themselves, so that the others' loops do not carry their burden. */
 __attribute__((noinline)) static void draw_steep(const sl_pass_view *view, const sl_tile *tile,
-                                                 const sl_batch *batch, uint32_t t) {
+                                                 const sl_triangle_batch *batch, uint32_t t) {
     draw_large(view, tile, batch, t, view->rule, true);
 }
 
-static inline void draw_all(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
+static inline void draw_all(const sl_pass_view *view, const sl_tile *tile, const sl_triangle_batch *batch,
                             uint32_t first, sl_depth_rule rule) {
     for (uint32_t t = first; t < batch->count; t++) {
         if (batch->x0[t] > batch->x1[t] || batch->y0[t] > batch->y1[t] || batch->masked[t]) continue;
@@ -249,8 +247,8 @@ static inline void draw_all(const sl_pass_view *view, const sl_tile *tile, const
     }
 }
 
-void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
-                                    uint32_t first) {
+void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile,
+                                    const sl_triangle_batch *batch, uint32_t first) {
     switch (view->rule) {
     case SL_NEARER_IS_SMALLER: draw_all(view, tile, batch, first, SL_NEARER_IS_SMALLER); break;
     case SL_NEARER_IS_LARGER: draw_all(view, tile, batch, first, SL_NEARER_IS_LARGER); break;
@@ -260,8 +258,8 @@ void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *til
 
 /* ---- tiny triangles ---- */
 
-static inline void draw_pixels(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_tiny *tiny,
-                               sl_depth_rule rule) {
+static inline void draw_pixels(const sl_tile *tile, const sl_triangle_batch *batch, uint32_t t,
+                               const sl_tiny *tiny, sl_depth_rule rule) {
     const int32_t me = (int32_t)batch->id[t];
     for (uint32_t left = tiny->covered[t]; left; left &= left - 1) {
         int k = __builtin_ctz(left), x = tiny->x[t] + (k & 3), y = tiny->y[t] + (k >> 2);
@@ -282,8 +280,8 @@ static inline void draw_pixels(const sl_tile *tile, const sl_batch *batch, uint3
  *      |   ......|....     |     lanes 2 and 3 of the left block, lanes 0 and 1 of the right one
  *      +---------+---------+
  *      |<->| right             */
-static inline void draw_square(const sl_tile *tile, const sl_batch *batch, uint32_t t, const sl_tiny *tiny,
-                               sl_depth_rule rule) {
+static inline void draw_square(const sl_tile *tile, const sl_triangle_batch *batch, uint32_t t,
+                               const sl_tiny *tiny, sl_depth_rule rule) {
     const int32_t x = tiny->x[t], y = tiny->y[t], right = x & (SL_BLOCK - 1), up = y & (SL_BLOCK - 1);
     const uint32_t from_right = 0x1111u * (0xfu << right & 0xfu), from_up = 0xffffu << 4 * up & 0xffffu,
                    all = tiny->covered[t];
@@ -315,7 +313,7 @@ static inline void draw_square(const sl_tile *tile, const sl_batch *batch, uint3
 }
 
 /* Of few pixels, one by one. */
-static inline void draw_tiny(const sl_tile *tile, const sl_batch *batch, const sl_tiny *tiny,
+static inline void draw_tiny(const sl_tile *tile, const sl_triangle_batch *batch, const sl_tiny *tiny,
                              sl_depth_rule rule) {
     for (uint32_t t = 0; t < tiny->count; t++) {
         const uint32_t covered = tiny->covered[t];
@@ -325,8 +323,8 @@ static inline void draw_tiny(const sl_tile *tile, const sl_batch *batch, const s
     }
 }
 
-void SL_KERNEL(sl_raster_rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
-                                         const sl_tiny *tiny) {
+void SL_KERNEL(sl_raster_rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile,
+                                         const sl_triangle_batch *batch, const sl_tiny *tiny) {
     switch (view->rule) {
     case SL_NEARER_IS_SMALLER: draw_tiny(tile, batch, tiny, SL_NEARER_IS_SMALLER); break;
     case SL_NEARER_IS_LARGER: draw_tiny(tile, batch, tiny, SL_NEARER_IS_LARGER); break;

@@ -7,7 +7,8 @@
 /* ---- edges ---- */
 
 /* The pixels whose centres the box may hold, cut to the tile; a triangle without area has none. */
-static void find_pixels(const sl_tile *tile, sl_batch *restrict batch, uint32_t first, uint32_t end) {
+static void find_pixels(const sl_tile *tile, sl_triangle_batch *restrict batch, uint32_t first,
+                        uint32_t end) {
     const int32_t tile_x0 = tile->x0, tile_x1 = tile->x1 - 1, tile_y0 = tile->y0, tile_y1 = tile->y1 - 1;
 #pragma omp simd
     for (uint32_t t = first; t < end; t++) {
@@ -24,7 +25,7 @@ static void find_pixels(const sl_tile *tile, sl_batch *restrict batch, uint32_t 
 
 /* As sl_widen_edges(). All differences are below 2^15 here, so the products fit 32 bits; larger triangles,
  * drawn span by span, are given zeros, and never look at these. */
-static void find_edges(const sl_tile *tile, sl_batch *restrict batch, uint32_t first, uint32_t end) {
+static void find_edges(const sl_tile *tile, sl_triangle_batch *restrict batch, uint32_t first, uint32_t end) {
     const int32_t left = tile->left, low = tile->low;
 #pragma omp simd
     for (uint32_t t = first; t < end; t++) {
@@ -55,7 +56,7 @@ static void find_edges(const sl_tile *tile, sl_batch *restrict batch, uint32_t f
     }
 }
 
-void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_batch *batch, uint32_t first) {
+void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_triangle_batch *batch, uint32_t first) {
     find_pixels(tile, batch, first, batch->count);
     find_edges(tile, batch, first, batch->count);
 }
@@ -67,7 +68,7 @@ void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_batch *batch, uin
  * have wild slopes: the rasterizer clamps to the corners' range, slopes that could overflow count as none,
  * and where the terms along u and v are many times the depth that they add up to, float is not enough
  * (sl_steep_depth_at()). */
-static void find_planes(sl_depth_rule rule, sl_batch *restrict batch, uint32_t end) {
+static void find_planes(sl_depth_rule rule, sl_triangle_batch *restrict batch, uint32_t end) {
     const float limit = rule == SL_NEARER_IS_SMALLER ? 1.0f : INFINITY;
 #pragma omp simd
     for (uint32_t t = 0; t < end; t++) {
@@ -113,7 +114,7 @@ static void find_planes(sl_depth_rule rule, sl_batch *restrict batch, uint32_t e
 
 /* OSMesa's plane: float all through, told at the target's corner. llvmpipe exchanges the first two corners of
  * triangles that turn one way, which changes the rounding. */
-static void find_opengl_planes(sl_batch *restrict batch, uint32_t end) {
+static void find_opengl_planes(sl_triangle_batch *restrict batch, uint32_t end) {
     for (uint32_t t = 0; t < end; t++) {
         int64_t du1 = batch->snapped_u[1][t] - batch->snapped_u[0][t],
                 du2 = batch->snapped_u[2][t] - batch->snapped_u[0][t];
@@ -135,7 +136,7 @@ static void find_opengl_planes(sl_batch *restrict batch, uint32_t end) {
     }
 }
 
-void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_batch *batch) {
+void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_triangle_batch *batch) {
     if (view->rule == SL_OPENGL_PLANE) find_opengl_planes(batch, batch->count);
     else find_planes(view->rule, batch, batch->count);
 }

@@ -12,13 +12,13 @@ void SL_KERNEL(sl_raster_cover_tiny)(const sl_raster *raster, uint32_t cluster, 
                                      sl_tiny *tiny);
 uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view,
                                    const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count,
-                                   sl_batch *batch);
-void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_batch *batch, uint32_t first);
-void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_batch *batch);
-void SL_KERNEL(sl_raster_rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
-                                         const sl_tiny *tiny);
-void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_batch *batch,
-                                    uint32_t first);
+                                   sl_triangle_batch *batch);
+void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_triangle_batch *batch, uint32_t first);
+void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_triangle_batch *batch);
+void SL_KERNEL(sl_raster_rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile,
+                                         const sl_triangle_batch *batch, const sl_tiny *tiny);
+void SL_KERNEL(sl_raster_rasterize)(const sl_pass_view *view, const sl_tile *tile,
+                                    const sl_triangle_batch *batch, uint32_t first);
 bool SL_KERNEL(sl_raster_occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels,
                                    float nearest);
 void SL_KERNEL(sl_raster_clear)(const sl_pass_view *view, const sl_tile *tile);

@@ -45,7 +45,7 @@ typedef struct sl_tiny {
 } sl_tiny;
 
 /* Triangles in window coordinates; pixel centres lie at multiples of 256 in (u, v). */
-typedef struct sl_batch {
+typedef struct sl_triangle_batch {
     uint32_t count;
     uint32_t id[SL_BATCH];
     uint8_t masked[SL_BATCH];
@@ -63,7 +63,7 @@ typedef struct sl_batch {
     float depth_du[SL_BATCH], depth_dv[SL_BATCH], depth_origin[SL_BATCH], depth_min[SL_BATCH],
         depth_max[SL_BATCH];
     int32_t origin_u[SL_BATCH], origin_v[SL_BATCH];
-} sl_batch;
+} sl_triangle_batch;
 
 /* Thin slivers may have so steep a plane that its terms, each many times the depth itself, would leave little
  * of it in float. They are few, and cover few pixels: their plane is kept in double, told from the first
@@ -72,7 +72,7 @@ typedef struct sl_steep_plane {
     double u, v, depth, du, dv;
 } sl_steep_plane;
 
-static inline sl_steep_plane sl_steep_plane_of(const sl_batch *b, uint32_t t) {
+static inline sl_steep_plane sl_steep_plane_of(const sl_triangle_batch *b, uint32_t t) {
     double u0 = (double)((b->x[0][t] - 0.5f) * 256.0f), v0 = (double)((b->y[0][t] - 0.5f) * 256.0f),
            z0 = (double)b->depth[0][t];
     double du1 = (double)((b->x[1][t] - 0.5f) * 256.0f) - u0,
@@ -91,7 +91,8 @@ static inline float sl_steep_depth_at(const sl_steep_plane *p, int32_t x, int32_
 
 /* Depth of triangle t at pixel (x, y), by itself, so that it does not depend on blocks, lanes or tiles. All
  * that is turned to float is whole and below 2^23, exact. */
-static inline float sl_depth_at(sl_depth_rule rule, const sl_batch *b, uint32_t t, int32_t x, int32_t y) {
+static inline float sl_depth_at(sl_depth_rule rule, const sl_triangle_batch *b, uint32_t t, int32_t x,
+                                int32_t y) {
     float z = b->depth_origin[t];
     if (rule == SL_OPENGL_PLANE) {
         z = fmaf(b->depth_dv[t], (float)y, fmaf(b->depth_du[t], (float)x, z));
@@ -116,7 +117,7 @@ typedef struct sl_wide_edges {
  * signs are turned by the area's. At pixel centres E = 256 (a i + b j) + c, so E >= 0 is a i + b j + floor(c
  * / 256) >= 0. Edges that do not own their points (all but left edges and lowest horizontal ones) ask for E
  * >= 1. Returns false if there is no area. */
-static inline bool sl_widen_edges(const sl_batch *batch, uint32_t t, sl_wide_edges *w) {
+static inline bool sl_widen_edges(const sl_triangle_batch *batch, uint32_t t, sl_wide_edges *w) {
     int64_t u[3], v[3];
     for (int k = 0; k < 3; k++) {
         u[k] = batch->snapped_u[k][t];
@@ -160,7 +161,7 @@ static inline int32_t sl_clamp_edge(int64_t e) {
 
 /* Appends a triangle that needs no clipping. */
 static inline void sl_batch_append(const sl_raster *raster, const sl_vertex_buffer *from, uint32_t triangle,
-                                   sl_batch *batch) {
+                                   sl_triangle_batch *batch) {
     uint32_t t = batch->count++;
     for (int k = 0; k < 3; k++) {
         uint16_t v = raster->corner[k][triangle];
@@ -175,6 +176,6 @@ static inline void sl_batch_append(const sl_raster *raster, const sl_vertex_buff
 /* Appends what is left of a triangle inside all planes, as a fan, if its box holds a pixel centre; corners
  * are vertices of the buffer. At most SL_CLIP_TRIANGLES; returns how many. */
 uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *vertices,
-                          const uint16_t corner[3], sl_batch *batch);
+                          const uint16_t corner[3], sl_triangle_batch *batch);
 
 #endif

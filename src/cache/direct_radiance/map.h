@@ -222,13 +222,13 @@ size_t sl_map_photons_bytes(const sl_map_photons *photons);
 
 /* ---- photons in the making ---- */
 
-/* The list, and what its samples are taken from. */
-typedef struct sl_photon_list {
+/* Photons in the making, and what their samples are taken from. */
+typedef struct sl_photon_maker {
     const sl_scene *scene;
     const sl_radiance_map *map;
     sl_map_photons *photons;
     size_t samples; /* of the light whose photons are taken */
-} sl_photon_list;
+} sl_photon_maker;
 
 /* Texels each way of a block. */
 static inline int sl_block_texels(const sl_map_face *face) { return face->width / face->columns; }
@@ -240,10 +240,10 @@ static inline bool sl_face_is_directional(const sl_radiance_map *map, const sl_m
 double sl_map_part(const sl_radiance_map *map, const sl_map_face *face, int column, int row, int texels);
 
 /* Appends the sample; nothing where it holds no light, or where a float cannot hold it. */
-void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_map_texel *sample);
+void sl_photon_add(sl_photon_maker *list, const sl_map_face *face, const sl_map_texel *sample);
 
 enum { SL_PHOTON_GROUPS = 4 }; /* surfaces of a block, at most */
 /* Appends a photon for each surface of the block whose lower left texel that is (photon_groups.c). */
-void sl_photon_groups_take(sl_photon_list *list, const sl_map_face *face, int column, int row);
+void sl_photon_groups_take(sl_photon_maker *list, const sl_map_face *face, int column, int row);
 
 #endif

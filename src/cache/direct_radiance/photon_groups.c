@@ -85,7 +85,7 @@ static void add_texel(surface_sum *sum, const sl_map_texel *t, bool stranger, do
     add_scaled(&sum->shading, t->shading, weight);
 }
 
-static void finish(sl_photon_list *list, const sl_map_face *face, const surface_sum *sum) {
+static void finish(sl_photon_maker *list, const sl_map_face *face, const surface_sum *sum) {
     double mean = 1.0 / sum->luminance;
     sl_map_texel s = {.position = sl_scaled(sum->position, mean),
                       .normal = unit_or(sum->normal, sum->first_normal),
@@ -108,7 +108,7 @@ static void finish(sl_photon_list *list, const sl_map_face *face, const surface_
 }
 
 /* Adds a texel to its surface's group. block: the solid angle for which printed weights take a photon. */
-static void add_to_groups(const sl_photon_list *list, const sl_map_face *face, int column, int row,
+static void add_to_groups(const sl_photon_maker *list, const sl_map_face *face, int column, int row,
                           double block, surface_sum group[SL_PHOTON_GROUPS]) {
     sl_map_texel t;
     if (!sl_map_texel_read(list->scene, list->map, face, column, row, NULL, &t)) return;
@@ -129,7 +129,7 @@ static void add_to_groups(const sl_photon_list *list, const sl_map_face *face, i
     if (!stranger) g->rectangle = join(g->rectangle, texel);
 }
 
-void sl_photon_groups_take(sl_photon_list *list, const sl_map_face *f, int column, int row) {
+void sl_photon_groups_take(sl_photon_maker *list, const sl_map_face *f, int column, int row) {
     const int texels = sl_block_texels(f);
     const double block = sl_map_part(list->map, f, column, row, texels);
     surface_sum group[SL_PHOTON_GROUPS] = {{.luminance = 0.0}};

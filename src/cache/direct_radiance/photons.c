@@ -13,7 +13,7 @@
  * block that is a texel's corner: the lower left of the four around it is taken. It stands for the whole
  * block, whose solid angle is the texels' together: with the texel's own, the photons would hold m^2 / w^2 of
  * the light. color: instead of the texel's own; or NULL. */
-static void take_point(sl_photon_list *list, const sl_map_face *face, int column, int row,
+static void take_point(sl_photon_maker *list, const sl_map_face *face, int column, int row,
                        const double *color) {
     int texels = sl_block_texels(face), x = column + (texels - 1) / 2, y = row + (texels - 1) / 2;
     sl_map_texel t;
@@ -28,7 +28,7 @@ static void take_point(sl_photon_list *list, const sl_map_face *face, int column
 /* The paper's: L_o of the block's level in a MIP map, position and normal from the sample's texel. The mean
  * mixes L_o and not L_o A, so it does not conserve energy, and can light a near surface with a far one's
  * colour. Where nothing is, black. */
-static void take_filtered(sl_photon_list *list, const sl_map_face *face, int column, int row) {
+static void take_filtered(sl_photon_maker *list, const sl_map_face *face, int column, int row) {
     const sl_radiance_map *map = list->map;
     const int texels = sl_block_texels(face);
     double color[3] = {0.0, 0.0, 0.0};
@@ -42,7 +42,7 @@ static void take_filtered(sl_photon_list *list, const sl_map_face *face, int col
     take_point(list, face, column, row, color);
 }
 
-static void take_block(sl_photon_list *list, sl_map_filter filter, const sl_map_face *face, int column,
+static void take_block(sl_photon_maker *list, sl_map_filter filter, const sl_map_face *face, int column,
                        int row) {
     const size_t before = list->photons->count;
     if (filter == SL_MAP_FILTER_POINT) take_point(list, face, column, row, NULL);
@@ -87,7 +87,7 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
     p->nearest = (float)(NEAREST_RECEIVER * (double)scene->scale);
     p->box_diagonal = scene->diagonal;
 
-    sl_photon_list list = {.scene = scene, .map = map, .photons = p};
+    sl_photon_maker list = {.scene = scene, .map = map, .photons = p};
     for (const sl_map_face *f = map->face; f < map->face + map->face_count; f++) {
         if (f == map->face || f[-1].light != f->light) list.samples = count_blocks(map, f->light);
         for (int row = 0; row < f->height; row += sl_block_texels(f)) {
@@ -258,7 +258,7 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
 static sl_rgb rgb_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
 
 /* Returns A of (13) with A' of (12) and w := m; a directional light's A' is its block's area. */
-static double printed_area(const sl_photon_list *list, const sl_map_face *face, const sl_map_texel *s) {
+static double printed_area(const sl_photon_maker *list, const sl_map_face *face, const sl_map_texel *s) {
     double footprint;
     if (sl_face_is_directional(list->map, face)) {
         footprint = (face->right - face->left) / face->columns * ((face->top - face->bottom) / face->rows);
@@ -352,7 +352,7 @@ static sl_photon_polygon find_polygon(const sl_radiance_map *map, const sl_map_f
                                 sqrtf((float)area) * (s->bent ? 0.05f : 1e-4f));
 }
 
-void sl_photon_add(sl_photon_list *list, const sl_map_face *face, const sl_map_texel *s) {
+void sl_photon_add(sl_photon_maker *list, const sl_map_face *face, const sl_map_texel *s) {
     sl_map_photons *photons = list->photons;
     if (photons->count == photons->room) return;
     sl_map_photon *photon = &photons->photon[photons->count];
