@@ -185,15 +185,17 @@ sl_status sl_image_write(const sl_image *image, const char *path, sl_error *erro
 
 sl_status sl_image_write_png(const sl_image *image, const char *path, sl_tone tone, sl_error *error) {
     if (!image || !path) return sl_fail_null(error, "an image and the name of a file");
-    uint8_t *rgb;
-    sl_status status = sl_tone_map(image, tone, &rgb, error);
-    if (status != SL_OK) return status;
     char stops[32];
     sl_print(stops, sizeof stops, "%.17g", sl_tone_stops(image, tone));
     const sl_png_entry texts[3] = {{SL_TONE_KEY, sl_tone_curve_name((size_t)tone.curve)},
                                    {SL_TONE_EXPOSURE_KEY, stops},
                                    {SL_TONE_AUTOMATIC_KEY, "true"}};
-    status = sl_png_file(path, image->width, image->height, 3, rgb, texts, tone.automatic ? 3 : 2, error);
+    const size_t entries = tone.automatic ? 3 : 2;
+    uint8_t *rgb = sl_allocate_unset((size_t)image->width * (size_t)image->height, 3);
+    if (!rgb) return sl_fail_memory(error, "a tone-mapped picture");
+    sl_status status = sl_image_srgb(image, &tone, rgb, error);
+    if (status == SL_OK)
+        status = sl_png_file(path, image->width, image->height, 3, rgb, texts, entries, error);
     sl_free(rgb);
     return status;
 }

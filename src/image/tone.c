@@ -121,16 +121,6 @@ sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl
     return SL_OK;
 }
 
-sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_error *error) {
-    *rgb = NULL;
-    uint8_t *mapped = sl_allocate((size_t)image->width * (size_t)image->height, 3);
-    if (!mapped) return sl_fail_memory(error, "a tone-mapped picture");
-    sl_status status = sl_image_srgb(image, &tone, mapped, error);
-    if (status == SL_OK) *rgb = mapped;
-    else sl_free(mapped);
-    return status;
-}
-
 static void show(const sl_image *image, const float *const planes[3], double exposure, sl_tone_curve curve,
                  uint8_t *codes, float *linear) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;

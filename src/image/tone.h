@@ -24,8 +24,5 @@ sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double sto
 #define SL_TONE_AUTOMATIC_KEY "softlux.exposure_automatic"
 /* "clip", "reinhard"; NULL past the end. */
 const char *sl_tone_curve_name(size_t index);
-/* *rgb gets width * height * 3 bytes, freed with sl_free(). R, G, B of the image, or its Y alone. Negative
- * values and NaN come out black, infinity white. */
-sl_status sl_tone_map(const sl_image *image, sl_tone tone, uint8_t **rgb, sl_error *error);
 
 #endif

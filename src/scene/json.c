@@ -213,19 +213,14 @@ bool sl_json_number(sl_json *json, const cJSON *item, double low, double high, d
 
 bool sl_json_numbers(sl_json *json, const cJSON *item, int count, double *values) {
     if (json->status != SL_OK || !item) return false;
-    if (!cJSON_IsArray(item) || cJSON_GetArraySize(item) != count) {
-        sl_json_fail(json, item, "expected '%s' to be an array of %d numbers", name_of(item), count);
-        return false;
-    }
+    const cJSON *wrong = cJSON_IsArray(item) && cJSON_GetArraySize(item) == count ? NULL : item;
     const cJSON *entry = item->child;
-    for (int i = 0; i < count; i++, entry = entry->next) {
-        if (!is_number(entry)) {
-            sl_json_fail(json, entry, "expected '%s' to be an array of %d numbers", name_of(item), count);
-            return false;
-        }
-        values[i] = entry->valuedouble;
+    for (int i = 0; i < count && !wrong; i++, entry = entry->next) {
+        if (is_number(entry)) values[i] = entry->valuedouble;
+        else wrong = entry;
     }
-    return true;
+    if (wrong) sl_json_fail(json, wrong, "expected '%s' to be an array of %d numbers", name_of(item), count);
+    return !wrong;
 }
 
 bool sl_json_vec3(sl_json *json, const cJSON *item, sl_vec3d *value) {
@@ -275,12 +270,8 @@ const char *sl_json_string(sl_json *json, const cJSON *item) {
     return item->valuestring;
 }
 
-size_t sl_json_array(sl_json *json, const cJSON *item) {
+size_t sl_json_entries(sl_json *json, const cJSON *item) {
     if (json->status != SL_OK || !item) return 0;
-    if (!cJSON_IsArray(item)) {
-        sl_json_fail(json, item, "expected '%s' to be an array [ ... ]", name_of(item));
-        return 0;
-    }
     size_t count = (size_t)cJSON_GetArraySize(item);
     if (count > SL_JSON_ENTRIES) {
         sl_json_fail(json, item, "expected '%s' to have at most %d entries, got %zu", name_of(item),
@@ -288,4 +279,10 @@ size_t sl_json_array(sl_json *json, const cJSON *item) {
         return 0;
     }
     return count;
+}
+
+size_t sl_json_array(sl_json *json, const cJSON *item) {
+    if (!item || cJSON_IsArray(item)) return sl_json_entries(json, item);
+    sl_json_fail(json, item, "expected '%s' to be an array [ ... ]", name_of(item));
+    return 0;
 }

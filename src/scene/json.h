@@ -53,7 +53,9 @@ bool sl_json_vec3(sl_json *json, const cJSON *item, sl_vec3d *value);
 bool sl_json_rgb(sl_json *json, const cJSON *item, sl_rgb *value); /* three numbers >= 0, or one for all */
 bool sl_json_bool(sl_json *json, const cJSON *item, bool *value);
 const char *sl_json_string(sl_json *json, const cJSON *item); /* NULL where it is none */
-/* An array of at most SL_JSON_ENTRIES; the number of entries. 0 where it is not given or wrong. */
+/* Counts the entries of an array or object, at most SL_JSON_ENTRIES; 0 where it is not given or has more. */
+size_t sl_json_entries(sl_json *json, const cJSON *item);
+/* The same, of what must be an array. */
 size_t sl_json_array(sl_json *json, const cJSON *item);
 
 #endif

@@ -130,11 +130,7 @@ void sl_scene_file_materials(sl_scene_file *file, const cJSON *list, const cJSON
         sl_json_fail(json, list, "expected 'materials' to be an object { NAME: { ... } }");
         return;
     }
-    if (cJSON_GetArraySize(list) > SL_JSON_ENTRIES) {
-        sl_json_fail(json, list, "expected 'materials' to have at most %d entries, got %d", SL_JSON_ENTRIES,
-                     cJSON_GetArraySize(list));
-        return;
-    }
-    for (const cJSON *item = list->child; item && json->status == SL_OK; item = item->next)
+    const size_t count = sl_json_entries(json, list);
+    for (const cJSON *item = count ? list->child : NULL; item && json->status == SL_OK; item = item->next)
         read_material(file, item, meshes);
 }
