@@ -17,8 +17,8 @@
 #include "trace/trace.h"
 
 /* Radiance between the plane's picture and the horizon: the mean of the picture [LC04], or the outermost
- * pixels' along the meridians. */
-typedef enum sl_border { SL_BORDER_LC04, SL_BORDER_RADIAL } sl_border;
+ * pixels' along the meridians; or none, beside which table 1 of Gautron et al. 2005 sets the two. */
+typedef enum sl_border { SL_BORDER_LC04, SL_BORDER_RADIAL, SL_BORDER_PLAIN } sl_border;
 
 typedef struct sl_second_points {
     size_t count;
