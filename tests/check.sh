@@ -19,6 +19,7 @@ build_and_test() { # build_and_test BUILD "MAKE ARGUMENTS" [TEST ...]
 # Warnings are errors here and only here: a newer compiler's new warning does not keep a user from building.
 step 'release, gcc: all tests' build_and_test build 'CC=gcc CFLAGS=-Werror'
 step 'the program: usage, exit statuses, files' tests/program.sh build/softlux
+step 'benchmarks: build' sh -c 'make -s -j"$1" CC=gcc CFLAGS=-Werror $(ls bench/bench_*.c | sed "s|^|build/|; s|\.c\$||")' sh "$jobs"
 step 'release, clang: builds without warnings' make -s -j"$jobs" CC=clang CFLAGS=-Werror all
 step 'baseline, gcc: builds' make -s -j"$jobs" CONFIG=baseline all
 step 'same bits: threads, compilers, instruction sets' tests/same_bits.sh
