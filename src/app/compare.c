@@ -218,36 +218,25 @@ static sl_status read_pictures(const compare_request *q, compare_pictures *p, sl
 
 /* ---- surfaces alone -------------------------------------------------------------------------- */
 
-/* The layer of emission; `told`: there is one. */
-typedef struct emission {
-    bool told;
-    const float *planes[3];
-} emission;
-
-static emission emission_of(const sl_image *image) {
-    emission e;
-    e.told = sl_layer_planes(image, "emission", e.planes);
-    return e;
-}
-
-static bool shines(const emission *e, size_t i) {
-    return e->told && (e->planes[0][i] != 0.0f || e->planes[1][i] != 0.0f || e->planes[2][i] != 0.0f);
+static bool shines(const float *const emission[3], size_t i) {
+    return emission[0][i] != 0.0f || emission[1][i] != 0.0f || emission[2][i] != 0.0f;
 }
 
 /* NaN where neither picture tells what shines, or nothing is left. */
 static double rel_rmse_of_surfaces(const compare_pictures *p) {
-    const emission of_image = emission_of(p->image), of_reference = emission_of(p->reference);
-    const float *x[3], *r[3];
+    const float *x[3], *r[3], *lamps[2][3];
+    const bool told[2] = {sl_layer_planes(p->image, "emission", lamps[0]),
+                          sl_layer_planes(p->reference, "emission", lamps[1])};
     size_t pixels = (size_t)p->image->width * (size_t)p->image->height, count = 0;
     double squares = 0.0, sum = 0.0;
-    if (!of_image.told && !of_reference.told) return (double)NAN;
+    if (!told[0] && !told[1]) return (double)NAN;
     sl_layer_planes(p->image, NULL, x);
     sl_layer_planes(p->reference, NULL, r);
     for (size_t i = 0; i < pixels; i++) {
         bool finite = true;
         for (int k = 0; k < 3; k++) finite = finite && isfinite(x[k][i]) && isfinite(r[k][i]);
-        if (!finite || (p->mask && !(p->mask->planes[i] > 0.5f)) || shines(&of_image, i) ||
-            shines(&of_reference, i))
+        if (!finite || (p->mask && !(p->mask->planes[i] > 0.5f)) || (told[0] && shines(lamps[0], i)) ||
+            (told[1] && shines(lamps[1], i)))
             continue;
         for (int k = 0; k < 3; k++) {
             double d = (double)x[k][i] - (double)r[k][i];
