@@ -138,9 +138,9 @@ static bool allocate_faces(sl_coarse *c) {
 
 static bool allocate_values(sl_coarse *c) {
     c->vertex = sl_allocate(c->vertex_count, sizeof *c->vertex);
-    c->reflectance = sl_allocate(c->triangle_count, sizeof *c->reflectance);
+    if (c->scene->texture_count) c->reflectance = sl_allocate(c->triangle_count, sizeof *c->reflectance);
     c->colour = sl_allocate(c->triangle_count, SL_LATTICE_FLOATS * sizeof *c->colour);
-    return c->vertex && c->reflectance && c->colour;
+    return c->vertex && (c->reflectance || !c->scene->texture_count) && c->colour;
 }
 
 static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error *error) {
@@ -188,7 +188,8 @@ void sl_coarse_destroy(sl_coarse *c) {
 }
 
 size_t sl_coarse_memory_bytes(const sl_coarse *c) {
-    size_t by_triangle = sizeof *c->reflectance + SL_LATTICE_FLOATS * sizeof *c->colour;
+    size_t by_triangle =
+        (c->reflectance ? sizeof *c->reflectance : 0) + SL_LATTICE_FLOATS * sizeof *c->colour;
     return sizeof *c + c->face_count * (sizeof *c->level + sizeof *c->face) +
            sl_patches_memory_bytes(c->vertices) + c->vertex_count * sizeof *c->vertex +
            c->triangle_count * by_triangle;
@@ -287,12 +288,14 @@ static void corner_values(const sl_coarse *c, uint32_t face, const place *p, sl_
 }
 
 static void finish_triangle(sl_coarse *c, uint32_t face, const place *p, size_t at, int samples) {
-    if (!c->reflectance_known) c->reflectance[at] = mean_reflectance(c, face, p, samples);
+    const bool known = c->reflectance && c->reflectance_known;
+    const sl_rgb reflectance = known ? c->reflectance[at] : mean_reflectance(c, face, p, samples);
+    if (c->reflectance) c->reflectance[at] = reflectance;
     sl_rgb colour[3];
     corner_values(c, face, p, colour);
     float *out = c->colour + at * SL_LATTICE_FLOATS;
     for (int k = 0; k < 3; k++) {
-        colour[k] = sl_rgb_mul(colour[k], c->reflectance[at]);
+        colour[k] = sl_rgb_mul(colour[k], reflectance);
         sl_rgb rgb = k ? sl_rgb_sub(colour[k], colour[0]) : colour[0];
         out[3 * k] = rgb.r;
         out[3 * k + 1] = rgb.g;
@@ -302,7 +305,7 @@ static void finish_triangle(sl_coarse *c, uint32_t face, const place *p, size_t 
 
 static void finish_face(sl_coarse *c, uint32_t face) {
     int n = c->face[face].rows,
-        samples = c->reflectance_known ? 0 : samples_along(c->scene, face / 2, n * n);
+        samples = c->reflectance && c->reflectance_known ? 0 : samples_along(c->scene, face / 2, n * n);
     size_t at = (size_t)c->face[face].first;
     for (int j = 0; j < n; j++) {
         for (int k = 0; k < 2 * (n - j) - 1; k++) {

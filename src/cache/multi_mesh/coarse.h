@@ -49,7 +49,7 @@ typedef struct sl_coarse {
     sl_coarse_vertex *vertex;
     size_t triangle_count;     /* coarse ones */
     sl_face_lattice *face;     /* by face; two more for nothing, as if that were one more scene triangle */
-    sl_rgb *reflectance;       /* by coarse triangle: k_d, the mean of its texture */
+    sl_rgb *reflectance;       /* by coarse triangle: k_d, the mean of its texture; NULL: nothing has any */
     bool reflectance_known;
     float *colour;             /* by coarse triangle, SL_LATTICE_FLOATS each */
 } sl_coarse;

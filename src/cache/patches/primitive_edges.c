@@ -38,7 +38,7 @@ static bool same_key(const place_key *a, const place_key *b) {
 
 /* Each part is compared with the first ones of rings in its place, and begins one of its own where none of
  * them agrees. Where more facets meet than anyone can look at (the tip of a cone), the rest stay by
- * themselves. */
+ * themselves. first: the lowest of each ring, or NULL. */
 static sl_status join(const sl_primitives *p, const joint_kind *kind, uint32_t *first, uint32_t *next,
                       sl_error *error) {
     enum { MOST = 64 };
@@ -48,7 +48,8 @@ static sl_status join(const sl_primitives *p, const joint_kind *kind, uint32_t *
     if (!table) return sl_fail_memory(error, "joining primitives");
     memset(table, 0xff, slots * sizeof *table); /* SL_NO_INDEX */
     for (uint32_t code = 0; code < 4 * (uint32_t)p->count; code++) {
-        first[code] = next[code] = code;
+        next[code] = code;
+        if (first) first[code] = code;
         if (part_of(code) >= sl_primitive_corners(p, primitive_of(code))) continue;
         place_key key = kind->key(p, code);
         size_t slot = (size_t)hash_of(&key) & (slots - 1);
@@ -59,7 +60,7 @@ static sl_status join(const sl_primitives *p, const joint_kind *kind, uint32_t *
             if (!same_key(&key, &other_key)) continue;
             met++;
             if (!kind->agree(p, other, code)) continue;
-            first[code] = other;
+            if (first) first[code] = other;
             next[code] = next[other];
             next[other] = code;
             break;
@@ -79,7 +80,7 @@ static void put(float to[3], sl_vec3 p) {
 }
 
 static sl_vec3 corner_position(const sl_primitives *p, uint32_t primitive, int corner) {
-    return sl_scene_position(p->scene, p->corner[corner][primitive]);
+    return sl_scene_position(p->scene, sl_primitive_corner(p, primitive, corner));
 }
 
 static place_key empty_key(const sl_primitives *p, uint32_t primitive) {
@@ -179,8 +180,8 @@ static bool edges_agree(const sl_primitives *p, uint32_t a, uint32_t b) {
 /* ---- the whole ------------------------------------------------------------------------------- */
 
 sl_status sl_primitives_join(sl_primitives *p, sl_error *error) {
-    uint32_t **lists[] = {&p->edge_first, &p->edge_next, &p->corner_first, &p->corner_next};
-    for (size_t i = 0; i < 4; i++) {
+    uint32_t **lists[] = {&p->edge_next, &p->corner_first, &p->corner_next};
+    for (size_t i = 0; i < 3; i++) {
         if (!(*lists[i] = sl_allocate_unset(4 * p->count, sizeof(uint32_t))))
             return sl_fail_memory(error, "joining primitives");
     }
@@ -190,7 +191,7 @@ sl_status sl_primitives_join(sl_primitives *p, sl_error *error) {
             p->edge_kind[code] = kind_of_edge(p, code);
     }
     static const joint_kind edges = {edge_key, edges_agree}, corners = {corner_key, corners_agree};
-    sl_status status = join(p, &edges, p->edge_first, p->edge_next, error);
+    sl_status status = join(p, &edges, NULL, p->edge_next, error);
     if (status == SL_OK) status = join(p, &corners, p->corner_first, p->corner_next, error);
     return status;
 }
@@ -201,12 +202,19 @@ static sl_root_place on_edge(const sl_primitives *p, uint32_t code, uint32_t t, 
     return (sl_root_place){2 * primitive_of(code) + side, (uint16_t)u, (uint16_t)v};
 }
 
+/* Returns the lowest of the edges that are one; two are, as a rule. */
+static uint32_t first_edge(const sl_primitives *p, uint32_t code) {
+    uint32_t first = code;
+    for (uint32_t at = p->edge_next[code]; at != code; at = p->edge_next[at]) first = at < first ? at : first;
+    return first;
+}
+
 sl_root_place sl_root_canonical(const sl_primitives *p, sl_root_place place) {
     uint32_t primitive = place.root / 2, side = place.root % 2, t;
     int edge = sl_edge_at(sl_primitive_corners(p, primitive), place.u, place.v, &t);
     if (edge < 0) return place;
     uint32_t code = 4 * primitive + (uint32_t)edge;
     if (t == 0 || p->edge_kind[code] & SL_EDGE_POINT) return on_edge(p, p->corner_first[code], 0, side);
-    uint32_t first = p->edge_first[code];
+    const uint32_t first = first_edge(p, code);
     return on_edge(p, first, sl_edge_along(p, first, sl_edge_along(p, code, t)), side);
 }

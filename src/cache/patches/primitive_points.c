@@ -60,10 +60,7 @@ static uint32_t quad_triangle_at(const sl_primitives *p, uint32_t primitive, dou
     double weight[3];
     int half = half_at(u, v, weight);
     uint32_t triangle = p->first_triangle[primitive] + (uint32_t)half;
-    /* The second one may have vertices of its own along the diagonal: it is known by corner 3, its last. */
-    int first = half == 0 ? corner_number(p->scene, triangle, p->corner[0][primitive])
-                          : (corner_number(p->scene, triangle, p->corner[3][primitive]) + 1) % 3;
-    turn(first, weight, w1, w2);
+    turn(sl_quad_first(p, primitive, half), weight, w1, w2);
     return triangle;
 }
 
@@ -137,8 +134,7 @@ void sl_root_parameters(const sl_primitives *p, uint32_t triangle, float w1, flo
     *v = (double)w2;
     if (p->kind[primitive] == SL_PRIMITIVE_QUAD) {
         int half = (int)(triangle - p->first_triangle[primitive]);
-        int first = half == 0 ? corner_number(p->scene, triangle, p->corner[0][primitive])
-                              : (corner_number(p->scene, triangle, p->corner[3][primitive]) + 1) % 3;
+        const int first = sl_quad_first(p, primitive, half);
         double second = weight[(first + 1) % 3], third = weight[(first + 2) % 3];
         *u = half == 0 ? second + third : second;
         *v = half == 0 ? third : second + third;

@@ -61,67 +61,79 @@ static bool same_attributes(const sl_scene *s, uint32_t a, uint32_t b, bool text
                         fabsf(s->texture_v[a] - s->texture_v[b]) <= 1e-5f);
 }
 
-/* Triangles t and t + 1 as a quadrilateral whose diagonal, which they share, runs from corner 0 to 2: t holds
- * corners 0 1 2, t + 1 corners 0 2 3. */
-static bool find_quad(const sl_scene *s, uint32_t t, uint32_t corner[4]) {
+/* Corners of triangles t and t + 1 as a quadrilateral whose diagonal, which they share, runs from corner 0 to
+ * 2: t holds corners 0 1 2, t + 1 corners 0 2 3. turn: 3 (which of t is corner 2) + which of t + 1 is corner
+ * 0. */
+static uint32_t quad_corner(const sl_scene *s, uint32_t t, int turn, int corner) {
+    if (corner == 3) return s->vertex[(turn % 3 + 2) % 3][t + 1];
+    return s->vertex[(turn / 3 + corner + 1) % 3][t];
+}
+
+static bool find_quad(const sl_scene *s, uint32_t t, int *turn) {
     uint32_t n = t + 1;
     if (s->material_index[t] != s->material_index[n] || s->object_index[t] != s->object_index[n])
         return false;
     /* Thin ones whose halves' normals have drowned in rounding stay two triangles. */
     if (!(sl_dot(sl_scene_geometric_normal(s, t), sl_scene_geometric_normal(s, n)) > 0.9999f)) return false;
     bool texture = has_texture(s, t);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
-            uint32_t from = s->vertex[i][t], to = s->vertex[(i + 1) % 3][t]; /* corners 2 and 0 */
-            uint32_t other_to = s->vertex[j][n], other_from = s->vertex[(j + 1) % 3][n];
-            if (!same_place(s, from, other_from) || !same_place(s, to, other_to)) continue;
-            corner[0] = to;
-            corner[1] = s->vertex[(i + 2) % 3][t];
-            corner[2] = from;
-            corner[3] = s->vertex[(j + 2) % 3][n];
-            return same_attributes(s, from, other_from, texture) &&
-                   same_attributes(s, to, other_to, texture) && is_parallelogram(s, corner) &&
-                   (!texture || is_affine_texture(s, corner));
-        }
+    for (*turn = 0; *turn < 9; ++*turn) {
+        const int i = *turn / 3, j = *turn % 3;
+        uint32_t from = s->vertex[i][t], to = s->vertex[(i + 1) % 3][t]; /* corners 2 and 0 */
+        uint32_t other_to = s->vertex[j][n], other_from = s->vertex[(j + 1) % 3][n], corner[4];
+        if (!same_place(s, from, other_from) || !same_place(s, to, other_to)) continue;
+        for (int c = 0; c < 4; c++) corner[c] = quad_corner(s, t, *turn, c);
+        return same_attributes(s, from, other_from, texture) && same_attributes(s, to, other_to, texture) &&
+               is_parallelogram(s, corner) && (!texture || is_affine_texture(s, corner));
     }
     return false;
 }
 
 /* ---- all primitives -------------------------------------------------------------------------- */
 
-static void add(sl_primitives *p, sl_primitive_kind kind, uint32_t first, uint32_t triangles,
-                const uint32_t corner[4], uint32_t bicubic) {
-    size_t at = p->count++;
-    p->kind[at] = (uint8_t)kind;
-    p->first_triangle[at] = first;
-    p->triangle_count[at] = triangles;
-    for (int c = 0; c < 4; c++) p->corner[c][at] = corner[c];
-    p->bicubic[at] = bicubic;
-    for (uint32_t t = 0; t < triangles; t++) p->of_triangle[first + t] = (uint32_t)at;
+static uint32_t bicubic_corner(const sl_bicubic *b, int corner) {
+    const uint32_t n = (uint32_t)b->steps, side = n + 1;
+    return b->first_vertex + (corner == 1 || corner == 2 ? n : 0) + (corner >= 2 ? side * n : 0);
 }
 
-static void add_bicubic(sl_primitives *p, uint32_t index) {
-    const sl_bicubic *b = &p->scene->bicubics[index];
-    uint32_t n = (uint32_t)b->steps, side = n + 1, first = b->first_vertex;
-    uint32_t corner[4] = {first, first + n, first + side * n + n, first + side * n};
-    add(p, SL_PRIMITIVE_BICUBIC, b->first_triangle, b->triangle_count, corner, index);
-    p->curved++;
+uint32_t sl_primitive_corner(const sl_primitives *p, uint32_t primitive, int corner) {
+    const uint32_t t = p->first_triangle[primitive];
+    switch ((sl_primitive_kind)p->kind[primitive]) {
+    case SL_PRIMITIVE_QUAD: return quad_corner(p->scene, t, p->turn[primitive], corner);
+    case SL_PRIMITIVE_BICUBIC: return bicubic_corner(&p->scene->bicubics[p->bicubic[primitive]], corner);
+    case SL_PRIMITIVE_TRIANGLE: break;
+    }
+    return corner < 3 ? p->scene->vertex[corner][t] : SL_NO_INDEX;
+}
+
+uint32_t sl_primitive_triangles(const sl_primitives *p, uint32_t primitive) {
+    if (p->kind[primitive] == SL_PRIMITIVE_BICUBIC)
+        return p->scene->bicubics[p->bicubic[primitive]].triangle_count;
+    return p->kind[primitive] == SL_PRIMITIVE_QUAD ? 2 : 1;
+}
+
+/* Adds one and returns how many triangles it has. */
+static uint32_t add(sl_primitives *p, sl_primitive_kind kind, uint32_t first, int turn, uint32_t bicubic) {
+    const uint32_t at = (uint32_t)p->count++;
+    p->kind[at] = (uint8_t)kind;
+    p->turn[at] = (uint8_t)turn;
+    p->first_triangle[at] = first;
+    if (p->bicubic) p->bicubic[at] = bicubic;
+    p->curved += kind == SL_PRIMITIVE_BICUBIC;
+    const uint32_t triangles = sl_primitive_triangles(p, at);
+    for (uint32_t t = 0; t < triangles; t++) p->of_triangle[first + t] = at;
+    return triangles;
 }
 
 static void find_all(sl_primitives *p, bool triangles) {
     const sl_scene *s = p->scene;
     uint32_t bicubic = 0, count = (uint32_t)s->triangle_count;
-    for (uint32_t t = 0; t < count; t += p->triangle_count[p->count - 1]) {
-        uint32_t next = bicubic < s->bicubic_count ? s->bicubics[bicubic].first_triangle : count, corner[4];
-        if (t == next && !triangles) {
-            add_bicubic(p, bicubic++);
-        } else if (t + 1 < next && !triangles && find_quad(s, t, corner)) {
-            add(p, SL_PRIMITIVE_QUAD, t, 2, corner, SL_NO_INDEX);
-        } else {
-            for (int c = 0; c < 3; c++) corner[c] = s->vertex[c][t];
-            corner[3] = SL_NO_INDEX;
-            add(p, SL_PRIMITIVE_TRIANGLE, t, 1, corner, SL_NO_INDEX);
-        }
+    for (uint32_t t = 0; t < count;) {
+        const uint32_t next = bicubic < s->bicubic_count ? s->bicubics[bicubic].first_triangle : count;
+        int turn;
+        if (t == next && !triangles) t += add(p, SL_PRIMITIVE_BICUBIC, t, 0, bicubic++);
+        else if (t + 1 < next && !triangles && find_quad(s, t, &turn))
+            t += add(p, SL_PRIMITIVE_QUAD, t, turn, SL_NO_INDEX);
+        else t += add(p, SL_PRIMITIVE_TRIANGLE, t, 0, SL_NO_INDEX);
     }
 }
 
@@ -153,13 +165,14 @@ sl_rgb sl_root_mean_diffuse(const sl_primitives *p, uint32_t root) {
 /* ---- life ------------------------------------------------------------------------------------ */
 
 static bool allocate_arrays(sl_primitives *p) {
-    size_t most = p->scene->triangle_count;
-    uint32_t **whole[] = {&p->first_triangle, &p->triangle_count, &p->corner[0], &p->corner[1],
-                          &p->corner[2],      &p->corner[3],      &p->bicubic,   &p->of_triangle};
-    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
-        if (!(*whole[i] = sl_allocate(most, sizeof(uint32_t)))) return false;
-    }
-    return (p->kind = sl_allocate(most, 1)) != NULL;
+    const size_t most = p->scene->triangle_count;
+    const bool curved = p->scene->bicubic_count > 0;
+    if (curved) p->bicubic = sl_allocate(most, sizeof *p->bicubic);
+    p->first_triangle = sl_allocate(most, sizeof *p->first_triangle);
+    p->of_triangle = sl_allocate(most, sizeof *p->of_triangle);
+    p->kind = sl_allocate(most, 1);
+    p->turn = sl_allocate(most, 1);
+    return p->first_triangle && p->of_triangle && p->kind && p->turn && (p->bicubic || !curved);
 }
 
 static sl_status find(sl_primitives *p, bool triangles, sl_error *error) {
@@ -211,16 +224,16 @@ bool sl_triangle_is_degenerate(const sl_scene *scene, uint32_t triangle) {
 
 void sl_primitives_destroy(sl_primitives *p) {
     if (!p) return;
-    void *all[] = {p->kind,       p->first_triangle, p->triangle_count, p->corner[0],   p->corner[1],
-                   p->corner[2],  p->corner[3],      p->bicubic,        p->of_triangle, p->mean_diffuse,
-                   p->edge_first, p->edge_next,      p->corner_first,   p->corner_next, p->edge_kind};
+    void *all[] = {p->kind,         p->turn,      p->first_triangle, p->bicubic,     p->of_triangle,
+                   p->mean_diffuse, p->edge_next, p->corner_first,   p->corner_next, p->edge_kind};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_solids_destroy(p->solids);
     sl_free(p);
 }
 
 size_t sl_primitives_memory_bytes(const sl_primitives *p) {
-    size_t by_triangle = 8 * sizeof(uint32_t) + 1, by_primitive = 4 * (4 * sizeof(uint32_t) + 1);
+    size_t by_triangle = (p->bicubic ? 3 : 2) * sizeof(uint32_t) + 2,
+           by_primitive = 4 * (3 * sizeof(uint32_t) + 1);
     return sizeof *p + p->scene->triangle_count * by_triangle +
            p->count * (by_primitive + (p->mean_diffuse ? sizeof(sl_rgb) : 0));
 }

@@ -30,23 +30,32 @@ typedef struct sl_primitives {
     const sl_scene *scene;
     size_t count;
     uint8_t *kind;
-    /* in the scene; 1 of a triangle, 2 of a quad, all of its tessellation of a bicubic patch */
-    uint32_t *first_triangle;
-    uint32_t *triangle_count;
-    uint32_t *corner[4];        /* scene vertices; [3] SL_NO_INDEX of triangles; all of bicubic patches */
-    uint32_t *bicubic;          /* index into the scene's patches, or SL_NO_INDEX */
+    uint8_t *turn;              /* of quads, see sl_quad_first() */
+    uint32_t *first_triangle;   /* in the scene */
+    uint32_t *bicubic;          /* index into the scene's patches, or SL_NO_INDEX; NULL: it has none */
     uint32_t *of_triangle;      /* by scene triangle */
     size_t curved;              /* how many are bicubic */
     sl_rgb *mean_diffuse;       /* NULL: the scene has no textures */
-    /* Where primitives meet, by 4 primitive + edge (corner i to i + 1) or corner: the lowest of those that
-     * are one, and the next of them in a ring. */
-    uint32_t *edge_first, *edge_next, *corner_first, *corner_next;
+    /* Where primitives meet, by 4 primitive + edge (corner i to i + 1) or corner: the next in a ring of those
+     * that are one; of corners, of which many meet, also the lowest of them. */
+    uint32_t *edge_next, *corner_first, *corner_next;
     uint8_t *edge_kind;         /* SL_EDGE_ bits */
     sl_solids *solids;          /* of the scene: sl_solids_edit() after objects or lights have moved */
 } sl_primitives;
 
 enum { SL_EDGE_BACKWARDS = 1, /* it runs against the way that the ring agrees on */
        SL_EDGE_POINT = 2 };   /* it is one point: a pole */
+
+/* Returns which corner of a quad's half is its first: of half 0 the quad's corner 0, of half 1, which has
+ * corners 0, 2 and 3, its corner 0 too. */
+static inline int sl_quad_first(const sl_primitives *p, uint32_t primitive, int half) {
+    return half == 0 ? (p->turn[primitive] / 3 + 1) % 3 : p->turn[primitive] % 3;
+}
+/* Returns a corner as a scene vertex; corner 3 of a triangle: SL_NO_INDEX. */
+uint32_t sl_primitive_corner(const sl_primitives *primitives, uint32_t primitive, int corner);
+/* Returns how many triangles of the scene: 1 of a triangle, 2 of a quad, all of its tessellation of a bicubic
+ * patch. */
+uint32_t sl_primitive_triangles(const sl_primitives *primitives, uint32_t primitive);
 
 sl_status sl_primitives_find(const sl_scene *scene, sl_primitives **primitives, sl_error *error);
 /* Each triangle by itself: root r is side r % 2 of triangle r / 2, a face. */

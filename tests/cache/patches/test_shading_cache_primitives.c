@@ -15,7 +15,7 @@ static sl_primitives *primitives_of(const sl_scene *scene) {
     sl_primitives *p;
     assert_int_equal(sl_primitives_find(scene, &p, NULL), SL_OK);
     for (size_t i = 0; i < p->count; i++) {
-        for (uint32_t t = 0; t < p->triangle_count[i]; t++)
+        for (uint32_t t = 0; t < sl_primitive_triangles(p, (uint32_t)i); t++)
             assert_int_equal(p->of_triangle[p->first_triangle[i] + t], i);
     }
     return p;
@@ -41,7 +41,7 @@ static void the_walls_and_boxes_of_the_cornell_box_are_quadrilaterals(void **sta
     for (uint32_t i = 0; i < p->count; i++) {
         if (p->kind[i] != SL_PRIMITIVE_QUAD) continue;
         sl_vec3 c[4];
-        for (int k = 0; k < 4; k++) c[k] = sl_scene_position(scene, p->corner[k][i]);
+        for (int k = 0; k < 4; k++) c[k] = sl_scene_position(scene, sl_primitive_corner(p, i, k));
         assert_true(distance(sl_add(c[0], c[2]), sl_add(c[1], c[3])) < 1e-2);
         sl_vec3 normal = sl_normalize_or(sl_cross(sl_sub(c[1], c[0]), sl_sub(c[3], c[0])), sl_v3(0, 0, 0));
         assert_true(sl_dot(normal, sl_scene_geometric_normal(scene, p->first_triangle[i])) > 0.999f);
@@ -164,7 +164,7 @@ static void points_of_roots_and_their_parameters_agree(void **state) {
                     double u = i / 8.0, v = j / 8.0, back_u, back_v;
                     sl_root_point_at(p, root, i * SL_PATCH_DYADIC / 8, j * SL_PATCH_DYADIC / 8, &point);
                     sl_vec3 c[4];
-                    for (int k = 0; k < 4; k++) c[k] = sl_scene_position(scene, p->corner[k][0]);
+                    for (int k = 0; k < 4; k++) c[k] = sl_scene_position(scene, sl_primitive_corner(p, 0, k));
                     sl_vec3 expected =
                         sl_mad(sl_mad(c[0], (float)u, sl_sub(c[1], c[0])), (float)v, sl_sub(c[3], c[0]));
                     assert_true(distance(point.position, expected) < 1e-6);
@@ -268,9 +268,9 @@ static void mean_reflectance_is_that_of_the_texture(void **state) {
         float w1, w2;
         uint32_t t = sl_root_triangle_at(p, 0, u, v, &w1, &w2);
         sl_rgb through = sl_scene_diffuse(scene, t, w1, w2);
-        sl_vec3 c0 = sl_scene_position(scene, p->corner[0][0]),
-                c1 = sl_scene_position(scene, p->corner[1][0]);
-        sl_vec3 c3 = sl_scene_position(scene, p->corner[3][0]);
+        sl_vec3 c0 = sl_scene_position(scene, sl_primitive_corner(p, 0, 0)),
+                c1 = sl_scene_position(scene, sl_primitive_corner(p, 0, 1));
+        sl_vec3 c3 = sl_scene_position(scene, sl_primitive_corner(p, 0, 3));
         /* (x, y) are texture coordinates here */
         sl_vec3 at = sl_mad(sl_mad(c0, (float)u, sl_sub(c1, c0)), (float)v, sl_sub(c3, c0));
         bool checked = (at.x < 0.5f) == (at.y < 0.5f),
