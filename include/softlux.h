@@ -475,8 +475,8 @@ SL_API sl_status sl_scene_builder_material(sl_scene_builder *builder, const sl_m
 SL_API sl_status sl_scene_builder_mesh(sl_scene_builder *builder, const sl_mesh_data *data, uint32_t *mesh,
                                        sl_error *error);
 /** Places a mesh, as often as one likes. Each instance is a copy of its own: 36 bytes a triangle and 32 a
- * vertex in the scene, up to three times as much again while it is built, and whatever a method holds of
- * each triangle. */
+ * vertex in the scene, up to as much again while it is built, and what a method holds of each triangle; but
+ * rays share a hierarchy among the copies of a mesh where that saves half a million triangles or more. */
 SL_API sl_status sl_scene_builder_instance(sl_scene_builder *builder, const sl_instance_data *data,
                                            sl_error *error);
 /** Adds a light. */
