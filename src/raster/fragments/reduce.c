@@ -5,43 +5,18 @@
 #include "base/counters.h"
 #include "raster/raster.h"
 
-/* The hardware halves the whole picture, then the half, and so on. A sum's operands are the same if a strip
- * of STRIP rows goes through several halvings before the next strip is looked at, and what lies between two
- * halvings then stays in the first cache. */
-enum { STRIP = 16 };
-
 /* 2x2 sums of `rows` rows (even) of `width` pixels (even) into rows / 2 rows of width / 2. */
 typedef void halve_kernel(const float *in, int width, int rows, float *out);
 SL_KERNEL_VARIANTS(halve_kernel, sl_raster_halve);
 
-/* rows (a power of two) rows of a plane to one row of `width / rows` sums; strip: room for the halvings
- * between. */
-static void reduce_strip(halve_kernel *halve, const float *in, int width, int rows, float *strip,
-                         float *out) {
-    float *between[2] = {strip, strip + (size_t)(width / 2) * (size_t)(rows / 2)};
-    for (int now = 0; rows > 1; now = 1 - now, rows /= 2, width /= 2) {
-        float *to = rows == 2 ? out : between[now];
-        halve(in, width, rows, to);
-        in = to;
-    }
-}
-
-/* scratch: size*size/2. The strips and what STRIP rows each leave behind take size*size (1/4 + 1/16 + 1/256 +
- * 1/65536) at most. */
+/* scratch: size*size/2, for halves in turn. */
 static void reduce_plane(halve_kernel *halve, const float *plane, int size, int final, float *scratch,
                          float *out) {
-    size_t pixels = (size_t)size * (size_t)size;
-    float *strip = scratch,
-          *kept[2] = {scratch + pixels / 4 + pixels / 16, scratch + pixels / 4 + pixels / 16 + pixels / 256};
-    for (int now = 0; size > final; now = 1 - now) {
-        int rows = size / final < STRIP ? size / final : STRIP, left = size / rows;
-        float *to = left == final ? out : kept[now];
-        for (int y = 0; y < left; y++) {
-            reduce_strip(halve, plane + (size_t)(y * rows) * (size_t)size, size, rows, strip,
-                         to + (size_t)y * (size_t)left);
-        }
+    float *const half[2] = {scratch, scratch + (size_t)(size / 2) * (size_t)(size / 2)};
+    for (int now = 0; size > final; now = 1 - now, size /= 2) {
+        float *to = size / 2 == final ? out : half[now];
+        halve(plane, size, size, to);
         plane = to;
-        size = left;
     }
 }
 
