@@ -50,9 +50,11 @@ static void keep(sl_outlines *o, const sl_half_edges *edges, size_t first, size_
 }
 
 static bool find_edges(sl_outlines *o) {
-    sl_half_edges edges;
-    const bool found = 3 * o->scene->triangle_count < TWO && sl_half_edges_list(o->scene, &edges);
-    if (!found) return false;
+    sl_half_edges edges = {0};
+    if (3 * o->scene->triangle_count >= TWO || !sl_half_edges_list(o->scene, &edges)) {
+        sl_half_edges_release(&edges);
+        return false;
+    }
     o->list = edges.index;
     for (size_t i = 0, end; i < edges.count; i = end) {
         end = sl_half_edges_of_one(&edges, i);
