@@ -41,12 +41,10 @@ static void fill_piles(sl_coded *list, int rank, size_t next[PILES], const size_
     }
 }
 
-static void sort_from(sl_coded *list, size_t count, int rank) {
+static void sort_from(sl_coded *list, size_t count, int rank);
+
+static void sort_by_piles(sl_coded *list, size_t count, int rank) {
     size_t next[PILES] = {0}, end[PILES], at = 0;
-    if (count <= FEW || rank == BYTES) {
-        insert_each(list, count);
-        return;
-    }
     for (size_t i = 0; i < count; i++) next[byte_of(&list[i], rank)]++;
     for (int pile = 0; pile < PILES; pile++) {
         const size_t size = next[pile];
@@ -56,8 +54,13 @@ static void sort_from(sl_coded *list, size_t count, int rank) {
     fill_piles(list, rank, next, end);
     for (int pile = 0; pile < PILES; pile++) {
         const size_t first = pile ? end[pile - 1] : 0;
-        sort_from(list + first, end[pile] - first, rank + 1);
+        if (end[pile] - first > 1) sort_from(list + first, end[pile] - first, rank + 1);
     }
+}
+
+static void sort_from(sl_coded *list, size_t count, int rank) {
+    if (count <= FEW || rank == BYTES) insert_each(list, count);
+    else sort_by_piles(list, count, rank);
 }
 
 void sl_sort_coded(sl_coded *list, size_t count) { sort_from(list, count, 0); }
