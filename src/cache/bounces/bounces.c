@@ -44,7 +44,6 @@ sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, dou
     return s;
 }
 
-/* The few points that no record covers receive none: beyond their reach records promise nothing. */
 static void add_irradiance(const void *context, const sl_second_points *points, float *r, float *g, float *b,
                            sl_counters *counters) {
     const sl_second_cache *cache = context;

@@ -68,23 +68,48 @@ static inline sums sum_at(const sl_second_cache *cache, const look_up_point *p, 
     return sum;
 }
 
+/* Points that no record reaches receive the mean of those around them that one reaches: none at all would
+ * darken places full of small things with every bounce. */
+enum { CHUNK = 256 };
+
+typedef struct {
+    double light[3];
+    uint32_t found, missed;
+    uint32_t miss[CHUNK];
+} chunk_sums;
+
+static void give_mean(const chunk_sums *c, float *const light[3]) {
+    for (int k = 0; k < 3 && c->found; k++) {
+        const float mean = (float)(c->light[k] / c->found);
+        for (uint32_t m = 0; m < c->missed; m++) light[k][c->miss[m]] += mean;
+    }
+}
+
 uint64_t SL_KERNEL(sl_look_up)(const sl_second_cache *cache, const sl_second_points *points,
                                float *const light[3], float *weight) {
     uint64_t missed = 0;
-    for (size_t i = 0; i < points->count; i++) {
-        if (points->triangle[i] == SL_NO_INDEX) continue;
-        const look_up_point p = {points->position_x[i], points->position_y[i], points->position_z[i],
-                                 points->normal_x[i],   points->normal_y[i],   points->normal_z[i]};
-        const sums sum = sum_at(cache, &p, !light);
-        if (weight) weight[i] = sum.weight;
-        if (!(sum.weight > 0.0f)) {
-            missed++;
-        } else if (light) {
-            const float scale = 1.0f / sum.weight;
-            light[0][i] += sum.r * scale;
-            light[1][i] += sum.g * scale;
-            light[2][i] += sum.b * scale;
+    for (size_t first = 0; first < points->count; first += CHUNK) {
+        const size_t end = first + CHUNK < points->count ? first + CHUNK : points->count;
+        chunk_sums c = {.found = 0};
+        for (size_t i = first; i < end; i++) {
+            if (points->triangle[i] == SL_NO_INDEX) continue;
+            const look_up_point p = {points->position_x[i], points->position_y[i], points->position_z[i],
+                                     points->normal_x[i],   points->normal_y[i],   points->normal_z[i]};
+            const sums sum = sum_at(cache, &p, !light);
+            if (weight) weight[i] = sum.weight;
+            if (!(sum.weight > 0.0f)) {
+                c.miss[c.missed++] = (uint32_t)i;
+            } else if (light) {
+                const float scale = 1.0f / sum.weight, e[3] = {sum.r * scale, sum.g * scale, sum.b * scale};
+                for (int k = 0; k < 3; k++) {
+                    light[k][i] += e[k];
+                    c.light[k] += (double)e[k];
+                }
+                c.found++;
+            }
         }
+        if (light) give_mean(&c, light);
+        missed += c.missed;
     }
     return missed;
 }

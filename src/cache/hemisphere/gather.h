@@ -29,7 +29,8 @@ typedef struct sl_second_points {
 
 /* Light that surfaces seen by gathers receive besides direct light: with more than one bounce, the irradiance
  * of the bounce before. Adds it to r, g, b at `count` points with unit shading normals; points whose triangle
- * is SL_NO_INDEX are nowhere. Thread-safe, and the amount added to a point does not depend on the others. */
+ * is SL_NO_INDEX are nowhere. Thread-safe. What is added to a point that no record reaches is by the points
+ * next to it in the order given. */
 typedef struct sl_second_light {
     const void *context;
     void (*irradiance)(const void *context, const sl_second_points *points, float *r, float *g, float *b,
