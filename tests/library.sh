@@ -36,6 +36,7 @@ cp "$lib/libsoftlux.a" "$folder/archive"
     gcc -std=c11 $strict examples/golden_image_test.c -o "$folder/c" $shared
     g++ -std=c++11 -x c++ $strict examples/golden_image_test.c -o "$folder/c++" $shared
     gcc -std=c11 $strict examples/build_scene.c -o "$folder/build_scene" $shared
+    gcc -std=c11 $strict examples/moving_lamp.c -o "$folder/moving_lamp" $shared -lm
     g++ -std=c++11 $strict examples/render.cpp -o "$folder/render" $shared
     gcc -std=c11 $strict examples/golden_image_test.c -o "$folder/static" $(pkg-config --static --cflags --libs softlux | sed "s|-L$lib|-L$folder/archive|")
 }
@@ -56,6 +57,8 @@ for program in c c++ static; do "$folder/$program" scenes/cornell.json "$folder/
 "$folder/build_scene" "$folder/built.json" "$folder/built.exr"
 "$build/softlux" render "$folder/built.json" -q draft -o "$folder/read.exr" --quiet
 "$build/softlux" compare "$folder/built.exr" "$folder/read.exr" --identical >/dev/null
+"$folder/moving_lamp" direct-radiance 3 "$folder/lamp"
+[ "$(cksum "$folder"/lamp-00[012].png | cut -d' ' -f1 | sort -u | wc -l)" -eq 3 ] || { echo 'what moves is not seen'; exit 1; }
 if "$folder/render" scenes/cornell.json "$folder/render.exr" no-such=1 2>"$folder/out"; then exit 1; fi
 grep -qx 'unknown option no-such' "$folder/out"
 if "$folder/c" scenes/two-rooms.json "$folder/golden.exr" >"$folder/out"; then

@@ -91,6 +91,7 @@ def _record(name, type_name, what):
 Progress = _record("Progress", "sl_progress", "How far a method has come")
 Comparison = _record("Comparison", "sl_comparison", "How far a picture is from another")
 Option = _record("Option", "sl_setting", "One option")
+Material = _record("Material", "sl_material_data", "A surface")
 ErrorEstimate = _record("ErrorEstimate", "sl_error_estimate", "The error of a picture, without a reference")
 Pass = namedtuple("Pass", "method name source buffer counters")
 Pass.__doc__ = "One pass of a method: its name, where its paper has it, what it made (or None) and cost."
@@ -297,19 +298,56 @@ class Scene:
         """Writes the scene as it stands: NAME.json, and beside it meshes, textures and sky."""
         _call(lib.sl_scene_write, self._handle, os.fsencode(path))
 
+    def find_object(self, name):
+        """The number of the first object of that name."""
+        return self._found(lib.sl_scene_find_object, "object", name)
+
+    def find_material(self, name):
+        """The number of the first material of that name; a quad light's has the name of the light."""
+        return self._found(lib.sl_scene_find_material, "material", name)
+
+    def _found(self, function, kind, name):
+        """What has a number is known by it as well."""
+        if not isinstance(name, str):
+            return name
+        number = function(self._handle, name.encode())
+        if number == 0:
+            raise UsageError(f"no {kind} is called {name}")
+        return number
+
+    @property
+    def lights(self):
+        """How many points, spots and directional lights there are, those that are turned off included."""
+        return lib.sl_scene_light_count(self._handle)
+
+    def material(self, material):
+        """A Material as it is now, by its number or name."""
+        return Material.of(self._material(material))
+
+    def _material(self, material):
+        data = ffi.new("sl_material_data *")
+        number = self._found(lib.sl_scene_find_material, "material", material)
+        if not lib.sl_scene_material(self._handle, number, data):
+            raise UsageError(f"material {number}: there is none of that number")
+        return data
+
+    def edit(self):
+        """Begins a SceneEdit: with scene.edit() as edit: ..."""
+        return SceneEdit(self)
+
     def set_time(self, seconds):
-        """Moves everything to its keyframes at a time; returns what has changed, for Method.edit()."""
+        """Moves everything to its keyframes at a time; returns what has changed."""
         changes = ffi.new("unsigned *")
         _call(lib.sl_scene_set_time, self._handle, seconds, changes)
         return changes[0]
 
     def set_camera(self, eye, target, up, fov):
-        """Looks from eye to target, fov in radians; returns what has changed, for Method.edit()."""
+        """Looks from eye to target, fov in radians; returns what has changed."""
         _call(lib.sl_scene_set_camera, self._handle, _vector(eye), _vector(target), _vector(up), fov)
         return lib.SL_CHANGED_CAMERA
 
 
-# ---- scenes from arrays ----
+# ---- scenes from arrays, and their edits ----
 
 
 def _array(name, values, type_name, *shape):
@@ -338,6 +376,18 @@ def _struct(type_name, fields):
             kept.append(value)
         setattr(struct, name, [float(v) for v in value] if kind.kind == "array" else value)
     return struct, kept
+
+
+def _columns(transform):
+    return _array("transform", numpy.transpose(transform), "float64", 4, 4)
+
+
+def _sky(radiance):
+    """Width, height and values of a sky: R, G, B all around, or rows of them."""
+    radiance = numpy.asarray(radiance)
+    radiance = _array("radiance", radiance, "float32", *(None,) * (radiance.ndim - 1), 3)
+    height, width = radiance.shape[:2] if radiance.ndim == 3 else (0, 0)
+    return width, height, ffi.from_buffer("float[]", radiance)
 
 
 class SceneBuilder:
@@ -389,8 +439,7 @@ class SceneBuilder:
 
     def instance(self, mesh, transform=None, material=0, name=None):
         """Places a mesh; transform: a matrix of 4 x 4 for columns of coordinates."""
-        if transform is not None:
-            transform = _array("transform", numpy.transpose(transform), "float64", 4, 4)
+        transform = None if transform is None else _columns(transform)
         struct, _kept = _struct("sl_instance_data", {"mesh": mesh, "transform": transform,
                                                      "material": material, "name": name})
         _call(lib.sl_scene_builder_instance, self._handle, struct)
@@ -402,11 +451,7 @@ class SceneBuilder:
 
     def environment(self, radiance):
         """A sky: R, G, B all around, or rows of R, G, B by latitude and longitude, the top one first."""
-        radiance = numpy.asarray(radiance)
-        radiance = _array("radiance", radiance, "float32", *(None,) * (radiance.ndim - 1), 3)
-        height, width = radiance.shape[:2] if radiance.ndim == 3 else (0, 0)
-        _call(lib.sl_scene_builder_environment, self._handle, width, height,
-              ffi.from_buffer("float[]", radiance))
+        _call(lib.sl_scene_builder_environment, self._handle, *_sky(radiance))
 
     def camera(self, eye, target, up, fov):
         """Looks from eye to target, fov in radians."""
@@ -422,6 +467,70 @@ class SceneBuilder:
             return Scene(_made("sl_scene", lib.sl_scene_destroy, lib.sl_scene_builder_build, self._handle))
         finally:
             self._borrowed.clear()
+
+
+class SceneEdit:
+    """Changes of a scene, which take place together, or not at all: at the end of a with-block, unless it
+    raises, or with commit(). Then Method.edit() follows. Numbers are those of the builder; objects and
+    materials are known by their names, too. One that is refused leaves the others of its edit."""
+
+    def __init__(self, scene):
+        handle = _made("sl_scene_edit", lambda edit: (lib.sl_scene_edit_destroy(edit), scene),
+                       lib.sl_scene_edit_begin, scene._handle)
+        self._scene, self._handle, self._materials = scene, handle, {}
+
+    def _call(self, function, *arguments):
+        if not self._handle:
+            raise UsageError("this edit is over")
+        _call(function, self._handle, *arguments)
+
+    def material(self, material, **fields):
+        """Gives a material other values, those of SceneBuilder.material(); what is not given stays."""
+        number = self._scene._found(lib.sl_scene_find_material, "material", material)
+        before = self._materials.get(number) or self._scene._material(number)
+        data = ffi.new("sl_material_data *", before[0])
+        given, _kept = _struct("sl_material_data", fields)
+        for name in fields.keys() - {"name"}:
+            setattr(data, name, getattr(given, name))
+        self._call(lib.sl_edit_material, number, data)
+        self._materials[number] = data
+
+    def light(self, light, *, strength=None, position=None, direction=None):
+        """Turns a point, spot or directional light up or down (0: off), moves or turns it."""
+        vectors = [ffi.NULL if value is None else ffi.new(kind, [float(v) for v in value])
+                   for kind, value in (("float[3]", strength), ("double[3]", position),
+                                       ("double[3]", direction))]
+        self._call(lib.sl_edit_light, light, *vectors)
+
+    def transform(self, thing, transform):
+        """Moves an object from where it was built, by a matrix of 4 x 4 for columns of coordinates."""
+        number = self._scene._found(lib.sl_scene_find_object, "object", thing)
+        self._call(lib.sl_edit_transform, number, ffi.from_buffer("double[]", _columns(transform)))
+
+    def environment(self, radiance):
+        """Another sky, as SceneBuilder.environment() takes it; a black one takes it away."""
+        self._call(lib.sl_edit_environment, *_sky(radiance))
+
+    def camera(self, eye, target, up, fov):
+        """Looks from eye to target, fov in radians."""
+        self._call(lib.sl_edit_camera, _vector(eye), _vector(target), _vector(up), fov)
+
+    def commit(self):
+        """Changes the scene, and returns what has changed, SL_CHANGED_ bits."""
+        handle, self._handle, changes = self._handle, None, ffi.new("unsigned *")
+        if not handle:
+            raise UsageError("this edit is over")
+        ffi.gc(handle, None)  # the library destroys it, whatever comes of it
+        _call(lib.sl_scene_edit_commit, handle, changes)
+        return changes[0]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, what, where):
+        if kind is None and self._handle:
+            self.commit()
+        self._handle = None
 
 
 # ---- settings ----
@@ -542,8 +651,8 @@ class Method:
         self._call(lib.sl_method_resolve, place)
         return Image._own(ffi.gc(place[0], lib.sl_image_destroy))
 
-    def edit(self, changes):
-        """Follows what has changed in the scene, as Scene.set_time() and Scene.set_camera() tell it."""
+    def edit(self, changes=0):
+        """Follows the scene: what has changed since the method last saw it is found out."""
         self._call(lib.sl_method_edit, changes)
 
     def save(self, path):

@@ -161,6 +161,61 @@ def test_what_a_scene_cannot_be_made_of_is_refused():
         builder.light("lamp")
 
 
+def room(colour=(0.75, 0.25, 0.125), power=9, sky=(0.5, 0.5, 1), eye=(0, 2, 6), width=1):
+    builder = softlux.SceneBuilder()
+    boxes = builder.mesh(BOX, SIDES, material=builder.material(diffuse=colour, name="red"), name="box")
+    builder.instance(boxes, numpy.diag([width, 1, 1, 1]))
+    builder.environment(sky)
+    builder.light("point", position=(0, 3, 1), strength=(power, 9, 9))
+    builder.camera(eye, (0, 0, 0), (0, 1, 0), 0.75)
+    return builder.build()
+
+
+def test_an_edited_scene_is_the_one_that_is_built_so():
+    scene, options = room(), {**SMALL, "method": "direct-radiance"}
+    assert scene.lights == 1 and scene.find_object("box") == scene.find_material("red") == 1
+    method = softlux.Method(scene, options)
+    before = method.finish()
+    with scene.edit() as edit:
+        edit.transform("box", numpy.diag([2, 1, 1, 1]))
+        edit.material("red", diffuse=(0.25, 0.5, 0.5))
+        edit.material(1, exponent=10)
+        edit.light(1, strength=(7, 9, 9))
+        edit.light(1, position=(0, 3, 1))
+        edit.environment((0.25, 0.5, 1))
+        edit.camera((0, 2, 7), (0, 0, 0), (0, 1, 0), 0.75)
+    built = room((0.25, 0.5, 0.5), 7, (0.25, 0.5, 1), (0, 2, 7), 2)
+    with built.edit() as edit:
+        edit.material(1, exponent=10)
+    red = scene.material(1)
+    assert scene.hash == built.hash and red.exponent == 10 and red.name == "red"
+    method.edit()
+    after = method.finish()
+    assert softlux.compare(after, softlux.render(built, options)).identical
+    assert not softlux.compare(after, before).identical
+
+
+def test_an_edit_that_is_refused_changes_nothing():
+    scene = room()
+    hash_before = scene.hash
+    with pytest.raises(softlux.InputError, match="'diffuse' from 0 to 1"):
+        with scene.edit() as edit:
+            edit.light(1, strength=(1, 1, 1))
+            edit.material("red", diffuse=(2, 0, 0))
+    with pytest.raises(softlux.InputError, match="object 'box'"):
+        with scene.edit() as edit:
+            edit.transform("box", numpy.diag([1e39, 1, 1, 1]))
+    for wrong in (lambda e: e.transform("chair", numpy.eye(4)), lambda e: e.material(7, exponent=1),
+                  lambda e: e.light(2), lambda e: e.transform(1, numpy.eye(3)),
+                  lambda e: e.material("red", colour=(1, 1, 1))):
+        with pytest.raises(softlux.UsageError):
+            wrong(scene.edit())
+    edit = scene.edit()
+    assert edit.commit() == 0 and scene.hash == hash_before
+    with pytest.raises(softlux.UsageError, match="over"):
+        edit.commit()
+
+
 def test_options_are_those_of_the_one_table():
     names = [option.name for option in softlux.options()]
     assert {"size", "quality", "light-octree.depth"} <= set(names) and all(o.help for o in softlux.options())
