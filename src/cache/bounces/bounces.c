@@ -1,6 +1,4 @@
-/* One bounce after the other. All records gather with what the bounce before has left (Jacobi's iteration, so
- * that no order of records matters), from the same points with the same random numbers: only the light of
- * what they see changes. */
+/* The second-level cache: where its records lie, what they answer, and how it follows the camera. */
 #include "cache/bounces/second_level.h"
 
 #include <string.h>
@@ -22,8 +20,6 @@ static const size_t most_records[GENERATIONS] = {4000, 5000};
 /* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere.
  */
 #define MANY_MISSED 0.01f
-/* More bounces would not change anything worth telling. */
-#define SMALL_CHANGE 1e-4f
 
 sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy,
                                           uint32_t bounces) {
@@ -90,69 +86,6 @@ static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_e
     return status;
 }
 
-/* ---- bounces ---- */
-
-/* result: the record with the light of the next bounce. */
-static void gather_again(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
-    sl_second_cache *cache = context;
-    sl_irradiance e;
-    const sl_record_gathers *g = &cache->gathers;
-    sl_gather_irradiance(g->gather, &cache->list.points[index], g->scratch[worker], &e, counters);
-    sl_record *r = result;
-    *r = cache->list.records[index];
-    r->irradiance = e.value;
-    for (int channel = 0; channel < 3; channel++) {
-        r->rotational[channel] = e.rotational[channel];
-        r->translational[channel] = e.translational[channel];
-        r->rotational_length[channel] = sl_length(e.rotational[channel]);
-    }
-    sl_record_set_radius(r, r->radius); /* the same: limits the new gradient */
-    sl_second_tame(r);
-}
-
-/* The largest relative change of a record's mean over the channels; dark records are measured by a tenth of
- * the average. */
-static float largest_change(const sl_record *before, const sl_record *after, size_t count) {
-    double sum = 0.0;
-    float largest = 0.0f;
-    for (size_t i = 0; i < count; i++) sum += (double)sl_rgb_mean(after[i].irradiance);
-    float dark = count ? (float)(0.1 * sum / (double)count) : 0.0f;
-    for (size_t i = 0; i < count; i++) {
-        float is = sl_rgb_mean(after[i].irradiance), change = fabsf(is - sl_rgb_mean(before[i].irradiance));
-        float scale = is > dark ? is : dark;
-        if (change > largest * scale) largest = change / scale;
-    }
-    return largest;
-}
-
-static sl_status next_bounce(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
-    size_t count = cache->list.count;
-    sl_record *next = sl_allocate(count, sizeof *next);
-    if (!next) return sl_fail_memory(error, "a bounce of second-level records");
-    const sl_batch batch = {count, gather_again, cache, next, sizeof *next};
-    sl_batch_run(&batch, cache->settings.threads, counters);
-    cache->report.bounces++;
-    cache->report.change = largest_change(cache->list.records, next, count);
-    cache->report.converged = cache->report.change < SMALL_CHANGE;
-    if (count) memcpy(cache->list.records, next, count * sizeof *next);
-    for (size_t i = 0; i < count; i++)
-        cache->list.terms[i] = sl_record_terms_of(&next[i], &cache->rules);
-    sl_free(next);
-    return SL_OK;
-}
-
-/* Of records that have gathered direct light, their first bounce. */
-static sl_status let_light_bounce(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
-    sl_status status = SL_OK;
-    cache->shines = true;
-    cache->report.records = cache->list.count;
-    cache->report.converged = false;
-    cache->report.bounces = 1;
-    while (status == SL_OK && cache->report.bounces + 1 < cache->settings.bounces && !cache->report.converged)
-        status = next_bounce(cache, counters, error);
-    return status;
-}
-
 /* ---- the camera ---- */
 
 /* A few points that gathers of this view will see, always the same ones: how many of them does no record
@@ -189,8 +122,8 @@ static sl_status make_records(sl_second_cache *cache, const sl_raster *raster, s
         sl_record_gathers_create(cache->scene, raster, cache->tracer, &cache->settings.gather,
                                  cache->settings.threads, &cache->gathers, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
-    if (status == SL_OK && again) status = next_bounce(cache, counters, error);
-    if (status == SL_OK) status = let_light_bounce(cache, counters, error);
+    if (status == SL_OK && again) status = sl_second_gather_first(cache, counters, error);
+    if (status == SL_OK) status = sl_let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
     sl_record_gathers_destroy(&cache->gathers);
     return status;

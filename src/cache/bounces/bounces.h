@@ -8,13 +8,16 @@
  *
  *     E^(b)(x) = gather at x of what is seen there, shaded with (kd / pi) (E_direct + E^(b-1)),
  *
- * and the visible records gather once with E^(bounces - 1). Read in this order:
+ * and the visible records gather once with E^(bounces - 1). Gathering is linear, and what a gather sees does
+ * not change: a record that has gathered twice, direct light and its first reflection, knows how much comes
+ * from which other record, and the bounces that follow are products of a sparse matrix with a vector. Read in this order:
  *
  *   probe.c           points that gathers will see
  *   cover.c           points that no second-level record covers get one
  *   record_octree.c   which records lie around a point
  *   look_up_kernels.c irradiance at points, from the records around them
- *   bounces.c         one bounce after the other */
+ *   interreflection.c one bounce after the other
+ *   bounces.c         all of it, and cameras that move */
 #ifndef SL_CACHE_BOUNCES_H
 #define SL_CACHE_BOUNCES_H
 

@@ -35,18 +35,32 @@ static inline uint32_t weigh(const sl_record_block *restrict block, const sl_wei
     return sl_bits16_greater(w, 0.0f);
 }
 
-typedef struct {
+typedef struct look_up_sums {
     float r, g, b, weight;
 } sums;
 
+/* Records that reach a point; beyond so many the rest counts little. */
+enum { REACHING = 64 };
+
+typedef struct {
+    uint32_t record[REACHING];
+    float weight[REACHING];
+    uint32_t count;
+} reaching;
+
 static inline void add_block(const sl_second_cache *cache, const sl_record_block *block,
-                             const look_up_point *p, bool without_light, sums *sum) {
+                             const look_up_point *p, bool without_light, reaching *list, sums *sum) {
     float w[SL_OCTREE_LANES];
     for (uint32_t bits = weigh(block, &cache->rules, p, w), l = 0; bits; bits >>= 1, l++) {
         if (!(bits & 1u)) continue;
         const sl_record_terms *k = &cache->list.terms[block->record[l]];
         const sl_record_offsets o = sl_record_offsets_at(k, p->x, p->y, p->z, p->nx, p->ny, p->nz);
         if (k->has_walls && !sl_record_before_walls(k, o.x, o.y, o.z)) continue;
+        if (list) {
+            if (list->count == REACHING) continue;
+            list->record[list->count] = block->record[l];
+            list->weight[list->count++] = w[l];
+        }
         sum->weight += w[l];
         if (without_light) continue;
         float turn = sl_record_turn(&o);
@@ -56,16 +70,22 @@ static inline void add_block(const sl_second_cache *cache, const sl_record_block
     }
 }
 
-static inline sums sum_at(const sl_second_cache *cache, const look_up_point *p, bool without_light) {
+static inline sums sum_at(const sl_second_cache *cache, const look_up_point *p, bool without_light,
+                          reaching *list) {
     const sl_record_octree *octree = &cache->octree;
     const sl_record_node *way[SL_OCTREE_LEVELS + 1];
     const int nodes = sl_octree_way(octree, p->x, p->y, p->z, way);
     sums sum = {0.0f, 0.0f, 0.0f, 0.0f};
     for (int n = 0; n < nodes; n++) {
         for (uint32_t b = way[n]->first; b; b = octree->blocks[b].next)
-            add_block(cache, &octree->blocks[b], p, without_light, &sum);
+            add_block(cache, &octree->blocks[b], p, without_light, list, &sum);
     }
     return sum;
+}
+
+static inline look_up_point point_of(const sl_second_points *points, size_t i) {
+    return (look_up_point){points->position_x[i], points->position_y[i], points->position_z[i],
+                           points->normal_x[i],   points->normal_y[i],   points->normal_z[i]};
 }
 
 /* Points that no record reaches receive the mean of those around them that one reaches: none at all would
@@ -93,9 +113,8 @@ uint64_t SL_KERNEL(sl_look_up)(const sl_second_cache *cache, const sl_second_poi
         chunk_sums c = {.found = 0};
         for (size_t i = first; i < end; i++) {
             if (points->triangle[i] == SL_NO_INDEX) continue;
-            const look_up_point p = {points->position_x[i], points->position_y[i], points->position_z[i],
-                                     points->normal_x[i],   points->normal_y[i],   points->normal_z[i]};
-            const sums sum = sum_at(cache, &p, !light);
+            const look_up_point p = point_of(points, i);
+            const sums sum = sum_at(cache, &p, !light, NULL);
             if (weight) weight[i] = sum.weight;
             if (!(sum.weight > 0.0f)) {
                 c.miss[c.missed++] = (uint32_t)i;
@@ -112,4 +131,46 @@ uint64_t SL_KERNEL(sl_look_up)(const sl_second_cache *cache, const sl_second_poi
         missed += c.missed;
     }
     return missed;
+}
+
+/* ---- what records send to each other ---- */
+
+static void add_shares(const reaching *list, float weight, const float reflected[3],
+                       sl_link_sums *links) {
+    for (uint32_t n = 0; n < list->count; n++) {
+        float *share = links->share[list->record[n]];
+        const float w = list->weight[n] / weight;
+        if (share[0] < 0.0f) {
+            share[0] = share[1] = share[2] = 0.0f;
+            links->touched[links->count++] = list->record[n];
+        }
+        for (int c = 0; c < 3; c++) share[c] += w * reflected[c];
+    }
+}
+
+/* A Lambertian surface that receives E sends k_d / pi E, and of N rays with equal cosine weights each counts
+ * pi / N. Points that no record reaches send as much as the others do in the mean. */
+void SL_KERNEL(sl_second_links)(const sl_second_cache *cache, const sl_gather_hits_seen *seen,
+                                   sl_link_sums *links) {
+    const sl_second_points *points = &seen->points;
+    const float each = 1.0f / (float)(points->count ? points->count : 1);
+    double all[3] = {0.0, 0.0, 0.0}, found[3] = {0.0, 0.0, 0.0};
+    for (size_t i = 0; i < points->count; i++) {
+        const float reflected[3] = {each * seen->diffuse[0][i], each * seen->diffuse[1][i],
+                                    each * seen->diffuse[2][i]};
+        if (points->triangle[i] == SL_NO_INDEX || !(reflected[0] + reflected[1] + reflected[2] > 0.0f))
+            continue;
+        const look_up_point p = point_of(points, i);
+        reaching list;
+        list.count = 0;
+        const struct look_up_sums sum = sum_at(cache, &p, true, &list);
+        for (int c = 0; c < 3; c++) all[c] += (double)reflected[c];
+        if (!(sum.weight > 0.0f)) continue;
+        for (int c = 0; c < 3; c++) found[c] += (double)reflected[c];
+        add_shares(&list, sum.weight, reflected, links);
+    }
+    for (uint32_t n = 0; n < links->count; n++) {
+        for (int c = 0; c < 3; c++)
+            if (found[c] > 0.0) links->share[links->touched[n]][c] *= (float)(all[c] / found[c]);
+    }
 }

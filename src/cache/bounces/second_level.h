@@ -86,6 +86,31 @@ typedef uint64_t sl_look_up_kernel(const sl_second_cache *cache, const sl_second
                                    float *const light[3], float *weight);
 SL_KERNEL_VARIANTS(sl_look_up_kernel, sl_look_up);
 
+/* ---- what records send to each other (look_up_kernels.c, interreflection.c) ---- */
+
+/* The share of a record's irradiance, by channel, that arrives at another one after one reflection. */
+typedef struct sl_second_link {
+    uint32_t from;
+    float share[3];
+} sl_second_link;
+
+/* One worker's sums while it looks: share[record], below 0 where there is none; and which records have one. */
+typedef struct sl_link_sums {
+    float (*share)[3];
+    uint32_t *touched;
+    uint32_t count;
+} sl_link_sums;
+
+/* Adds what arrives from each record by way of the points that a gather sees, all of the same weight. */
+typedef void sl_link_kernel(const sl_second_cache *cache, const sl_gather_hits_seen *seen,
+                                 sl_link_sums *sums);
+SL_KERNEL_VARIANTS(sl_link_kernel, sl_second_links);
+
+/* All records gather direct light, their first bounce. */
+sl_status sl_second_gather_first(sl_second_cache *cache, sl_counters *counters, sl_error *error);
+/* Of records that have gathered it: the bounces that follow. */
+sl_status sl_let_light_bounce(sl_second_cache *cache, sl_counters *counters, sl_error *error);
+
 /* ---- the cache (bounces.c) ---- */
 
 struct sl_second_cache {

@@ -277,8 +277,8 @@ static void finish(const sl_gather_view *view, const sl_gather_sums *sums,
         sums->inverse_distance > 0.0 ? (float)(t->weight_sum / sums->inverse_distance) : INFINITY;
 }
 
-void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
-                          sl_irradiance *irradiance, sl_counters *counters) {
+static void gather_light(const sl_gather *gather, const sl_gather_point *point, bool second_alone,
+                         sl_gather_scratch *scratch, sl_irradiance *irradiance, sl_counters *counters) {
     const sl_gather_planes *p = &scratch->planes;
     sl_gather_sums sums;
     sl_gather_curvature curvature;
@@ -286,12 +286,24 @@ void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point,
     double back_weight;
     sl_count(counters, SL_COUNT_GATHERS, 1);
     sl_gather_view view = sl_gather_see(gather, point, scratch, counters);
+    view.second_alone = second_alone;
     sl_gather_shade(&view, &nearest, &back_weight, counters);
     gather->kernels.sums(gather->tables, p->r, p->g, p->b, p->nearness, p->first, &sums);
     gather->kernels.curvature(gather->tables, p->r, p->g, p->b, p->nearness, p->mean, &curvature);
     finish(&view, &sums, &curvature, irradiance);
     irradiance->nearest = nearest;
     irradiance->back_share = (float)(back_weight / gather->tables->weight_sum);
+}
+
+void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                          sl_irradiance *irradiance, sl_counters *counters) {
+    gather_light(gather, point, false, scratch, irradiance, counters);
+}
+
+void sl_gather_second_irradiance(const sl_gather *gather, const sl_gather_point *point,
+                                 sl_gather_scratch *scratch, sl_irradiance *irradiance,
+                                 sl_counters *counters) {
+    gather_light(gather, point, true, scratch, irradiance, counters);
 }
 
 void sl_gather_radiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,

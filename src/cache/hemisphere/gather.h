@@ -107,6 +107,18 @@ typedef struct sl_gather_point {
 void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
                           sl_irradiance *irradiance, sl_counters *counters);
 
+/* As sl_gather_irradiance(), of sl_gather_settings.second's light alone, by one ray a cell: no light samples.
+ */
+void sl_gather_second_irradiance(const sl_gather *gather, const sl_gather_point *point,
+                                 sl_gather_scratch *scratch, sl_irradiance *irradiance,
+                                 sl_counters *counters);
+/* What the cells of that gather see, and what of it is reflected; owned by the scratch. */
+typedef struct sl_gather_hits_seen {
+    sl_second_points points;
+    const float *diffuse[3]; /* k_d */
+} sl_gather_hits_seen;
+sl_gather_hits_seen sl_gather_last_hits(const sl_gather_scratch *scratch);
+
 /* As sl_gather_irradiance(), and besides the radiance that comes in, as coefficients over the hemispherical
  * harmonics (cache/hemisphere/harmonics.h has their order) in the frame sl_frame_from_normal(normal): lambda
  * of R, G, B, then d lambda/dx of R, G, B, then d lambda/dy of R, G, B, each sl_hsh_stride(order) floats.

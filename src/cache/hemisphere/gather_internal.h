@@ -103,6 +103,7 @@ typedef struct sl_gather_view {
     sl_gather_scratch *scratch;
     sl_frame frame;
     sl_vec3 eye;
+    bool second_alone; /* of light, what sl_gather_settings.second has to say */
 } sl_gather_view;
 
 /* The raster's near plane: what stands before the eye is seen however near it is, or light would come through

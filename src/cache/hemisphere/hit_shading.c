@@ -100,15 +100,21 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
 static void add_second_light(const sl_gather_view *view, sl_counters *counters) {
     const sl_second_light *second = view->gather->settings.second;
     const sl_gather_hits *h = &view->scratch->hits;
-    const sl_second_points points = {.count = view->scratch->slots,
-                                     .triangle = h->triangle,
-                                     .position_x = h->position_x,
-                                     .position_y = h->position_y,
-                                     .position_z = h->position_z,
-                                     .normal_x = h->normal_x,
-                                     .normal_y = h->normal_y,
-                                     .normal_z = h->normal_z};
+    const sl_second_points points = sl_gather_last_hits(view->scratch).points;
     second->irradiance(second->context, &points, h->irradiance_r, h->irradiance_g, h->irradiance_b, counters);
+}
+
+sl_gather_hits_seen sl_gather_last_hits(const sl_gather_scratch *scratch) {
+    const sl_gather_hits *h = &scratch->hits;
+    return (sl_gather_hits_seen){.points = {.count = scratch->slots,
+                                            .triangle = h->triangle,
+                                            .position_x = h->position_x,
+                                            .position_y = h->position_y,
+                                            .position_z = h->position_z,
+                                            .normal_x = h->normal_x,
+                                            .normal_y = h->normal_y,
+                                            .normal_z = h->normal_z},
+                                 .diffuse = {h->diffuse_r, h->diffuse_g, h->diffuse_b}};
 }
 
 /* ---- radiance of the cells ------------------------------------------------------------------- */
@@ -126,6 +132,7 @@ sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_scene *scene = view->gather->scene;
     const sl_gather_settings *settings = &view->gather->settings;
+    if (view->second_alone) return sl_grey(0.0f);
     if (h->triangle[k] == SL_NO_INDEX) {
         const sl_environment *environment = settings->emission ? &scene->environment : settings->background;
         if (!environment || is_below_horizon(view, k)) return sl_grey(0.0f);
@@ -173,8 +180,16 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
 static void begin_slots(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
     drop_below_horizon(view, first, count);
     make_surfaces(view, first, count);
+    if (view->second_alone) return;
     if (view->gather->maps) light_by_maps(view, first, count, counters);
     else sl_gather_light_first(view, first, count, counters);
+}
+
+static void light_directly(const sl_gather_view *view, sl_counters *counters) {
+    const size_t used = view->gather->tables->used;
+    sl_gather_add_rays(view, counters);
+    begin_slots(view, used, view->scratch->slots - used, counters);
+    if (!view->gather->maps) sl_gather_light_sampled(view, counters);
 }
 
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters) {
@@ -186,9 +201,7 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
     *nearest = INFINITY;
     *back_weight = 0.0;
     begin_slots(view, 0, t->used, counters);
-    sl_gather_add_rays(view, counters);
-    begin_slots(view, t->used, s->slots - t->used, counters);
-    if (!gather->maps) sl_gather_light_sampled(view, counters);
+    if (!view->second_alone) light_directly(view, counters);
     if (gather->settings.second) add_second_light(view, counters);
     for (size_t k = 0; k < s->slots; k++) {
         float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[s->slot_cell[k]];

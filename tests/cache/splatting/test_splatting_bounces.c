@@ -186,6 +186,47 @@ static void bounces_that_change_nothing_are_left_out(void **state) {
     world_free(w);
 }
 
+/* What records send to each other by the links that their second gather found is what they find when they
+ * gather the bounce before anew. */
+static void a_bounce_by_links_is_what_gathering_anew_finds(void **state) {
+    (void)state;
+    world *w = world_new();
+    const uint32_t red = world_material(w, (sl_rgb){0.7f, 0.1f, 0.1f}, sl_grey(0.0f)),
+                   grey = world_material(w, sl_grey(0.7f), sl_grey(0.0f));
+    world_box(w, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, (uint32_t[6]){red, grey, grey, grey, grey, grey});
+    world_box(w, sl_v3(-0.4f, -1, -0.4f), sl_v3(0.2f, 0, 0.2f), false,
+              (uint32_t[6]){grey, grey, grey, grey, grey, grey});
+    world_point_light(w, sl_v3(0.3f, 0.8f, 0.5f), 1.0f);
+    world_build(w);
+    look_from(w, sl_v3(0.8f, 0.5f, 0.9f), sl_v3(-0.2f, -0.1f, 0.0f));
+    bouncer before = bouncer_new(w, 4, 2), after = bouncer_new(w, 5, 2);
+    sl_gather_settings again = before.cache->settings.gather;
+    again.second = sl_second_cache_light(before.cache);
+    gatherer anew = gatherer_new(w, &again);
+    const sl_second_list *list = &after.cache->list;
+    double error = 0.0, sum = 0.0, bias[3] = {0.0, 0.0, 0.0};
+    for (size_t i = 0; i < list->count; i++) {
+        sl_irradiance e;
+        sl_gather_irradiance(anew.gather, &list->points[i], anew.scratch, &e, anew.counters);
+        const sl_rgb is = list->records[i].irradiance;
+        const double d[3] = {(double)(is.r - e.value.r), (double)(is.g - e.value.g),
+                             (double)(is.b - e.value.b)};
+        for (int c = 0; c < 3; c++) bias[c] += d[c];
+        error += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        sum += (double)(e.value.r + e.value.g + e.value.b);
+    }
+    error = sqrt(error * 3.0 * (double)list->count) / sum;
+    print_message("%zu records: %.4f of the mean, bias %+.4f %+.4f %+.4f\n", list->count, error,
+                  3.0 * bias[0] / sum, 3.0 * bias[1] / sum, 3.0 * bias[2] / sum);
+    assert_true(list->count > 100);
+    assert_true(error < 0.02);
+    for (int c = 0; c < 3; c++) assert_true(fabs(3.0 * bias[c] / sum) < 0.003);
+    gatherer_free(&anew);
+    bouncer_free(&before);
+    bouncer_free(&after);
+    world_free(w);
+}
+
 /* ---- the path tracer ---- */
 
 static void the_cornell_box_with_four_bounces_is_what_the_path_tracer_says(void **state) {
@@ -366,6 +407,7 @@ int main(void) {
         cmocka_unit_test(the_furnace_sums_the_series),
         cmocka_unit_test(the_integrating_sphere_dims_by_its_albedo),
         cmocka_unit_test(bounces_that_change_nothing_are_left_out),
+        cmocka_unit_test(a_bounce_by_links_is_what_gathering_anew_finds),
         cmocka_unit_test(the_cornell_box_with_four_bounces_is_what_the_path_tracer_says),
         cmocka_unit_test(the_light_of_a_sky_bounces_as_the_path_tracer_says),
         cmocka_unit_test(second_level_records_stay_as_long_as_the_light_does),
