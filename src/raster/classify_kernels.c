@@ -2,7 +2,6 @@
  * pixel centres next to them, before any edge is set up. Most triangles of a small picture lie between pixel
  * centres; most of the rest cover one or two. The tiny ones among these get their coverage at once, sixteen
  * triangles together. */
-#include <string.h>
 
 #include "base/bits16.h"
 #include "raster/tile.h"
@@ -14,7 +13,7 @@ static inline int32_t cell_x(int32_t cell) { return (int32_t)((uint32_t)cell << 
 
 /* Sixteen triangles by kind, a bit each. What is on none of the lists lies elsewhere on the target. */
 typedef struct {
-    uint32_t culled, tiny, other, clipped, crossing_several, dropped;
+    uint32_t culled, tiny, other, clipped, dropped;
 } group_bits;
 
 /* A vertex's cell is (i, j) = (ceil(u / 256), ceil(v / 256)): pixel centres lie at multiples of 256, the
@@ -60,10 +59,7 @@ static void classify_crossing(const uint16_t *restrict c0, const uint16_t *restr
         if (!any) continue;
         crossing |= 1u << t;
         if (any & SL_CLIP_INVALID) g->dropped |= 1u << t;
-        else if (!all) {
-            g->clipped |= 1u << t;
-            g->crossing_several |= (uint32_t)((any & (any - 1)) != 0) << t;
-        }
+        else if (!all) g->clipped |= 1u << t;
     }
     g->tiny &= ~crossing;
     g->other &= ~crossing;
@@ -100,11 +96,9 @@ void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const s
     const bool special =
         r->masked || view->left_out ||
         (view->skip < r->mesh.triangle_count && r->cluster_of_triangle[view->skip] == cluster);
-    uint8_t several_list[SL_CLUSTER_TRIANGLES];
-    uint32_t once = 0, several = 0;
     int32_t codes = 0;
     for (uint32_t i = 0; i < r->vertices[cluster]; i++) codes |= b->code[i];
-    classes->culled = classes->tiny = classes->other = classes->dropped = 0;
+    classes->culled = classes->tiny = classes->other = classes->clipped = classes->dropped = 0;
     for (uint32_t t = 0; t < count; t += SL_LANES) {
         const uint16_t *c0 = r->corner[0] + first + t, *c1 = r->corner[1] + first + t,
                        *c2 = r->corner[2] + first + t;
@@ -117,12 +111,8 @@ void SL_KERNEL(sl_raster_classify)(const sl_raster *r, uint32_t cluster, const s
         classes->other = list_bits(g.other & group, t, classes->other_list, classes->other);
         if (!codes) continue;
         classes->dropped += sl_bits16_count(g.dropped & group);
-        once = list_bits(g.clipped & ~g.crossing_several & group, t, classes->clipped_list, once);
-        several = list_bits(g.clipped & g.crossing_several & group, t, several_list, several);
+        classes->clipped = list_bits(g.clipped & group, t, classes->clipped_list, classes->clipped);
     }
-    memcpy(classes->clipped_list + once, several_list, several);
-    classes->clipped_once = once;
-    classes->clipped = once + several;
 }
 
 /* ---- tiny triangles ---- */

@@ -206,7 +206,7 @@ static void make_room(const render *r, uint32_t triangles, uint32_t *tiny) {
     *tiny = 0;
 }
 
-static void clip_one(const render *r, uint32_t triangle, uint32_t *tiny) {
+static void clip(const render *r, uint32_t triangle, uint32_t *tiny) {
     const sl_raster *raster = r->raster;
     sl_triangle_batch *batch = &r->scratch->batch;
     make_room(r, SL_CLIP_TRIANGLES, tiny);
@@ -216,20 +216,6 @@ static void clip_one(const render *r, uint32_t triangle, uint32_t *tiny) {
     for (uint32_t n = 0; n < made; n++) {
         batch->id[base + n] = raster->triangle[triangle];
         batch->masked[base + n] = raster->triangle_masked[triangle];
-    }
-}
-
-/* Many together, and one by one what does not go together. */
-static void clip_triangles(const render *r, uint32_t first, uint32_t *tiny) {
-    sl_raster_scratch *s = r->scratch;
-    const sl_classes *classes = &s->classes;
-    for (uint32_t n = 0; n < classes->clipped; n += SL_LANES) {
-        const uint32_t count = classes->clipped - n < SL_LANES ? classes->clipped - n : SL_LANES;
-        make_room(r, SL_CLIP_ROOM, tiny);
-        uint32_t left = r->raster->kernels->clip(r->raster, first, r->pass, &s->vertices,
-                                                 classes->clipped_list + n, count, &s->batch);
-        for (; left; left &= left - 1)
-            clip_one(r, first + classes->clipped_list[n + (uint32_t)__builtin_ctz(left)], tiny);
     }
 }
 
@@ -245,7 +231,7 @@ static uint32_t draw_cluster(const render *r, uint32_t cluster) {
         append_triangles(r, first, s->tiny.triangle, tiny);
     }
     append_triangles(r, first, s->classes.other_list, s->classes.other);
-    clip_triangles(r, first, &tiny);
+    for (uint32_t n = 0; n < s->classes.clipped; n++) clip(r, first + s->classes.clipped_list[n], &tiny);
     flush(r, tiny);
     return sl_fate_of(&s->classes);
 }

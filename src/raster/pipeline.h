@@ -7,7 +7,7 @@
  *     transform   vertices -> clip space, clip codes, viewport, snapping                (transform_kernels.c)
  *     classify    triangles: outside | not finite | to be clipped | no centre | tiny | others
  *                                                                                        (classify_kernels.c)
- *     clip        Sutherland-Hodgman for those that cross a plane                    (clip.c, clip_kernels.c)
+ *     clip        Sutherland-Hodgman for those that cross a plane                                    (clip.c)
  *     set up      edge functions and depth plane of what is left                            (setup_kernels.c)
  *     rasterize   coverage, depth test, write; pixel by pixel where there is an alpha mask
  *                                                                              (rasterize_kernels.c, alpha.c)
@@ -44,11 +44,6 @@ struct sl_raster_kernels {
                      const sl_vertex_buffer *vertices, sl_classes *classes);
     void (*cover_tiny)(const sl_raster *raster, uint32_t cluster, const sl_tile *tile,
                        const sl_vertex_buffer *vertices, const sl_classes *classes, sl_tiny *tiny);
-    /* Appends what is left of at most SL_LANES triangles of the cluster that starts at triangle `first`;
-     * there must be room for SL_CLIP_ROOM. Returns those left to sl_clip_triangle(), a bit each. */
-    uint32_t (*clip)(const sl_raster *raster, uint32_t first, const sl_pass_view *view,
-                     const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count,
-                     sl_triangle_batch *batch);
     /* Edge functions and pixels of triangles [first, count); depth planes of [0, count). */
     void (*set_up_edges)(const sl_tile *tile, sl_triangle_batch *batch, uint32_t first);
     void (*set_up_depth)(const sl_pass_view *view, sl_triangle_batch *batch);

@@ -3,7 +3,7 @@
  * nearer wins, on a tie the first submitted triangle. Targets have row 0 at the bottom; sl_raster_flip()
  * turns a plane into an image's order.
  *
- * How it works is told, and done in its simplest form, in plain.c: read that first.
+ * How it works is told, and done in its simplest form, in tests/raster/plain.c: read that first.
  *
  * Visibility comes first: one hot kernel writes triangle id and depth. Everything that is interpolated is
  * then resolved per pixel from the id, once per visible pixel (G-buffer, Gouraud).

@@ -10,9 +10,6 @@ void SL_KERNEL(sl_raster_classify)(const sl_raster *raster, uint32_t cluster, co
 void SL_KERNEL(sl_raster_cover_tiny)(const sl_raster *raster, uint32_t cluster, const sl_tile *tile,
                                      const sl_vertex_buffer *vertices, const sl_classes *classes,
                                      sl_tiny *tiny);
-uint32_t SL_KERNEL(sl_raster_clip)(const sl_raster *r, uint32_t first, const sl_pass_view *view,
-                                   const sl_vertex_buffer *vertices, const uint8_t *list, uint32_t count,
-                                   sl_triangle_batch *batch);
 void SL_KERNEL(sl_raster_set_up_edges)(const sl_tile *tile, sl_triangle_batch *batch, uint32_t first);
 void SL_KERNEL(sl_raster_set_up_depth)(const sl_pass_view *view, sl_triangle_batch *batch);
 void SL_KERNEL(sl_raster_rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile,
@@ -31,7 +28,6 @@ const sl_raster_kernels SL_KERNEL(sl_raster_kernels) = {
     .transform = SL_KERNEL(sl_raster_transform),
     .classify = SL_KERNEL(sl_raster_classify),
     .cover_tiny = SL_KERNEL(sl_raster_cover_tiny),
-    .clip = SL_KERNEL(sl_raster_clip),
     .set_up_edges = SL_KERNEL(sl_raster_set_up_edges),
     .set_up_depth = SL_KERNEL(sl_raster_set_up_depth),
     .rasterize_tiny = SL_KERNEL(sl_raster_rasterize_tiny),

@@ -9,8 +9,7 @@
 enum {
     SL_CLIP_TRIANGLES = 7, /* a triangle cut by six planes has at most nine corners, so a fan of seven */
     /* set up together: a cluster and room for clipping; no power of two, for the cache's sets */
-    SL_BATCH = 240,
-    SL_CLIP_ROOM = 112     /* six pieces of each of sixteen triangles, and a vector to spare */
+    SL_BATCH = 240
 };
 
 /* One cluster's vertices after the transform. */
@@ -28,8 +27,6 @@ typedef struct sl_vertex_buffer {
 /* A cluster's triangles by their fate. Lists hold cluster-local numbers. */
 typedef struct sl_classes {
     uint32_t tiny, other, clipped, culled, dropped;
-    /* how many of those to be clipped cross one plane only; they come first on the list */
-    uint32_t clipped_once;
     /* their pixels lie in a square of SL_BLOCK, anywhere; no mask */
     uint8_t tiny_list[SL_CLUSTER_TRIANGLES + SL_LANES];
     uint8_t other_list[SL_CLUSTER_TRIANGLES + SL_LANES];

@@ -4,7 +4,7 @@
  * so that the sums are exact. Ours are drawn one by one by the plain rasterizer, whose pictures are those of
  * the fast one in every bit (test_raster_plain.c). */
 #include "osmesa_soup.h"
-#include "raster/plain.h"
+#include "tests/raster/plain.h"
 
 typedef struct tally {
     uint64_t triangles, fragments, coverage, id, depth;

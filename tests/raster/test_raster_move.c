@@ -1,7 +1,7 @@
 /* Moved vertices: what is drawn afterwards is what a rasterizer made anew draws, and what the plain pipeline
  * draws, bit by bit. */
 #include "raster/pipeline.h"
-#include "raster/plain.h"
+#include "tests/raster/plain.h"
 #include "raster_support.h"
 #include "scene/derive.h"
 

@@ -7,7 +7,7 @@
 #include "base/math.h"
 #include "base/sanitized.h"
 #include "raster/pipeline.h"
-#include "raster/plain.h"
+#include "tests/raster/plain.h"
 #include "raster_support.h"
 #include "scene_parts.h"
 

@@ -2,7 +2,7 @@
  * sight through a pixel a closed surface is entered as often as it is left: so the triangles that cover the
  * pixel, visible or hidden, are even in number seen from outside and odd from inside, where a sphere has
  * one. */
-#include "raster/plain.h"
+#include "tests/raster/plain.h"
 #include "raster_support.h"
 
 #include <math.h>

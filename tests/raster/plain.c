@@ -8,7 +8,7 @@
  *     5 set up       the triangle's edges and its depth, as functions of the pixel
  *     6 pixels       covered? nearer than what is there? then write triangle index and depth
  *
- * The other files of this folder do the same thing fast: many triangles in the lanes of a vector, clusters of
+ * src/raster does the same thing fast: many triangles in the lanes of a vector, clusters of
  * triangles rejected whole, blocks of pixels, tiles for threads, near things first. All of that can be left
  * out without one bit of the picture changing; this file is what is left, and the tests hold it equal to the
  * fast path bit by bit.
@@ -25,7 +25,7 @@
  *                            |
  *                 ----------eye---------- x
  */
-#include "raster/plain.h"
+#include "tests/raster/plain.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* The plain opposite of sl_raster_id(): the whole pipeline in one readable file (plain.c), a triangle and a
  * pixel at a time. Slow, and the same bits. */
-#ifndef SL_RASTER_PLAIN_H
-#define SL_RASTER_PLAIN_H
+#ifndef SL_TESTS_RASTER_PLAIN_H
+#define SL_TESTS_RASTER_PLAIN_H
 
 #include "raster/raster.h"
 
