@@ -72,7 +72,9 @@ void bench_depth_cube(measurer *m, bench_scene *scene) {
     const sl_scene *s = scene->scene;
     sl_vec3 middle = sl_mad(s->box_min, 0.5f, sl_sub(s->box_max, s->box_min));
     for (int face = 0; face < 6; face++) {
-        sl_frame frame = sl_cube_face_frame(face);
+        const float side = face % 2 ? -1.0f : 1.0f;
+        sl_frame frame = sl_frame_from_normal(
+            sl_v3(face / 2 == 0 ? side : 0.0f, face / 2 == 1 ? side : 0.0f, face / 2 == 2 ? side : 0.0f));
         p.view[face] = sl_view_pyramid(&frame, middle, -1, 1, -1, 1, SIZE, SIZE, 1e-3f * s->diagonal);
     }
     w.context = &p;

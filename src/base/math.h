@@ -84,27 +84,6 @@ static inline float sl_exp2f(float x) {
     return (1.0f + p * f) * sl_float_of_bits(exponent << 23);
 }
 
-/* log2(x) for normal x; relative error below 2e-7. -126 for x below the smallest normal number and for NaN;
- * 128 for infinity. */
-static inline float sl_log2f(float x) {
-    x = x > 0x1p-126f ? x : 0x1p-126f;
-    uint32_t bits = sl_float_bits(x);
-    /* so that 1 + f is in [sqrt(1/2), sqrt(2)) */
-    uint32_t biased = (bits + (0x3f800000u - 0x3f3504f3u)) >> 23;
-    float f = sl_float_of_bits(bits - (biased << 23) + 0x3f800000u) - 1.0f;
-    float p = -0x1.b84fb6p-4f; /* log2(1 + f) / f, fitted at Chebyshev nodes */
-    p = p * f + 0x1.7a63a0p-3f;
-    p = p * f - 0x1.87f6a2p-3f;
-    p = p * f + 0x1.a38c68p-3f;
-    p = p * f - 0x1.eab7aap-3f;
-    p = p * f + 0x1.277a52p-2f;
-    p = p * f - 0x1.715a70p-2f;
-    p = p * f + 0x1.ec70aap-2f;
-    p = p * f - 0x1.715470p-1f;
-    p = p * f + 0x1.715476p+0f;
-    return (float)((int32_t)biased - 127) + p * f;
-}
-
 /* x^n, the cosine power of a Phong lobe, for 0 <= x and 0 <= n: relative error below 2e-7 for results in the
  * normal range, 0 for results below it. 1 for n = 0; 0 for n > 0 and x = 0, negative or NaN; results above
  * 2^127 are clamped to it. The logarithm is taken in double, since its error is multiplied by n log x. */

@@ -116,9 +116,6 @@ sl_vec3 sl_view_direction(const sl_view *view, double x, double y);
  * +-tan(fov/2). */
 sl_view sl_view_pyramid(const sl_frame *frame, sl_vec3 eye, float left, float right, float bottom, float top,
                         int width, int height, float near);
-/* The frame (s axis, t axis, outward axis) of face 0..5 = +x -x +y -y +z -z of a cube, in OpenGL's cube-map
- * orientation. */
-sl_frame sl_cube_face_frame(int face);
 /* Face 0..4 of a hemicube around frame z: the top, size x size pixels, and the upper halves of its four
  * sides, +x -x +y -y of the frame, each turned so that it folds out from the top's edge: a cross in which
  * neighbouring pixels see neighbouring directions. */

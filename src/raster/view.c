@@ -46,20 +46,6 @@ sl_view sl_view_pyramid(const sl_frame *frame, sl_vec3 eye, float left, float ri
     return view;
 }
 
-/* OpenGL 4.5, table 8.19: the axes s, t and the major axis of each face. */
-sl_frame sl_cube_face_frame(int face) {
-    static const float axes[6][9] = {
-        {0, 0, -1, 0, -1, 0, 1, 0, 0},  /* +x */
-        {0, 0, 1, 0, -1, 0, -1, 0, 0},  /* -x */
-        {1, 0, 0, 0, 0, 1, 0, 1, 0},    /* +y */
-        {1, 0, 0, 0, 0, -1, 0, -1, 0},  /* -y */
-        {1, 0, 0, 0, -1, 0, 0, 0, 1},   /* +z */
-        {-1, 0, 0, 0, -1, 0, 0, 0, -1}, /* -z */
-    };
-    const float *a = axes[face];
-    return (sl_frame){sl_v3(a[0], a[1], a[2]), sl_v3(a[3], a[4], a[5]), sl_v3(a[6], a[7], a[8])};
-}
-
 /* A face's axes in the hemicube's frame (x, y of the picture, and the way it looks), and the part of [-1,1]^2
  * that it shows. */
 typedef struct {

@@ -232,29 +232,20 @@ static double relative(float got, long double truth) {
     return (double)fabsl((long double)got / truth - 1.0L);
 }
 
-static void float_exponential_and_logarithm_keep_their_bounds(void **state) {
+static void the_float_exponential_keeps_its_bound(void **state) {
     (void)state;
-    double worst_exp = 0.0, worst_log = 0.0;
+    double worst = 0.0;
     for (uint64_t i = 0; i < 8 * POINTS; i++) {
         float x = (float)(252.0 * unit(23, i) - 126.0),
               small = (float)((unit(24, i) - 0.5) * exp2(-20.0 * unit(25, i)));
-        worst_exp = fmax(worst_exp, relative(sl_exp2f(x), exp2l((long double)x)));
-        worst_exp = fmax(worst_exp, relative(sl_exp2f(small), exp2l((long double)small)));
-        float y = (float)exp2(253.9 * unit(26, i) - 126.0), near_one = 1.0f + small;
-        worst_log = fmax(worst_log, relative(sl_log2f(y), log2l((long double)y)));
-        if (near_one != 1.0f)
-            worst_log = fmax(worst_log, relative(sl_log2f(near_one), log2l((long double)near_one)));
+        worst = fmax(worst, relative(sl_exp2f(x), exp2l((long double)x)));
+        worst = fmax(worst, relative(sl_exp2f(small), exp2l((long double)small)));
     }
-    assert_below("exp2f", worst_exp, 2e-7);
-    assert_below("log2f", worst_log, 2e-7);
-    for (int k = -126; k <= 127; k++) {
-        assert_true(sl_exp2f((float)k) == ldexpf(1.0f, k) && sl_log2f(ldexpf(1.0f, k)) == (float)k);
-    }
+    assert_below("exp2f", worst, 2e-7);
+    for (int k = -126; k <= 127; k++) assert_true(sl_exp2f((float)k) == ldexpf(1.0f, k));
     assert_true(sl_exp2f(1000.0f) == 0x1p127f && sl_exp2f(-1000.0f) == 0x1p-126f &&
                 sl_exp2f(NAN) == 0x1p-126f);
     assert_true(sl_exp2f(INFINITY) == 0x1p127f && sl_exp2f(-INFINITY) == 0x1p-126f);
-    assert_true(sl_log2f(0.0f) == -126.0f && sl_log2f(-3.0f) == -126.0f && sl_log2f(NAN) == -126.0f);
-    assert_true(sl_log2f(INFINITY) == 128.0f && sl_log2f(0x1p-140f) == -126.0f);
 }
 
 static void float_power_keeps_its_bound_for_phong_lobes(void **state) {
@@ -310,15 +301,14 @@ static void sine_and_cosine_of_turns(void **state) {
 static void the_bits_are_the_same_everywhere(void **state) {
     (void)state;
     enum { N = 4099 };
-    static float x[N], power[N], log2_x[N], exp2_x[N], s[N], c[N];
+    static float x[N], power[N], exp2_x[N], s[N], c[N];
     uint64_t hash = 0;
     for (uint64_t i = 0; i < N; i++) x[i] = sl_random_unit(99, i);
     for (int i = 0; i < N; i++) power[i] = sl_powf(x[i], 37.5f);
-    for (int i = 0; i < N; i++) log2_x[i] = sl_log2f(x[i]);
-    for (int i = 0; i < N; i++) exp2_x[i] = sl_exp2f(log2_x[i] * 3.7f);
+    for (int i = 0; i < N; i++) exp2_x[i] = sl_exp2f(x[i] * 37.0f - 20.0f);
     for (int i = 0; i < N; i++) sl_sincos_turnf(x[i], &s[i], &c[i]);
     for (int i = 0; i < N; i++) {
-        hash = sl_hash64(hash ^ sl_float_bits(power[i]) ^ ((uint64_t)sl_float_bits(log2_x[i]) << 20) ^
+        hash = sl_hash64(hash ^ sl_float_bits(power[i]) ^
                          ((uint64_t)sl_float_bits(s[i]) << 32) ^ sl_float_bits(c[i]) ^
                          ((uint64_t)sl_float_bits(exp2_x[i]) << 13));
     }
@@ -328,7 +318,7 @@ static void the_bits_are_the_same_everywhere(void **state) {
                             sl_atan2(d, 3.0), sl_acos(d / 10.0)};
         for (int j = 0; j < 6; j++) hash = sl_hash64(hash ^ sl_double_bits(results[j]));
     }
-    if (hash != 0x59d885d6f2fefdd0u) fail_msg("hash is %016llx", (unsigned long long)hash);
+    if (hash != 0xefb7776603071b70u) fail_msg("hash is %016llx", (unsigned long long)hash);
 }
 
 /* Three components one after the other, as vectors are written everywhere. gcc 12 merges them into vector
@@ -377,7 +367,7 @@ int main(void) {
         cmocka_unit_test(exponential_and_logarithm_special_values),
         cmocka_unit_test(power_keeps_its_bound_for_large_exponents_too),
         cmocka_unit_test(power_agrees_with_c_on_every_pair_of_special_values),
-        cmocka_unit_test(float_exponential_and_logarithm_keep_their_bounds),
+        cmocka_unit_test(the_float_exponential_keeps_its_bound),
         cmocka_unit_test(float_power_keeps_its_bound_for_phong_lobes),
         cmocka_unit_test(float_power_special_values),
         cmocka_unit_test(sine_and_cosine_of_turns),

@@ -1,5 +1,4 @@
-/* The faces of cubes and hemicubes: OpenGL's table, every direction in one face, and the sum of solid angles.
- */
+/* The faces of hemicubes: every direction in one face, and the sum of solid angles. */
 #include "base/math.h"
 #include "raster_support.h"
 
@@ -14,31 +13,6 @@ static bool project(const sl_view *v, sl_vec3d d, double *x, double *y) {
     *x = row(v->clip[0], d) / w;
     *y = row(v->clip[1], d) / w;
     return fabs(*x) <= 1.0 && fabs(*y) <= 1.0;
-}
-
-/* OpenGL 4.5, table 8.19, and equation (8.15): s = (sc/|ma| + 1)/2, so x/w = sc/|ma|. */
-static void cube_faces_are_those_of_opengls_table(void **state) {
-    (void)state;
-    for (uint64_t n = 0; n < 20000; n++) {
-        sl_vec3d r = sl_to_double(random_direction(sl_random_key(71, 0), n));
-        const double coordinate[6][3] = {{-r.z, -r.y, r.x}, {r.z, -r.y, -r.x}, {r.x, r.z, r.y},
-                                         {r.x, -r.z, -r.y}, {r.x, -r.y, r.z},  {-r.x, -r.y, -r.z}};
-        double largest = fmax(fabs(r.x), fmax(fabs(r.y), fabs(r.z)));
-        int found = 0;
-        for (int face = 0; face < 6; face++) {
-            double sc = coordinate[face][0], tc = coordinate[face][1], ma = coordinate[face][2], x, y;
-            sl_frame frame = sl_cube_face_frame(face);
-            sl_view view = sl_view_pyramid(&frame, sl_v3(1, 2, 3), -1, 1, -1, 1, 16, 16, 1e-3f);
-            bool seen = project(&view, r, &x, &y);
-            assert_true(seen == (ma == largest));
-            found += seen;
-            if (!seen) continue;
-            assert_true(fabs(x - sc / ma) < 1e-12 && fabs(y - tc / ma) < 1e-12);
-            assert_true(fabs(row(view.clip[3], r) - ma) < 1e-12 &&
-                        fabs(row(view.clip[2], r) - (ma - 1e-3)) < 1e-9);
-        }
-        assert_int_equal(found, 1);
-    }
 }
 
 static sl_frame turned_frame(uint64_t n) {
@@ -133,7 +107,6 @@ static void sides_of_a_hemicube_fold_out_from_the_top(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cube_faces_are_those_of_opengls_table),
         cmocka_unit_test(every_direction_above_the_horizon_is_in_one_face_of_a_hemicube),
         cmocka_unit_test(pixels_of_a_hemicube_add_up_to_the_hemisphere),
         cmocka_unit_test(sides_of_a_hemicube_fold_out_from_the_top),

@@ -28,22 +28,18 @@ static const float odd_values[] = {0.0f,       -0.0f,   1.0f,     -1.0f,        
                                    -1e30f,     3.4e38f, INFINITY, -INFINITY,      NAN};
 enum { ODD = sizeof odd_values / sizeof *odd_values };
 
-static void sample(const sl_texture_image *image, float s, float t, float rgba[4]) {
-    sl_texture_sample_many(image, 1, &s, &t, (float *const[4]){&rgba[0], &rgba[1], &rgba[2], &rgba[3]});
-}
-
 static void any_coordinate_gives_a_texel_of_the_texture(void **state) {
     (void)state;
     sl_texture_image *image = random_image(5, 3, 9);
     for (int i = 0; i < ODD * ODD; i++) {
         float rgba[4];
-        sample(image, odd_values[i % ODD], odd_values[i / ODD], rgba);
+        sl_texture_image_sample(image, odd_values[i % ODD], odd_values[i / ODD], rgba);
         for (int c = 0; c < 4; c++) assert_true(rgba[c] >= 0.0f && rgba[c] <= 1.0f);
     }
     float rgba[4];
-    sample(image, INFINITY, -INFINITY, rgba);
+    sl_texture_image_sample(image, INFINITY, -INFINITY, rgba);
     assert_memory_equal(rgba, texel_of(image, 4, 0), sizeof rgba);
-    sample(image, NAN, 3e38f, rgba);
+    sl_texture_image_sample(image, NAN, 3e38f, rgba);
     assert_memory_equal(rgba, texel_of(image, 0, 2), sizeof rgba);
     sl_texture_image_destroy(image);
 }
@@ -61,7 +57,7 @@ static void the_result_is_exact_filtering_rounded_once(void **state) {
         for (uint64_t i = 0; i < 20000; i++) {
             float s = random_between(key, 2 * i, -0.2f, 1.2f),
                   t = random_between(key, 2 * i + 1, -0.2f, 1.2f), rgba[4];
-            sample(image, s, t, rgba);
+            sl_texture_image_sample(image, s, t, rgba);
             long double u = within(s) * w - 0.5L, v = within(t) * h - 0.5L;
             int x = (int)floorl(u), y = (int)floorl(v);
             long double fu = u - x, fv = v - y;
@@ -109,36 +105,12 @@ static void impossible_sizes_are_refused(void **state) {
     assert_null(image);
 }
 
-static void lookups_have_the_same_bits_on_every_instruction_set(void **state) {
-    (void)state;
-    enum { COUNT = 1000 };
-    static float s[COUNT], t[COUNT], out[3][4][COUNT];
-    uint64_t key = sl_random_key(11, 0);
-    for (uint64_t i = 0; i < COUNT; i++) {
-        s[i] = random_between(key, 2 * i, -2, 2);
-        t[i] = random_between(key, 2 * i + 1, -2, 2);
-        if (i % 10 == 0) s[i] = odd_values[i / 10 % ODD];
-        if (i % 10 == 1) t[i] = odd_values[i / 10 % ODD];
-    }
-    const char *isas[] = {"baseline", "avx2", "avx512"};
-    for (int k = 0; k < 3; k++) {
-        assert_int_equal(setenv("SOFTLUX_ISA", isas[k], 1), 0);
-        sl_texture_image *image = random_image(61, 23, 12);
-        unsetenv("SOFTLUX_ISA");
-        sl_texture_sample_many(image, COUNT - 3, s, t,
-                               (float *const[4]){out[k][0], out[k][1], out[k][2], out[k][3]});
-        assert_memory_equal(out[k], out[0], sizeof out[0]);
-        sl_texture_image_destroy(image);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_coordinate_gives_a_texel_of_the_texture),
         cmocka_unit_test(the_result_is_exact_filtering_rounded_once),
         cmocka_unit_test(half_a_picture_has_its_mean_whatever_its_size),
         cmocka_unit_test(impossible_sizes_are_refused),
-        cmocka_unit_test(lookups_have_the_same_bits_on_every_instruction_set),
     };
     return cmocka_run_group_tests_name("textures", tests, NULL, NULL);
 }

@@ -131,10 +131,6 @@ size_t sl_gather_memory_bytes(const sl_gather *gather) {
            gather->sides.count * (sizeof *gather->sides.polygon + (SL_SIDE_VALUES + 3) * sizeof(float));
 }
 
-size_t sl_gather_coefficient_count(const sl_gather *gather) {
-    return gather->projection ? SL_PROJECTION_VECTORS * sl_hsh_stride(gather->projection->order) : 0;
-}
-
 /* ---- scratch --------------------------------------------------------------------------------- */
 
 /* Float planes of `stride` each, then those of whole numbers; behind `lead` zeros what belongs to cells. */

@@ -123,7 +123,6 @@ sl_gather_hits_seen sl_gather_last_hits(const sl_gather_scratch *scratch);
  * harmonics (cache/hemisphere/harmonics.h has their order) in the frame sl_frame_from_normal(normal): lambda
  * of R, G, B, then d lambda/dx of R, G, B, then d lambda/dy of R, G, B, each sl_hsh_stride(order) floats.
  * lambda = integral of L H d omega. */
-size_t sl_gather_coefficient_count(const sl_gather *gather); /* 0 where the order is 0 */
 void sl_gather_radiance(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
                         sl_irradiance *irradiance, float *coefficients, sl_counters *counters);
 

@@ -8,7 +8,7 @@
 #include "base/math.h"
 #include "base/octahedral.h"
 
-enum { TEXELS_MAX = 512, SAMPLES_MAX = 64, BLOCK = SL_TEXTURE_BLOCK };
+enum { TEXELS_MAX = 512, SAMPLES_MAX = 64 };
 
 /* Gives the mean over a texel of 2 / size, weighted by solid angle, at as many points as make one of each of
  * the environment's texels. */
@@ -50,29 +50,8 @@ size_t sl_gather_sky_memory_bytes(const sl_texture_image *sky) {
 
 /* ---- looking up ------------------------------------------------------------------------------ */
 
-typedef struct batch {
-    size_t count;
-    size_t pixel[BLOCK];
-    float s[BLOCK], t[BLOCK], rgb[3][BLOCK];
-} batch;
-
-static void flush(const sl_texture_image *sky, const sl_colour_pixels *p, batch *b) {
-    sl_texture_sample_many(sky, b->count, b->s, b->t,
-                           (float *const[4]){b->rgb[0], b->rgb[1], b->rgb[2], NULL});
-    for (int c = 0; c < 3; c++) {
-        for (size_t k = 0; k < b->count; k++) {
-            float radiance = b->rgb[c][k] > 0.0f ? b->rgb[c][k] : 0.0f;
-            p->radiance[c][b->pixel[k]] = radiance;
-            p->weighted[c][b->pixel[k]] = radiance * p->weight[b->pixel[k]];
-        }
-    }
-    b->count = 0;
-}
-
 void sl_gather_sky_add(const sl_texture_image *sky, const sl_colour_pixels *p) {
     if (!sky) return;
-    batch b;
-    b.count = 0;
     for (int row = 0; row < p->height; row++) {
         sl_vec3 middle = sl_mad(p->frame.z, p->y[row * p->width], p->frame.y);
         for (int column = 0; column < p->width; column++) {
@@ -80,13 +59,14 @@ void sl_gather_sky_add(const sl_texture_image *sky, const sl_colour_pixels *p) {
             if (p->id[pixel] != SL_NO_INDEX) continue;
             sl_vec3 d = sl_mad(middle, p->x[column], p->frame.x);
             if (!(sl_dot(d, p->horizon) > 0.0f)) continue;
-            float u, v;
+            float u, v, rgba[4];
             sl_octahedral_place(d, &u, &v);
-            b.pixel[b.count] = pixel;
-            b.s[b.count] = 0.5f * u + 0.5f;
-            b.t[b.count] = 0.5f * v + 0.5f;
-            if (++b.count == BLOCK) flush(sky, p, &b);
+            sl_texture_image_sample(sky, 0.5f * u + 0.5f, 0.5f * v + 0.5f, rgba);
+            for (int c = 0; c < 3; c++) {
+                float radiance = rgba[c] > 0.0f ? rgba[c] : 0.0f;
+                p->radiance[c][pixel] = radiance;
+                p->weighted[c][pixel] = radiance * p->weight[pixel];
+            }
         }
     }
-    if (b.count) flush(sky, p, &b);
 }

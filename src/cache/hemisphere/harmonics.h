@@ -21,7 +21,6 @@
 #endif
 enum { SL_HSH_MAX = SL_HSH_ORDER_MAX * SL_HSH_ORDER_MAX, SL_HSH_STRIDE_MAX = (SL_HSH_MAX + 30) / 16 * 16 };
 
-static inline size_t sl_hsh_count(int order) { return (size_t)order * (size_t)order; }
 static inline size_t sl_hsh_even_count(int order) { return (size_t)order * ((size_t)order + 1) / 2; }
 static inline size_t sl_hsh_odd_count(int order) { return (size_t)order * ((size_t)order - 1) / 2; }
 /* Floats from one padded vector to the next: even and odd parts each padded, so that both start on a group.

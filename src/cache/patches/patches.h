@@ -215,11 +215,6 @@ static inline void sl_patch_local(const sl_patch_place *place, double u, double 
     *a = (u - (double)place->u[0]) / ((double)place->u[1] - (double)place->u[0]);
     *b = (v - (double)place->v[0]) / ((double)place->v[place->corners - 1] - (double)place->v[0]);
 }
-/* Returns the middle of a triangle. */
-static inline sl_root_place sl_patch_middle(const sl_patch_place *leaf) {
-    return (sl_root_place){leaf->root, (uint16_t)((leaf->u[0] + leaf->u[1] + leaf->u[2]) / 3),
-                           (uint16_t)((leaf->v[0] + leaf->v[1] + leaf->v[2]) / 3)};
-}
 
 /* Cuts a leaf in four (SL_OK and nothing at max_depth, or where a child would be degenerate: it stays a
  * leaf). Vertices that are new are not evaluated. Without memory nothing changes. */

@@ -94,11 +94,6 @@ static inline sl_rgb sl_root_emission(const sl_material *material, uint32_t root
 static inline bool sl_material_has_lobe(const sl_material *material) {
     return sl_material_is_glossy(material) || sl_material_is_mirror(material);
 }
-/* Returns the unit geometric normal of a triangle on a face's side. */
-static inline sl_vec3 sl_face_normal(const sl_scene *scene, uint32_t face) {
-    sl_vec3 n = sl_scene_geometric_normal(scene, face / 2);
-    return face & 1u ? sl_neg(n) : n;
-}
 /* Returns the root of which an eye sees a plane triangle; of the scene that the primitives were found in, or
  * of a copy of it. */
 static inline uint32_t sl_root_seen(const sl_primitives *p, const sl_scene *scene, uint32_t triangle,

@@ -37,12 +37,10 @@ typedef struct sl_gathered_photons {
     size_t count;        /* found: at most k */
     uint32_t *place;     /* of the photons in the list, in order of their ids; room for k */
     double *distance;    /* delta^2, beside them; room for k */
-    uint64_t *keys;      /* for the search: room for sl_photon_keys(k) */
+    uint64_t *keys;      /* for the search: room for 3 k + 2 SL_PHOTON_BUCKET */
     double radius;       /* R: set by the k-th, or r where fewer were found */
     bool full;           /* k were found: E carries (k-1)/k */
 } sl_gathered_photons;
-
-static inline size_t sl_photon_keys(size_t neighbours) { return 3 * neighbours + 2 * SL_PHOTON_BUCKET; }
 
 /* Ties of distance go to the lower id, exactly k are kept. Allocates nothing. */
 void sl_photon_tree_gather(const sl_photon_tree *tree, const sl_photon_query *query,

@@ -1,4 +1,4 @@
-/* 2D textures: memory, and lookups in blocks; 3D textures of bytes. */
+/* 2D textures; 3D textures of bytes. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "raster/textures/textures.h"
@@ -11,8 +11,8 @@ sl_status sl_texture_image_create(int width, int height, sl_texture_image **imag
     }
     sl_texture_image *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "a texture");
-    *m = (sl_texture_image){width, height, sl_allocate((size_t)width * (size_t)height, 4 * sizeof *m->texels),
-                            SL_KERNEL_OF(sl_isa_best(), sl_texture_sample)};
+    *m = (sl_texture_image){width, height,
+                            sl_allocate((size_t)width * (size_t)height, 4 * sizeof *m->texels)};
     if (!m->texels) {
         sl_texture_image_destroy(m);
         return sl_fail_memory(error, "a texture");
@@ -27,12 +27,38 @@ void sl_texture_image_destroy(sl_texture_image *image) {
     sl_free(image);
 }
 
-void sl_texture_sample_many(const sl_texture_image *image, size_t count, const float *s, const float *t,
-                            float *const plane[4]) {
-    for (size_t i = 0; i < count; i += SL_TEXTURE_BLOCK) {
-        float *out[4];
-        for (int c = 0; c < 4; c++) out[c] = plane[c] ? plane[c] + i : NULL;
-        image->sample(image, count - i < SL_TEXTURE_BLOCK ? count - i : SL_TEXTURE_BLOCK, s + i, t + i, out);
+/* The coordinate in [0,1]. NaN falls to the lower end. */
+static double clamped(float u) {
+    float cut = u > 0.0f ? u : 0.0f;
+    return (double)(cut < 1.0f ? cut : 1.0f);
+}
+
+/* The two texels around x in [0,1], and the weight of the second. x n - 1/2 is the position in texel centres;
+ * half a texel is added instead of taken away, so that truncation rounds down. Every step in double is exact.
+ */
+typedef struct texel_pair {
+    int low, high;
+    double weight;
+} texel_pair;
+
+static texel_pair texels_around(double x, int n) {
+    double position = x * (double)n + 0.5;
+    int i = (int)position; /* 0 ... n */
+    return (texel_pair){i == 0 ? 0 : i - 1, i == n ? n - 1 : i, position - (double)i};
+}
+
+static double mix(double a, double b, double t) { return a + t * (b - a); }
+
+void sl_texture_image_sample(const sl_texture_image *image, float s, float t, float rgba[4]) {
+    const texel_pair column = texels_around(clamped(s), image->width),
+                     row = texels_around(clamped(t), image->height);
+    const float *low = image->texels + 4 * (size_t)row.low * (size_t)image->width,
+                *high = image->texels + 4 * (size_t)row.high * (size_t)image->width;
+    const size_t left = 4 * (size_t)column.low, right = 4 * (size_t)column.high;
+    for (size_t c = 0; c < 4; c++) {
+        double below = mix((double)low[left + c], (double)low[right + c], column.weight),
+               above = mix((double)high[left + c], (double)high[right + c], column.weight);
+        rgba[c] = (float)mix(below, above, row.weight);
     }
 }
 

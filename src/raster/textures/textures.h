@@ -15,32 +15,20 @@
 
 #include "raster/raster.h"
 
-enum {
-    SL_TEXTURE_SIZE_MAX = 16384,
-    SL_TEXTURE_BLOCK = 64   /* lookups done together */
-};
+enum { SL_TEXTURE_SIZE_MAX = 16384 };
 
 /* ---- 2D textures ---- */
 
-typedef struct sl_texture_image sl_texture_image;
-/* Up to SL_TEXTURE_BLOCK lookups, vectorised (texture_kernels.c). */
-typedef void sl_texture_kernel(const sl_texture_image *image, size_t count, const float *s, const float *t,
-                               float *const plane[4]);
-SL_KERNEL_VARIANTS(sl_texture_kernel, sl_texture_sample);
-
-struct sl_texture_image {
+typedef struct sl_texture_image {
     int width, height;
     float *texels; /* 4 floats each */
-    sl_texture_kernel *sample;
-};
+} sl_texture_image;
 
 /* Texels all 0, to be written by the caller. */
 sl_status sl_texture_image_create(int width, int height, sl_texture_image **image, sl_error *error);
 void sl_texture_image_destroy(sl_texture_image *image);
 
-/* `count` lookups. plane[c][n] is channel c of lookup n; NULL planes are not wanted. */
-void sl_texture_sample_many(const sl_texture_image *image, size_t count, const float *s, const float *t,
-                            float *const plane[4]);
+void sl_texture_image_sample(const sl_texture_image *image, float s, float t, float rgba[4]);
 
 /* ---- 3D textures ---- */
 

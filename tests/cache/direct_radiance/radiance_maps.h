@@ -32,11 +32,12 @@ static inline float *hand_plane(size_t texels) {
     return plane;
 }
 
-/* `faces` faces of w x w texels, m x m blocks, 90 degrees each; the first six in the order of a cube map.
+/* `faces` faces of w x w texels, m x m blocks, 90 degrees each; the first six are a cube's.
  * Nothing is in them. */
 static inline hand_map *hand_map_begin(sl_map_light light, int faces, int w, int m) {
     hand_map *h = calloc(1, sizeof *h);
     assert_non_null(h);
+    static const sl_vec3 axis[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     size_t each = (size_t)w * (size_t)w, texels = each * (size_t)faces;
     h->light = light;
     h->lights = (sl_map_lights){.count = 1, .light = &h->light};
@@ -55,7 +56,7 @@ static inline hand_map *hand_map_begin(sl_map_light light, int faces, int w, int
     memset(h->map.triangle, 0xff, texels * sizeof *h->map.triangle);
     for (int f = 0; f < faces; f++) {
         h->face[f] = (sl_map_face){.eye = light.source.position,
-                                   .frame = sl_cube_face_frame(f),
+                                   .frame = sl_frame_from_normal(axis[f]),
                                    .left = -1,
                                    .right = 1,
                                    .bottom = -1,

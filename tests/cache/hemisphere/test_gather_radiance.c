@@ -36,7 +36,6 @@ static sl_irradiance radiance_at(gatherer *g, sl_vec3 p, sl_vec3 n, float *coeff
     sl_gather_point point = {
         .position = p, .geometric_normal = n, .normal = n, .triangle = SL_NO_INDEX, .key = 5};
     sl_irradiance e;
-    assert_true(sl_gather_coefficient_count(g->gather) <= FLOATS_MAX);
     sl_gather_radiance(g->gather, &point, g->scratch, &e, coefficients, g->counters);
     return e;
 }
@@ -57,7 +56,6 @@ static void white_room_has_one_coefficient_and_no_gradient(void **state) {
         gatherer g = gatherer_new(w, &s);
         float c[FLOATS_MAX];
         size_t stride = sl_hsh_stride(order);
-        assert_int_equal(sl_gather_coefficient_count(g.gather), 9 * stride);
         radiance_at(&g, sl_v3(0.7f, 0, 1.2f), sl_v3(0, 1, 0), c);
         for (size_t v = 0; v < 9; v++) {
             for (size_t j = 0; j < stride; j++) {
@@ -73,10 +71,10 @@ static void white_room_has_one_coefficient_and_no_gradient(void **state) {
 
 /* ---- irradiance is among the coefficients ---- */
 
-static void compare_with_irradiance(gatherer *g, const sl_gather_point *p, double gradient_eps,
+static void compare_with_irradiance(int order, const sl_gather_point *p, double gradient_eps,
                                     const sl_irradiance *e, const float *c) {
     const double a = 0.5 * sqrt(2 * SL_PI), b = 0.5 * sqrt(2 * SL_PI / 3);
-    size_t stride = sl_gather_coefficient_count(g->gather) / 9;
+    size_t stride = sl_hsh_stride(order);
     sl_frame frame = sl_frame_from_normal(p->normal);
     float value[3] = {e->value.r, e->value.g, e->value.b};
     for (size_t v = 0; v < 3; v++) {
@@ -110,7 +108,7 @@ static void irradiance_is_two_coefficients(void **state) {
             sl_gather_point p = world_surface_point(w, point);
             sl_irradiance e;
             sl_gather_radiance(g.gather, &p, g.scratch, &e, c, g.counters);
-            compare_with_irradiance(&g, &p, eps[i % 4], &e, c);
+            compare_with_irradiance(6, &p, eps[i % 4], &e, c);
         }
         gatherer_free(&g);
     }

@@ -113,36 +113,12 @@ sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_sc
 
 /* A pixel costs two dot products with its position and one look-up on the side that it shows, where the
  * octree costs a descent for each of eight voxels. */
-enum { LOOK_UPS = SL_TEXTURE_BLOCK };
-
 typedef struct application {
     const sl_atlas_canvas *canvas;
     const sl_gbuffer *gbuffer;
     const uint8_t *side;
     float *const *out;
 } application;
-
-/* Pixels that wait for their look-up, all on one side. */
-typedef struct look_ups {
-    uint8_t side;
-    size_t count;
-    size_t pixel[LOOK_UPS];
-    float s[LOOK_UPS], t[LOOK_UPS];
-} look_ups;
-
-static void look_up(const application *a, look_ups *l) {
-    const sl_gbuffer *g = a->gbuffer;
-    const float *const kd[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
-    float irradiance[3][LOOK_UPS];
-    float *const plane[4] = {irradiance[0], irradiance[1], irradiance[2], NULL};
-    if (l->count == 0) return;
-    sl_texture_sample_many(a->canvas->side[l->side], l->count, l->s, l->t, plane);
-    for (int k = 0; k < 3; k++) {
-        for (size_t n = 0; n < l->count; n++)
-            a->out[k][l->pixel[n]] = kd[k][l->pixel[n]] * (float)(1.0 / SL_PI) * irradiance[k][n];
-    }
-    l->count = 0;
-}
 
 sl_atlas_side sl_atlas_side_seen(const sl_scene *scene, const sl_gbuffer *g, size_t pixel) {
     sl_vec3 seen = sl_gbuffer_geometric(g, pixel);
@@ -159,17 +135,14 @@ static void apply_row(void *context, size_t row, unsigned worker) {
     const application *a = context;
     const sl_gbuffer *g = a->gbuffer;
     const sl_atlas *atlas = a->canvas->atlas;
-    look_ups l = {.count = 0};
+    const float *const kd[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
     for (size_t i = row * (size_t)g->width; i < (row + 1) * (size_t)g->width; i++) {
+        float s, t, irradiance[4];
         if (!is_looked_up(a->canvas, a->side[i])) continue;
-        if (l.count == LOOK_UPS || l.side != a->side[i]) look_up(a, &l);
-        l.side = a->side[i];
-        sl_atlas_point(&atlas->chart[atlas->chart_of[g->id[i]]],
-                       sl_gbuffer_position(g, i), &l.s[l.count],
-                       &l.t[l.count]);
-        l.pixel[l.count++] = i;
+        sl_atlas_point(&atlas->chart[atlas->chart_of[g->id[i]]], sl_gbuffer_position(g, i), &s, &t);
+        sl_texture_image_sample(a->canvas->side[a->side[i]], s, t, irradiance);
+        for (int k = 0; k < 3; k++) a->out[k][i] = kd[k][i] * (float)(1.0 / SL_PI) * irradiance[k];
     }
-    look_up(a, &l);
 }
 
 void sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_gbuffer *gbuffer, const uint8_t *side,
