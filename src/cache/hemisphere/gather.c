@@ -157,7 +157,7 @@ static bool allocate_planes(sl_gather_scratch *s, size_t lead, size_t stride) {
 
 static bool allocate_slots(const sl_gather *gather, sl_gather_scratch *s) {
     const sl_gather_tables *t = gather->tables;
-    size_t lead = ((size_t)t->width + 16) / 16 * 16; /* the row below the first, and the cell before it */
+    size_t lead = ((size_t)t->width + 16) / 16 * 16; /* the row below the first */
     bool more = t->kind == SL_GATHER_RAYS && gather->settings.jitter;
     s->slots_max = t->used + (more ? (size_t)(gather->settings.more_rays * (float)t->used) : 0);
     size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded,

@@ -193,63 +193,27 @@ void SL_KERNEL(sl_gather_sums)(const sl_gather_tables *t, const float *r, const 
 
 /* ---- second derivatives ---------------------------------------------------------------------- */
 
-/* Where four walls meet: the ends of a and b, which continue each other, move with the walls c and d that
- * cross them, not with their own depth. A wall that separates equals does not say where it is, so c and d
- * count by their steps; if neither does, a goes on into b. Half of it, as c and d are corrected by a and b in
- * turn. With step s (of L across the wall) and nearness 1 / Z:
- *
- *     x      = (|s_c| / Z_c + |s_d| / Z_d) / (|s_c| + |s_d|)
- *     factor = (s_a / Z_a (x - 1 / Z_a) - s_b / Z_b (x - 1 / Z_b)) / 2
- */
-static inline double corner_factor(double step_a, double near_a, double step_b, double near_b, double step_c,
-                                   double near_c, double step_d, double near_d) {
-    double weight_c = fabs(step_c), weight_d = fabs(step_d), sum = weight_c + weight_d;
-    double crossing = (weight_c * near_c + weight_d * near_d) / (sum > 0.0 ? sum : 1.0);
-    crossing = sum > 0.0 ? crossing : 0.5 * (near_a + near_b);
-    return 0.5 * (step_a * near_a * (crossing - near_a) - step_b * near_b * (crossing - near_b));
-}
-
 static inline double nearer(float a, float b) { return (double)(a > b ? a : b); }
 
-/* Of the walls as they stand, and of the corners between them:
- *
- *     d2E = sum over walls of s / Z^2 K_wall
- *         + sum over corners of (factor(up, down; right, back) + factor(right, back; up, down)) K_corner
- *
- * with K of sl_wall_curvature(), sl_vertex_curvature(). The corner is cell j's lower left one; around it lie
- *
- *      left  | j           up    = L_j - L_left         (column wall above the corner)
- *     -------+-------      down  = L_below - L_behind   (column wall beneath it)
- *     behind | below       right = L_j - L_below        (row wall to its right)
- *                          back  = L_left - L_behind    (row wall to its left)
- *
- * and near_up, ... are the larger 1 / Z of the two cells on either side of that wall. */
+/* d2E = sum over walls of s / Z^2 K_wall, with the step s of L across the wall, Z of the nearer of the two
+ * cells beside it, and K of sl_wall_curvature(). */
 static void sum_curvature(const sl_gather_tables *t, const float *restrict light,
                           const float *restrict nearness, sl_gather_curvature *curvature) {
     const size_t row = (size_t)t->width;
-    const float *restrict left = light - 1, *restrict below = light - row, *restrict behind = light - row - 1;
-    const float *restrict near_left = nearness - 1, *restrict near_below = nearness - row,
-                          *restrict near_behind = nearness - row - 1;
+    const float *restrict left = light - 1, *restrict below = light - row;
+    const float *restrict near_left = nearness - 1, *restrict near_below = nearness - row;
     double xx[LANES] = {0}, xy[LANES] = {0}, yy[LANES] = {0};
     for (size_t i = 0; i < t->padded; i += LANES) {
 #pragma omp simd
         for (size_t lane = 0; lane < LANES; lane++) {
             size_t j = i + lane;
-            double up = (double)light[j] - (double)left[j], down = (double)below[j] - (double)behind[j];
-            double right = (double)light[j] - (double)below[j], back = (double)left[j] - (double)behind[j];
-            double near_up = nearer(nearness[j], near_left[j]),
-                   near_down = nearer(near_below[j], near_behind[j]);
-            double near_right = nearer(nearness[j], near_below[j]),
-                   near_back = nearer(near_left[j], near_behind[j]);
-            double column = up * near_up * near_up, across = right * near_right * near_right;
-            double vertex = corner_factor(up, near_up, down, near_down, right, near_right, back, near_back) +
-                            corner_factor(right, near_right, back, near_back, up, near_up, down, near_down);
-            xx[lane] += column * (double)t->column_xx[j] + across * (double)t->row_xx[j] +
-                        vertex * (double)t->vertex_xx[j];
-            xy[lane] += column * (double)t->column_xy[j] + across * (double)t->row_xy[j] +
-                        vertex * (double)t->vertex_xy[j];
-            yy[lane] += column * (double)t->column_yy[j] + across * (double)t->row_yy[j] +
-                        vertex * (double)t->vertex_yy[j];
+            double near_column = nearer(nearness[j], near_left[j]),
+                   near_row = nearer(nearness[j], near_below[j]);
+            double column = ((double)light[j] - (double)left[j]) * near_column * near_column,
+                   across = ((double)light[j] - (double)below[j]) * near_row * near_row;
+            xx[lane] += column * (double)t->column_xx[j] + across * (double)t->row_xx[j];
+            xy[lane] += column * (double)t->column_xy[j] + across * (double)t->row_xy[j];
+            yy[lane] += column * (double)t->column_yy[j] + across * (double)t->row_yy[j];
         }
     }
     curvature->xx = lanes_sum(xx);

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "cache/hemisphere/hemisphere_tables.h"
 
-enum { TILE = 4, PLANES = 23 };
+enum { TILE = 4, PLANES = 20 };
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
@@ -14,8 +14,7 @@ static sl_status allocate_tables(sl_gather_tables *t, sl_error *error) {
                               &t->column_x, &t->column_y,        &t->row_x,       &t->row_y,
                               &t->direction_x, &t->direction_y,  &t->direction_z, &t->length,
                               &t->slot_a,   &t->slot_b,
-                              &t->column_xx, &t->column_xy, &t->column_yy, &t->row_xx, &t->row_xy, &t->row_yy,
-                              &t->vertex_xx, &t->vertex_xy, &t->vertex_yy};
+                              &t->column_xx, &t->column_xy, &t->column_yy, &t->row_xx, &t->row_xy, &t->row_yy};
     t->block = sl_allocate_planes(t->padded, PLANES, planes);
     t->order = sl_allocate(t->cells, sizeof(uint32_t));
     return t->block && t->order ? SL_OK : sl_fail_memory(error, "the gather's tables");
@@ -149,10 +148,10 @@ static void set_curvature(float *xx, float *xy, float *yy, sl_curvature k) {
     *yy = (float)k.yy;
 }
 
-/* Derives how the walls between a cell and those to its left and below it, and the corner where four of them
- * meet, move with the receiver, to the second order (Schwarzhaupt, Jensen, Jarosz 2012 have the idea that
- * occlusion belongs into the Hessian). Seen along the wall, the cell lies on its right. Walls where the
- * hemicube's side faces meet, at azimuths of 45 degrees, are left out. */
+/* Derives how the walls between a cell and those to its left and below it move with the receiver, to the
+ * second order (Schwarzhaupt, Jensen, Jarosz 2012 have the idea that occlusion belongs into the Hessian).
+ * Seen along the wall, the cell lies on its right. Walls where the hemicube's side faces meet, at azimuths of
+ * 45 degrees, are left out. */
 static void fill_walls(sl_gather_tables *t, size_t i, int x, int y) {
     sl_vec3d here = sl_gather_direction(t, x, y), right = sl_gather_direction(t, x + 1, y),
              up = sl_gather_direction(t, x, y + 1);
@@ -165,10 +164,6 @@ static void fill_walls(sl_gather_tables *t, size_t i, int x, int y) {
         set_wall(&t->row_x[i], &t->row_y[i], right, here);
         set_curvature(&t->row_xx[i], &t->row_xy[i], &t->row_yy[i], sl_wall_curvature(right, here));
     }
-    if (!has_left || !has_below || is_blank(t, x - 1, y - 1)) return;
-    sl_curvature k = sl_vertex_curvature(here, right, sl_gather_direction(t, x - 1, y), up,
-                                         sl_gather_direction(t, x, y - 1));
-    set_curvature(&t->vertex_xx[i], &t->vertex_xy[i], &t->vertex_yy[i], k);
 }
 
 static void fill(sl_gather_tables *t, bool walls) {
@@ -186,7 +181,7 @@ static void fill(sl_gather_tables *t, bool walls) {
 static void divide_by_coverage(sl_gather_tables *t) {
     float *planes[] = {t->weight,    t->weight_by_depth, t->vector_x,  t->vector_y,  t->column_x, t->column_y,
                        t->row_x,     t->row_y,           t->column_xx, t->column_xy, t->column_yy, t->row_xx,
-                       t->row_xy,    t->row_yy,          t->vertex_xx, t->vertex_xy, t->vertex_yy};
+                       t->row_xy,    t->row_yy};
     t->scale = SL_PI / t->weight_sum;
     for (size_t p = 0; p < sizeof planes / sizeof *planes; p++) {
         for (size_t i = 0; i < t->cells; i++) planes[p][i] = (float)(t->scale * (double)planes[p][i]);

@@ -35,10 +35,8 @@ typedef struct sl_gather_tables {
     float *weight, *weight_by_depth, *vector_x, *vector_y;
     /* dE/dx, dE/dy = (L_i - L_i-1) (x, y) / smaller depth. */
     float *column_x, *column_y, *row_x, *row_y;
-    /* Second derivatives: d2E/dx2, d2E/dxdy, d2E/dy2 = (L_i - L_i-1) (xx, xy, yy) / smaller depth squared;
-     * and of the vertex between cells i, i - 1, i - width and i - width - 1, whose factor sum_curvature()
-     * makes. */
-    float *column_xx, *column_xy, *column_yy, *row_xx, *row_xy, *row_yy, *vertex_xx, *vertex_xy, *vertex_yy;
+    /* Second derivatives: d2E/dx2, d2E/dxdy, d2E/dy2 = (L_i - L_i-1) (xx, xy, yy) / smaller depth squared. */
+    float *column_xx, *column_xy, *column_yy, *row_xx, *row_xy, *row_yy;
     /* Direction of the cell's centre in the local frame, in units of its depth: (u, v, 1) on the plane, one
      * face axis 1 on the hemicube, unit for rays. And its length. */
     float *direction_x, *direction_y, *direction_z, *length;

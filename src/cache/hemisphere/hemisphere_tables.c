@@ -100,20 +100,3 @@ sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b) {
     }
     return sum;
 }
-
-/* The corner moves by m = s q - delta over its wall's distance; a line of direction v is crossed by one of
- * direction h where that one is, so that the corner slides along it by m x h / (v x h). The area between: (m
- * x v)(m x h) / (v x h). */
-sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d left, sl_vec3d up,
-                                 sl_vec3d down) {
-    disc_point q = on_disc(direction), r = on_disc(right), l = on_disc(left), u = on_disc(up),
-               d = on_disc(down);
-    double hx = r.x - l.x, hy = r.y - l.y, vx = u.x - d.x, vy = u.y - d.y, area = vx * hy - vy * hx;
-    if (!(fabs(area) > 0.0)) return (sl_curvature){0.0, 0.0, 0.0};
-    /* m = M delta, M symmetric; (m x v) = delta . cv, (m x h) = delta . ch. */
-    double mxx = (q.x * q.x - 1.0) / q.distance, mxy = q.x * q.y / q.distance,
-           myy = (q.y * q.y - 1.0) / q.distance;
-    double cvx = mxx * vy - mxy * vx, cvy = mxy * vy - myy * vx, chx = mxx * hy - mxy * hx,
-           chy = mxy * hy - myy * hx;
-    return (sl_curvature){2.0 * cvx * chx / area, (cvx * chy + cvy * chx) / area, 2.0 * cvy * chy / area};
-}

@@ -22,11 +22,5 @@ typedef struct sl_curvature {
 /* The next order of the same motion: displacing the receiver by a tangential delta gives the cell on the
  * right g . delta + delta . K delta / 2, where the wall's ends move as points of the world at depth 1. */
 sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b);
-/* Where four walls of different depths meet, none of their ends moves as its own wall does, but along its
- * wall with the walls that cross it. What that adds to delta . H delta / 2 is this form, times a factor made
- * of the walls' steps and nearnesses (gather_kernels.c). direction: of the corner; right, left, up, down: of
- * the walls' other ends; all in units of depth. */
-sl_curvature sl_vertex_curvature(sl_vec3d direction, sl_vec3d right, sl_vec3d left, sl_vec3d up,
-                                 sl_vec3d down);
 
 #endif

