@@ -35,12 +35,11 @@ bool sl_word_is(const char *at, const char *word);
 /* Returns whether nothing or a comment is left of the line. */
 bool sl_is_line_end(const char *at);
 
-/* Returns what stands behind a decimal number, or one that is not finite, and the blanks behind it; NULL
- * where there is none. Whole part and fraction are rounded to float one by one, as importers of mesh files
- * do. */
+/* Reads the float nearest to a decimal number, or one that is not finite, in the C locale. Returns what stands
+ * behind it and its blanks; NULL where there is none. */
 char *sl_read_number(char *at, float *value);
-/* Writes a finite number so that it is read back to the same bits; returns text. */
-enum { SL_NUMBER_ROOM = 64 };
+/* Writes a finite number with as few digits, six at least, as read back to the same bits; returns text. */
+enum { SL_NUMBER_ROOM = 32 };
 const char *sl_write_number(float value, char text[SL_NUMBER_ROOM]);
 
 #endif

@@ -3,7 +3,6 @@
  */
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -141,14 +140,9 @@ static void put_file(writer *w, const char *suffix) {
     sl_free(path);
 }
 
-/* Puts as few digits as read back to the same float. */
 static void put_number(text *t, float value) {
-    char number[32];
-    for (int digits = 6; digits <= 9; digits++) {
-        sl_print(number, sizeof number, "%.*g", digits, (double)value);
-        if ((float)strtod(number, NULL) == value) break;
-    }
-    put(t, "%s", number);
+    char number[SL_NUMBER_ROOM];
+    put(t, "%s", sl_write_number(value, number));
 }
 
 static void put_floats(text *t, const char *key, const float *v, int count) {
@@ -169,9 +163,11 @@ static void put_vec3(text *t, const char *key, sl_vec3 v) {
 /* ---- triangles ------------------------------------------------------------------------------- */
 
 static void put_values(text *t, const char *word, const float *values, int count) {
-    char number[SL_NUMBER_ROOM];
     put(t, "%s", word);
-    for (int i = 0; i < count; i++) put(t, " %s", sl_write_number(values[i], number));
+    for (int i = 0; i < count; i++) {
+        put(t, " ");
+        put_number(t, values[i]);
+    }
     put(t, "\n");
 }
 

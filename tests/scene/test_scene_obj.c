@@ -286,7 +286,7 @@ static void values_of_materials_that_are_none_are_told_by_line(void **state) {
 static void a_material_is_what_its_statements_say_however_they_are_spelled(void **state) {
     (void)state;
     sl_material m = material_of("\xef\xbb\xbf# C:\\models\\\nKd 1 0 0\nnewmtl m\nKd 0.5 \\\n 0.25 "
-                                "\\\r\n0,125\nNs 0000000000000000000000020 # wide\\\nKa what\n"
+                                "\\\r\n0.125\nNs 0000000000000000000000020 # wide\\\nKa what\n"
                                 "Ks 0.25 0.25 0.25 1\nd -halo 1\nKe 000 .5 1.e0");
     assert_true(m.diffuse.r == 0.5f && m.diffuse.g == 0.25f && m.diffuse.b == 0.125f);
     assert_true(m.emission.r == 0.0f && m.emission.g == 0.5f && m.emission.b == 1.0f);
