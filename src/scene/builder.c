@@ -42,19 +42,6 @@ static sl_status check_usable(const sl_scene_builder *b, bool given, const char 
     return sl_fail(error, SL_ERROR_USAGE, "the scene is built: its builder can only be destroyed");
 }
 
-/* Copies a struct whose caller may know fewer of its fields. */
-static sl_status take_struct(void *ours, size_t known, const void *given, const char *type, sl_error *error) {
-    size_t size;
-    memcpy(&size, given, sizeof size);
-    memset(ours, 0, known);
-    if (size <= sizeof size || size > known)
-        return sl_fail(error, SL_ERROR_USAGE, "expected the field 'size' of %s to be its size, %zu, got %zu",
-                       type, known, size);
-    memcpy(ours, given, size);
-    return SL_OK;
-}
-#define TAKE(type, ours, given, error) take_struct(ours, sizeof(type), given, #type, error)
-
 /* Returns the name that is given, or one by number. */
 static const char *name_of(const char *given, const char *kind, size_t number, char text[NAME_ROOM]) {
     if (given && *given) snprintf(text, NAME_ROOM, "%.200s", given);
@@ -115,7 +102,7 @@ sl_status sl_scene_builder_texture(sl_scene_builder *b, const sl_texture_data *d
     if (texture) *texture = 0;
     sl_status status =
         check_usable(b, data && texture, "a builder, a texture and a place for its number", error);
-    if (status == SL_OK) status = TAKE(sl_texture_data, &t, data, error);
+    if (status == SL_OK) status = SL_TAKE(sl_texture_data, &t, data, error);
     if (status != SL_OK) return status;
     const size_t number = b->model.scene.texture_count + 1;
     status = check_texture(&t, name_of(t.name, "texture", number, name), error);
@@ -134,49 +121,6 @@ sl_status sl_scene_builder_texture(sl_scene_builder *b, const sl_texture_data *d
 
 static sl_rgb colour(const float c[3]) { return (sl_rgb){c[0], c[1], c[2]}; }
 
-static sl_material material_from(const sl_material_data *d, const char *name) {
-    return (sl_material){.name = (char *)(uintptr_t)name, /* which nobody writes to */
-                         .diffuse = colour(d->diffuse),
-                         .specular = colour(d->specular),
-                         .exponent = d->exponent,
-                         .mirror = colour(d->mirror),
-                         .emission = colour(d->emission),
-                         .emission_two_sided = d->two_sided,
-                         .texture = d->texture ? d->texture - 1 : SL_NO_INDEX,
-                         .alpha_texture = d->alpha ? d->alpha - 1 : SL_NO_INDEX,
-                         .height_map = d->bump,
-                         .bump_depth = d->bump && d->bump_depth == 0.0f ? SL_BUMP_DEPTH : d->bump_depth};
-}
-
-static sl_status check_material(const sl_scene *scene, const sl_material_data *d, const sl_material *m,
-                                sl_error *error) {
-    const struct {
-        const char *what;
-        uint32_t number;
-    } textures[] = {{"'texture'", d->texture}, {"'alpha'", d->alpha}, {"'bump'", d->bump}};
-    char text[SL_RULE_TEXT];
-    for (int i = 0; i < SL_MATERIAL_NUMBERS; i++) {
-        if (!sl_material_number_fits(&sl_material_numbers[i], m, text))
-            return fail_of("material", m->name, text, error);
-    }
-    if (sl_material_is_mirror(m) && (sl_material_is_diffuse(m) || sl_material_is_glossy(m)))
-        return fail_of("material", m->name, SL_EXPECTED_ONE_REFLECTION, error);
-    sl_status status = SL_OK;
-    for (int i = 0; i < 3 && status == SL_OK; i++)
-        status = check_number("material", m->name, textures[i].what, textures[i].number,
-                              scene->texture_count, error);
-    return status;
-}
-
-sl_status sl_material_take(const sl_scene *scene, const sl_material_data *data, const char *name,
-                           sl_material *material, sl_error *error) {
-    sl_material_data d;
-    sl_status status = TAKE(sl_material_data, &d, data, error);
-    if (status != SL_OK) return status;
-    *material = material_from(&d, name);
-    return check_material(scene, &d, material, error);
-}
-
 sl_status sl_scene_builder_material(sl_scene_builder *b, const sl_material_data *data, uint32_t *material,
                                     sl_error *error) {
     sl_material_data d;
@@ -186,7 +130,7 @@ sl_status sl_scene_builder_material(sl_scene_builder *b, const sl_material_data 
     if (material) *material = 0;
     sl_status status =
         check_usable(b, data && material, "a builder, a material and a place for its number", error);
-    if (status == SL_OK) status = TAKE(sl_material_data, &d, data, error);
+    if (status == SL_OK) status = SL_TAKE(sl_material_data, &d, data, error);
     if (status != SL_OK) return status;
     name_of(d.name, "material", b->model.scene.material_count + 1, name);
     status = sl_material_take(&b->model.scene, data, name, &made, error);
@@ -267,7 +211,7 @@ sl_status sl_scene_builder_mesh(sl_scene_builder *b, const sl_mesh_data *data, u
     char name[NAME_ROOM];
     if (mesh) *mesh = 0;
     sl_status status = check_usable(b, data && mesh, "a builder, a mesh and a place for its number", error);
-    if (status == SL_OK) status = TAKE(sl_mesh_data, &m.data, data, error);
+    if (status == SL_OK) status = SL_TAKE(sl_mesh_data, &m.data, data, error);
     if (status != SL_OK) return status;
     name_of(m.data.name, "mesh", b->mesh_count + 1, name);
     status = check_mesh(b, &m.data, name, error);
@@ -313,7 +257,7 @@ sl_status sl_scene_builder_instance(sl_scene_builder *b, const sl_instance_data 
     sl_affine placement = sl_affine_identity();
     char name[NAME_ROOM];
     sl_status status = check_usable(b, data, "a builder and an instance", error);
-    if (status == SL_OK) status = TAKE(sl_instance_data, &d, data, error);
+    if (status == SL_OK) status = SL_TAKE(sl_instance_data, &d, data, error);
     if (status != SL_OK) return status;
     name_of(d.name, "object", b->model.scene.object_count + 1, name);
     if (d.mesh == 0) return fail_of("instance", name, "expected the number of a mesh", error);
@@ -334,7 +278,7 @@ sl_status sl_scene_builder_light(sl_scene_builder *b, const sl_light_data *data,
     uint32_t index;
     char name[NAME_ROOM], text[SL_RULE_TEXT];
     sl_status status = check_usable(b, data, "a builder and a light", error);
-    if (status == SL_OK) status = TAKE(sl_light_data, &d, data, error);
+    if (status == SL_OK) status = SL_TAKE(sl_light_data, &d, data, error);
     if (status != SL_OK) return status;
     name_of(d.name, "light", b->light_count + 1, name);
     if (sl_light_fault(&d, text)) return fail_of("light", name, text, error);

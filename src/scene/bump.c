@@ -37,7 +37,7 @@ static float rise(const sl_texture *t, float u, float v, float du, float dv) {
 
 void sl_bump(const sl_scene *scene, uint32_t triangle, sl_vec3 to_viewer, float *u, float *v,
              sl_surface *surface) {
-    const sl_texture *heights = &scene->textures[surface->material->height_map - 1];
+    const sl_texture *heights = &scene->textures[surface->material->height_map];
     uv_slopes slope = slopes_of(scene, triangle);
     if (!(slope.width > 0.0f)) return;
     /* from behind, hills are hollows */

@@ -6,7 +6,7 @@
 #include "scene/scene.h"
 
 static inline bool sl_material_is_bumpy(const sl_material *m) {
-    return m->height_map > 0 && m->bump_depth > 0.0f;
+    return m->height_map != SL_NO_INDEX && m->bump_depth > 0.0f;
 }
 
 /* Where the viewer's ray would meet the raised surface, by one step with limited offset (Welsh 2004): u, v

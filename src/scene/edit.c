@@ -34,33 +34,6 @@ uint32_t sl_scene_find_object(const sl_scene *scene, const char *name) {
     return 0;
 }
 
-uint32_t sl_scene_find_material(const sl_scene *scene, const char *name) {
-    for (size_t i = 0; i < scene->material_count; i++) {
-        if (strcmp(scene->materials[i].name, name) == 0) return (uint32_t)i + 1;
-    }
-    return 0;
-}
-
-static void write_colour(float to[3], sl_rgb c) { memcpy(to, (float[3]){c.r, c.g, c.b}, 3 * sizeof *to); }
-
-bool sl_scene_material(const sl_scene *scene, uint32_t material, sl_material_data *data) {
-    *data = (sl_material_data){.size = sizeof *data};
-    if (material == 0 || material > scene->material_count) return false;
-    const sl_material *m = &scene->materials[material - 1];
-    data->name = m->name;
-    write_colour(data->diffuse, m->diffuse);
-    write_colour(data->specular, m->specular);
-    write_colour(data->mirror, m->mirror);
-    write_colour(data->emission, m->emission);
-    data->exponent = m->exponent;
-    data->two_sided = m->emission_two_sided;
-    data->texture = m->texture == SL_NO_INDEX ? 0 : m->texture + 1;
-    data->alpha = m->alpha_texture == SL_NO_INDEX ? 0 : m->alpha_texture + 1;
-    data->bump = m->height_map;
-    data->bump_depth = m->bump_depth;
-    return true;
-}
-
 /* ---- collecting ------------------------------------------------------------------------------ */
 
 void sl_scene_edit_destroy(sl_scene_edit *edit) {

@@ -125,7 +125,7 @@ static uint32_t pass_texture_index(stream *s, uint32_t index) {
 static void pass_materials(stream *s) {
     const uint32_t count = pass_count(s, s->model->scene.material_count, 60);
     for (uint32_t i = 0, index; i < count; i++) {
-        sl_material m = s->reads ? (sl_material){0} : s->model->scene.materials[i];
+        sl_material m = s->reads ? sl_grey_material("", 0.0f) : s->model->scene.materials[i];
         m.name = (char *)(uintptr_t)pass_text(s, s->reads ? "" : m.name);
         pass(s, &m.diffuse, offsetof(sl_material, emission_two_sided) - offsetof(sl_material, diffuse));
         m.emission_two_sided = pass_below(s, m.emission_two_sided, 2);

@@ -35,8 +35,8 @@ bool sl_word_is(const char *at, const char *word);
 /* Returns whether nothing or a comment is left of the line. */
 bool sl_is_line_end(const char *at);
 
-/* Reads the float nearest to a decimal number, or one that is not finite, in the C locale. Returns what stands
- * behind it and its blanks; NULL where there is none. */
+/* Reads the float nearest to a decimal number, or one that is not finite, in the C locale. Returns what
+ * stands behind it and its blanks; NULL where there is none. */
 char *sl_read_number(char *at, float *value);
 /* Writes a finite number with as few digits, six at least, as read back to the same bits; returns text. */
 enum { SL_NUMBER_ROOM = 32 };

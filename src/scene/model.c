@@ -130,13 +130,6 @@ sl_status sl_model_add_bicubic(sl_model *m, const sl_bicubic *surface, uint32_t 
     return SL_OK;
 }
 
-sl_material sl_grey_material(const char *name, float diffuse) {
-    return (sl_material){.name = (char *)(uintptr_t)name, /* which nobody writes to */
-                         .diffuse = sl_grey(diffuse),
-                         .texture = SL_NO_INDEX,
-                         .alpha_texture = SL_NO_INDEX};
-}
-
 sl_status sl_model_add_material(sl_model *m, const sl_material *material, uint32_t *index, sl_error *error) {
     sl_scene *s = &m->scene;
     char *name = sl_string_copy(material->name);

@@ -225,7 +225,7 @@ static void use_texture(reader *r, const statement *s, uint32_t texture) {
     if (holds_normals(&scene->textures[texture]))
         sl_scene_warn(scene, "%s: material '%s': its bump map holds normals, not heights, and is not used",
                       r->materials->path, current(r)->name);
-    else current(r)->height_map = texture + 1;
+    else current(r)->height_map = texture;
 }
 
 static sl_status read_texture(reader *r, const statement *s, char *at) {

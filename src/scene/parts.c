@@ -1,7 +1,6 @@
 #include "scene/parts.h"
 
 #include <float.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -19,23 +18,15 @@ bool sl_is_within(const char *key, double value, double low, double high, char t
     return false;
 }
 
-/* ---- materials ------------------------------------------------------------------------------- */
-
-const sl_material_number sl_material_numbers[SL_MATERIAL_NUMBERS] = {
-    {"diffuse", offsetof(sl_material, diffuse), 3, 1.0},
-    {"specular", offsetof(sl_material, specular), 3, 1.0},
-    {"mirror", offsetof(sl_material, mirror), 3, 1.0},
-    {"exponent", offsetof(sl_material, exponent), 1, SL_LARGEST_EXPONENT},
-    {"emission", offsetof(sl_material, emission), 3, (double)FLT_MAX},
-    {"bump_depth", offsetof(sl_material, bump_depth), 1, 1.0}};
-
-bool sl_material_number_fits(const sl_material_number *n, const sl_material *m, char text[SL_RULE_TEXT]) {
-    float values[3];
-    memcpy(values, (const char *)m + n->field, (size_t)n->floats * sizeof *values);
-    for (int i = 0; i < n->floats; i++) {
-        if (!sl_is_within(n->key, (double)values[i], 0.0, n->most, text)) return false;
-    }
-    return true;
+sl_status sl_take_struct(void *ours, size_t known, const void *given, const char *type, sl_error *error) {
+    size_t size;
+    memcpy(&size, given, sizeof size);
+    memset(ours, 0, known);
+    if (size <= sizeof size || size > known)
+        return sl_fail(error, SL_ERROR_USAGE, "expected the field 'size' of %s to be its size, %zu, got %zu",
+                       type, known, size);
+    memcpy(ours, given, size);
+    return SL_OK;
 }
 
 /* ---- lights ---------------------------------------------------------------------------------- */
@@ -160,6 +151,37 @@ sl_status sl_model_add_quad(sl_model *m, const char *path, const char *name, con
     if (status == SL_OK) status = sl_model_add_object(m, name, object, error);
     mesh.object = *object;
     return status == SL_OK ? sl_model_add_mesh(m, path, &mesh, turn, error) : status;
+}
+
+/* ---- lights of models, whoever has made them ------------------------------------------------- */
+
+static sl_status check_light(sl_light *light, size_t index, sl_error *error) {
+    const sl_rgb i = light->intensity;
+    if (!(i.r >= 0.0f && i.g >= 0.0f && i.b >= 0.0f) || !sl_rgb_is_finite(i)) {
+        return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected a finite intensity of at least 0", index);
+    }
+    if (light->type != SL_LIGHT_DIRECTIONAL && !sl_is_finite(light->position)) {
+        return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected a finite position", index);
+    }
+    if (light->type == SL_LIGHT_POINT) return SL_OK;
+    light->direction = sl_unit_or(light->direction, sl_v3(0, 0, 0));
+    if (!(sl_dot(light->direction, light->direction) > 0.5f)) {
+        return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected a direction that is finite and not zero",
+                       index);
+    }
+    bool cone = light->cos_outer >= -1.0f && light->cos_outer <= light->cos_inner && light->cos_inner <= 1.0f;
+    if (light->type == SL_LIGHT_SPOT && !cone) {
+        return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected an inner cone inside the outer cone",
+                       index);
+    }
+    return SL_OK;
+}
+
+sl_status sl_lights_check(sl_scene *scene, sl_error *error) {
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < scene->light_count && status == SL_OK; i++)
+        status = check_light(&scene->lights[i], i, error);
+    return status;
 }
 
 /* ---- transforms ------------------------------------------------------------------------------ */

@@ -16,17 +16,28 @@ double sl_radians(double degrees);
 /* Tells whether a number is within its bounds; if not, text says what was expected. */
 bool sl_is_within(const char *key, double value, double low, double high, char text[SL_RULE_TEXT]);
 
-/* A number of a material, or the three of a colour, each from 0 to `most`. */
+/* Copies a struct whose caller may know fewer of its fields. */
+sl_status sl_take_struct(void *ours, size_t known, const void *given, const char *type, sl_error *error);
+#define SL_TAKE(type, ours, given, error) sl_take_struct(ours, sizeof(type), given, #type, error)
+
+/* A number of a material, or the three of a colour, each from 0 to `most`: its key in scene files, and where
+ * sl_material and sl_material_data have it. */
 typedef struct sl_material_number {
     const char *key;
-    size_t field; /* where in sl_material it is */
+    size_t field, given;
     int floats;
     double most;
 } sl_material_number;
-enum { SL_MATERIAL_NUMBERS = 6 };
+enum { SL_MATERIAL_NUMBERS = 6, SL_MATERIAL_TEXTURES = 3 };
 extern const sl_material_number sl_material_numbers[SL_MATERIAL_NUMBERS];
 bool sl_material_number_fits(const sl_material_number *number, const sl_material *material,
                              char text[SL_RULE_TEXT]);
+/* A texture likewise: an index, SL_NO_INDEX for none; or a number from 1, 0 for none. */
+typedef struct sl_material_texture {
+    const char *key;
+    size_t field, given;
+} sl_material_texture;
+extern const sl_material_texture sl_material_textures[SL_MATERIAL_TEXTURES];
 
 /* Returns the key of what is wrong with a light ("" for the whole), with what was expected in text; NULL:
  * nothing. */
@@ -37,7 +48,7 @@ sl_light sl_light_from(const sl_light_data *light, const sl_affine *turn);
 sl_status sl_model_add_quad(sl_model *model, const char *path, const char *name, const sl_light_data *light,
                             const sl_affine *turn, uint32_t *object, sl_error *error);
 
-/* ---- what calls give, checked and made into the scene's (builder.c) ---- */
+/* ---- what calls give, checked and made into the scene's ---- */
 
 /* name: of messages, and of the material, which does not own it. */
 sl_status sl_material_take(const sl_scene *scene, const sl_material_data *data, const char *name,

@@ -184,7 +184,7 @@ static void hash_material(uint64_t *hash, const sl_material *m) {
     hash_rgb(hash, m->emission);
     hash_bytes(hash, (uint32_t[3]){m->emission_two_sided, m->texture, m->alpha_texture},
                3 * sizeof(uint32_t));
-    if (m->height_map == 0) return;
+    if (m->height_map == SL_NO_INDEX) return;
     hash_bytes(hash, &m->height_map, sizeof m->height_map);
     hash_bytes(hash, &m->bump_depth, sizeof m->bump_depth);
 }

@@ -23,7 +23,7 @@ typedef struct sl_material {
     uint32_t texture;     /* of kd, or SL_NO_INDEX */
     /* alpha mask (its alpha channel, or its luminance where it has none), tested at 0.5, or SL_NO_INDEX */
     uint32_t alpha_texture;
-    uint32_t height_map;  /* 1 + the texture of heights, for shading alone (bump.h); 0: flat */
+    uint32_t height_map;  /* for shading alone (bump.h), or SL_NO_INDEX */
     float bump_depth;     /* from black to white, in widths of the texture: 0 to 1 */
 } sl_material;
 

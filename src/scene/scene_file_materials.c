@@ -10,32 +10,27 @@
 
 /* ---- one material ---------------------------------------------------------------------------- */
 
-/* A file name, or null to take away what the mesh file says. */
-static void read_texture(sl_scene_file *file, const cJSON *item, uint32_t *texture) {
+static void find_texture(sl_scene_file *file, const cJSON *item, uint32_t *index) {
     sl_json *json = &file->json;
-    if (!item || json->status != SL_OK) return;
-    if (cJSON_IsNull(item)) {
-        *texture = SL_NO_INDEX;
-        return;
-    }
     const char *name = sl_json_string(json, item);
     char *path = name ? sl_file_beside(json->path, name) : NULL;
     if (name && !path) json->status = sl_fail_memory(json->error, "a file name");
     if (!path) return;
     sl_error problem;
     if (sl_file_exists(path))
-        sl_json_take(json, item, "texture",
-                     sl_model_texture(&file->model, path, NULL, 0, texture, &problem), &problem);
+        sl_json_take(json, item, "texture", sl_model_texture(&file->model, path, NULL, 0, index, &problem),
+                     &problem);
     else sl_json_fail(json, item, "texture '%s' does not exist", path);
     sl_free(path);
 }
 
-static void read_heights(sl_scene_file *file, const cJSON *item, sl_material *m) {
-    const cJSON *bump = sl_json_get(item, "bump");
-    uint32_t texture = m->height_map > 0 ? m->height_map - 1 : SL_NO_INDEX;
-    read_texture(file, bump, &texture);
-    m->height_map = texture == SL_NO_INDEX ? 0 : texture + 1;
-    if (bump && !sl_json_get(item, "bump_depth") && !(m->bump_depth > 0.0f)) m->bump_depth = SL_BUMP_DEPTH;
+/* Reads a file name, or null, which takes away what the mesh file says. */
+static void read_texture(sl_scene_file *file, const cJSON *item, const sl_material_texture *t,
+                         sl_material *m) {
+    uint32_t index = SL_NO_INDEX;
+    if (!item || file->json.status != SL_OK) return;
+    if (!cJSON_IsNull(item)) find_texture(file, item, &index);
+    memcpy((char *)m + t->field, &index, sizeof index);
 }
 
 static void read_number(sl_json *json, const cJSON *item, const sl_material_number *n, sl_material *m) {
@@ -62,9 +57,10 @@ static void override(sl_scene_file *file, const cJSON *item, sl_material *m) {
     for (int i = 0; i < SL_MATERIAL_NUMBERS; i++)
         read_number(json, sl_json_get(item, sl_material_numbers[i].key), &sl_material_numbers[i], m);
     sl_json_bool(json, sl_json_get(item, "two_sided"), &m->emission_two_sided);
-    read_texture(file, sl_json_get(item, "texture"), &m->texture);
-    read_texture(file, sl_json_get(item, "alpha"), &m->alpha_texture);
-    read_heights(file, item, m);
+    for (int i = 0; i < SL_MATERIAL_TEXTURES; i++)
+        read_texture(file, sl_json_get(item, sl_material_textures[i].key), &sl_material_textures[i], m);
+    if (sl_json_get(item, "bump") && !sl_json_get(item, "bump_depth") && !(m->bump_depth > 0.0f))
+        m->bump_depth = SL_BUMP_DEPTH;
 }
 
 /* ---- all of them ----------------------------------------------------------------------------- */

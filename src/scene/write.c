@@ -2,6 +2,7 @@
  * bit.
  */
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -314,35 +315,39 @@ static void texture_suffix(uint32_t texture, char suffix[48]) {
     snprintf(suffix, 48, "-texture-%u.png", texture + 1);
 }
 
-static void put_texture(writer *w, const char *key, uint32_t texture) {
+/* Scene files name a mirror's reflectance or that of the other lobes. */
+static bool is_named(const sl_material_number *n, const sl_material *m) {
+    const bool of_mirrors = n->field == offsetof(sl_material, mirror),
+               of_others = n->field == offsetof(sl_material, diffuse) ||
+                           n->field == offsetof(sl_material, specular);
+    return sl_material_is_mirror(m) ? !of_others : !of_mirrors;
+}
+
+static void put_material_number(text *t, const sl_material_number *n, const sl_material *m) {
+    float value[3];
+    memcpy(value, (const char *)m + n->field, (size_t)n->floats * sizeof *value);
+    put(t, ", ");
+    if (n->floats == 3) put_floats(t, n->key, value, 3);
+    else put(t, "\"%s\": ", n->key), put_number(t, *value);
+}
+
+static void put_texture(writer *w, const sl_material_texture *of, const sl_material *m) {
     char suffix[48];
-    put(&w->json, ", \"%s\": ", key);
+    uint32_t texture;
+    memcpy(&texture, (const char *)m + of->field, sizeof texture);
+    put(&w->json, ", \"%s\": ", of->key);
     texture_suffix(texture, suffix);
     if (texture == SL_NO_INDEX) put(&w->json, "null");
     else put_file(w, suffix);
 }
 
 static void put_material(writer *w, const sl_material *m) {
-    text *t = &w->json;
-    put(t, ": {");
-    if (sl_material_is_mirror(m)) {
-        put_rgb(t, "mirror", m->mirror);
-    } else {
-        put_rgb(t, "diffuse", m->diffuse);
-        put(t, ", ");
-        put_rgb(t, "specular", m->specular);
+    put(&w->json, ": {\"two_sided\": %s", m->emission_two_sided ? "true" : "false");
+    for (int i = 0; i < SL_MATERIAL_NUMBERS; i++) {
+        if (is_named(&sl_material_numbers[i], m)) put_material_number(&w->json, &sl_material_numbers[i], m);
     }
-    put(t, ", \"exponent\": ");
-    put_number(t, m->exponent);
-    put(t, ", ");
-    put_rgb(t, "emission", m->emission);
-    put(t, ", \"two_sided\": %s", m->emission_two_sided ? "true" : "false");
-    put_texture(w, "texture", m->texture);
-    put_texture(w, "alpha", m->alpha_texture);
-    put_texture(w, "bump", m->height_map ? m->height_map - 1 : SL_NO_INDEX);
-    put(t, ", \"bump_depth\": ");
-    put_number(t, m->bump_depth);
-    put(t, "}");
+    for (int i = 0; i < SL_MATERIAL_TEXTURES; i++) put_texture(w, &sl_material_textures[i], m);
+    put(&w->json, "}");
 }
 
 static bool is_used(const sl_scene *s, size_t material) {

@@ -118,7 +118,8 @@ static void check_promises(const sl_scene *s) {
         if (m->texture != SL_NO_INDEX && m->texture >= s->texture_count) fuzz_fail("a texture that is none");
         if (m->alpha_texture != SL_NO_INDEX && m->alpha_texture >= s->texture_count)
             fuzz_fail("a mask that is none");
-        if (m->height_map > s->texture_count) fuzz_fail("a height map that is none");
+        if (m->height_map != SL_NO_INDEX && m->height_map >= s->texture_count)
+            fuzz_fail("a height map that is none");
     }
 }
 

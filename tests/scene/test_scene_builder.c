@@ -61,7 +61,7 @@ static void give_surfaces(sl_scene_builder *b, const sl_scene *s) {
         const sl_material *m = &s->materials[i];
         sl_material_data d = {.size = sizeof d, .name = m->name, .exponent = m->exponent,
                               .two_sided = m->emission_two_sided, .texture = m->texture + 1,
-                              .alpha = m->alpha_texture + 1, .bump = m->height_map,
+                              .alpha = m->alpha_texture + 1, .bump = m->height_map + 1,
                               .bump_depth = m->bump_depth};
         set_colour(d.diffuse, m->diffuse);
         set_colour(d.specular, m->specular);

@@ -32,7 +32,7 @@ static sl_scene *floor_with(int height(int column, int row), float depth) {
     const sl_material m = {.diffuse = {0.5f, 0.5f, 0.5f},
                            .texture = SL_NO_INDEX,
                            .alpha_texture = SL_NO_INDEX,
-                           .height_map = 1,
+                           .height_map = 0,
                            .bump_depth = depth};
     const sl_light light = {.type = SL_LIGHT_POINT, .position = {0, 3, 0}, .intensity = {1, 1, 1}};
     const sl_scene_parts parts = {.vertex_count = 4,
@@ -121,7 +121,7 @@ static void the_octrees_lobes_light_bumps_as_paths_do(void **state) {
     path.transport = "matched:light-octree";
     path.spp = 96;
     sl_image *truth = render(scene, &path, NULL), *bumpy = render(scene, &octree, NULL);
-    for (size_t i = 0; i < scene->material_count; i++) scene->materials[i].height_map = 0;
+    for (size_t i = 0; i < scene->material_count; i++) scene->materials[i].height_map = SL_NO_INDEX;
     sl_image *flat = render(scene, &octree, NULL);
     sl_comparison b, f;
     assert_int_equal(sl_image_compare(bumpy, truth, NULL, &b, NULL, NULL), SL_OK);

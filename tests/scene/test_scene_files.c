@@ -99,7 +99,7 @@ static void height_maps_come_from_mtl_and_scene_files(void **state) {
                                 "{\"softlux\": 1, \"meshes\": [{\"file\": \"box.obj\"}], \"materials\": "
                                 "{\"wall\": {\"bump\": null}, \"lamp\": "
                                 "{\"bump\": \"texel.png\", \"bump_depth\": 0.5}}}"};
-    const uint32_t wall[] = {1, 0}, lamp[] = {0, 1};
+    const uint32_t wall[] = {0, SL_NO_INDEX}, lamp[] = {SL_NO_INDEX, 0};
     for (int k = 0; k < 2; k++) {
         sl_scene *s = load_scene(scene_file_text("scene.json", json[k]));
         assert_int_equal(material(s, "wall")->height_map, wall[k]);
@@ -126,7 +126,7 @@ static void a_normal_map_is_no_height_map_and_is_told(void **state) {
             "newmtl a\nKd 0.3\nmap_Bump n.png\nnorm n.png\nmap_Ks n.png\nnewmtl b\nKd 0.3\nnorm n.png\n");
         sl_scene *s = load_scene(scene_file_text(
             "n.obj", "mtllib n.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"));
-        assert_int_equal(material(s, "a")->height_map != 0, !blue);
+        assert_int_equal(material(s, "a")->height_map != SL_NO_INDEX, !blue);
         assert_int_equal(
             scene_warns_of(s, "material 'a': its bump map holds normals, not heights, and is not used"),
             blue);
