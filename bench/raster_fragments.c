@@ -88,7 +88,7 @@ static void make_splats(splat_pass *p) {
                       g->normal_z, p->receives},
         .weights = {accuracy, 1.0f / accuracy, 1e-5f * scale},
         .radii = {.accuracy = (double)accuracy},
-        .kernels = sl_splat_kernels_for(sl_isa_best()),
+        .isa = sl_isa_best(),
         .camera = camera,
         .near_distance = 1e-5f * scale,
         .footprint_per_depth = 2.0f * (float)sl_tan(0.5 * (double)camera->vertical_fov) / SIDE,

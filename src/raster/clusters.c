@@ -15,7 +15,6 @@
 #include "base/morton.h"
 #include "raster/pipeline.h"
 
-SL_KERNEL_TABLE(sl_raster_kernels, sl_raster_kernels)
 
 enum { MORTON_BITS = 20, HASH_SLOTS = 1024 };
 
@@ -252,7 +251,7 @@ static sl_status create(const sl_scene *scene, const sl_raster_mesh *mesh, sl_ra
     if (ok) {
         *r = (sl_raster){.scene = scene,
                          .mesh = *mesh,
-                         .kernels = sl_raster_kernels_best(),
+                         .isa = sl_isa_best(),
                          .memory_bytes = sizeof *r,
                          .observer = scene ? scene->observer : NULL,
                          .spares = sl_spares_create()};

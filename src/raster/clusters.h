@@ -13,7 +13,7 @@ enum {
 struct sl_raster {
     const sl_scene *scene; /* NULL for a mesh alone */
     sl_raster_mesh mesh;
-    const struct sl_raster_kernels *kernels;
+    sl_isa isa;
     bool masked; /* some triangle has an alpha mask */
     const sl_raster_observer *observer; /* or NULL */
 

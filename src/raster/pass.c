@@ -185,13 +185,13 @@ static void append_triangles(const render *r, uint32_t first, const uint8_t *lis
 /* Draws the batch; its first `tiny` triangles are the tiny ones. */
 static void flush(const render *r, uint32_t tiny) {
     sl_raster_scratch *s = r->scratch;
-    const sl_raster_kernels *kernels = r->raster->kernels;
+    const sl_isa isa = r->raster->isa;
     if (!s->batch.count) return;
-    kernels->set_up_depth(r->pass, &s->batch);
-    if (tiny) kernels->rasterize_tiny(r->pass, &s->tile, &s->batch, &s->tiny);
+    SL_KERNEL_OF(isa, sl_raster_set_up_depth)(r->pass, &s->batch);
+    if (tiny) SL_KERNEL_OF(isa, sl_raster_rasterize_tiny)(r->pass, &s->tile, &s->batch, &s->tiny);
     if (s->batch.count > tiny) {
-        kernels->set_up_edges(&s->tile, &s->batch, tiny);
-        kernels->rasterize(r->pass, &s->tile, &s->batch, tiny);
+        SL_KERNEL_OF(isa, sl_raster_set_up_edges)(&s->tile, &s->batch, tiny);
+        SL_KERNEL_OF(isa, sl_raster_rasterize)(r->pass, &s->tile, &s->batch, tiny);
     }
     for (uint32_t t = tiny; r->raster->masked && t < s->batch.count; t++) {
         if (s->batch.masked[t]) sl_rasterize_masked(r->raster, r->view, r->pass, &s->tile, &s->batch, t);
@@ -223,10 +223,12 @@ static uint32_t draw_cluster(const render *r, uint32_t cluster) {
     const sl_raster *raster = r->raster;
     sl_raster_scratch *s = r->scratch;
     uint32_t first = raster->first_triangle[cluster], tiny = 0;
-    raster->kernels->transform(raster, cluster, r->pass, &s->vertices);
-    raster->kernels->classify(raster, cluster, r->pass, &s->tile, &s->vertices, &s->classes);
+    SL_KERNEL_OF(raster->isa, sl_raster_transform)(raster, cluster, r->pass, &s->vertices);
+    SL_KERNEL_OF(raster->isa, sl_raster_classify)(raster, cluster, r->pass, &s->tile, &s->vertices,
+                                                  &s->classes);
     if (s->classes.tiny) {
-        raster->kernels->cover_tiny(raster, cluster, &s->tile, &s->vertices, &s->classes, &s->tiny);
+        SL_KERNEL_OF(raster->isa, sl_raster_cover_tiny)(raster, cluster, &s->tile, &s->vertices, &s->classes,
+                                                        &s->tiny);
         tiny = s->tiny.count;
         append_triangles(r, first, s->tiny.triangle, tiny);
     }
@@ -238,10 +240,10 @@ static uint32_t draw_cluster(const render *r, uint32_t cluster) {
 
 void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_view *pass,
                   const sl_visible *visible, sl_raster_scratch *scratch, sl_cluster_fate *fate) {
-    const sl_raster_kernels *kernels = raster->kernels;
+    const sl_isa isa = raster->isa;
     const sl_tile *tile = &scratch->tile;
     render r = {raster, view, pass, scratch};
-    kernels->clear(pass, tile);
+    SL_KERNEL_OF(isa, sl_raster_clear)(pass, tile);
     scratch->batch.count = 0;
     for (uint32_t i = 0; i < visible->count; i++) {
         uint32_t n = visible->order[i];
@@ -249,7 +251,7 @@ void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_vi
                              sl_smaller(visible->x1[n], tile->x1 - 1),
                              sl_smaller(visible->y1[n], tile->y1 - 1)};
         if (seen.x0 > seen.x1 || seen.y0 > seen.y1) continue;
-        if (kernels->occluded(pass, tile, seen, visible->nearest[n])) continue;
+        if (SL_KERNEL_OF(isa, sl_raster_occluded)(pass, tile, seen, visible->nearest[n])) continue;
         fate[n] = draw_cluster(&r, visible->cluster[n]);
     }
 }
@@ -281,14 +283,14 @@ void sl_raster_id_small(const sl_raster *raster, const sl_view *view, const sl_t
     sl_pass_view pass = sl_pass_view_make(view, target->width, target->height);
     const sl_tiles tiles = sl_tiles_of(&pass);
     if (raster->observer) raster->observer->draw(raster->observer->context, raster, view, true);
-    raster->kernels->cull(raster, &pass, &scratch->visible);
+    SL_KERNEL_OF(raster->isa, sl_raster_cull)(raster, &pass, &scratch->visible);
     sl_visible_sort(&scratch->visible);
     for (uint32_t n = 0; n < scratch->visible.count; n++) scratch->fate[n] = 0;
     for (int t = 0; t < tiles.columns * tiles.rows; t++) {
         sl_tile_place(&scratch->tile, &pass, tiles.first_column + t % tiles.columns,
                       tiles.first_row + t / tiles.columns);
         sl_tile_draw(raster, view, &pass, &scratch->visible, scratch, scratch->fate);
-        raster->kernels->copy_out(&pass, &scratch->tile, target->id, target->depth);
+        SL_KERNEL_OF(raster->isa, sl_raster_copy_out)(&pass, &scratch->tile, target->id, target->depth);
     }
     sl_pass_count(raster, &scratch->visible, scratch->fate, counters);
 }

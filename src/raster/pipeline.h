@@ -1,4 +1,4 @@
-/* The stages of a render, their table of kernels, and what a worker needs for them.
+/* The stages of a render, their kernels, and what a worker needs for them.
  *
  * One render of a tile (pass.c) runs, front to back, for every cluster that the view does not reject:
  *
@@ -35,34 +35,33 @@ typedef struct sl_visible {
     uint32_t *order;            /* positions in the arrays above, near ones first */
 } sl_visible;
 
-typedef struct sl_raster_kernels sl_raster_kernels;
-struct sl_raster_kernels {
-    void (*cull)(const sl_raster *raster, const sl_pass_view *view, sl_visible *visible);
-    void (*transform)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view,
-                      sl_vertex_buffer *out);
-    void (*classify)(const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, const sl_tile *tile,
-                     const sl_vertex_buffer *vertices, sl_classes *classes);
-    void (*cover_tiny)(const sl_raster *raster, uint32_t cluster, const sl_tile *tile,
-                       const sl_vertex_buffer *vertices, const sl_classes *classes, sl_tiny *tiny);
-    /* Edge functions and pixels of triangles [first, count); depth planes of [0, count). */
-    void (*set_up_edges)(const sl_tile *tile, sl_triangle_batch *batch, uint32_t first);
-    void (*set_up_depth)(const sl_pass_view *view, sl_triangle_batch *batch);
-    /* Draws the tiny triangles, the first of the batch. */
-    void (*rasterize_tiny)(const sl_pass_view *view, const sl_tile *tile, const sl_triangle_batch *batch,
-                           const sl_tiny *tiny);
-    /* Draws triangles [first, count) that have no mask. */
-    void (*rasterize)(const sl_pass_view *view, const sl_tile *tile, const sl_triangle_batch *batch,
-                      uint32_t first);
-    /* Tells whether all pixels of the rectangle, which lies within the tile, show something nearer than
-     * `nearest`. */
-    bool (*occluded)(const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest);
-    void (*clear)(const sl_pass_view *view, const sl_tile *tile);
-    /* Copies the tile's pixels into planes of the whole target (either may be NULL). */
-    void (*copy_out)(const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth);
-    const struct sl_resolve_kernels *resolve; /* resolve.h */
-};
-
-const sl_raster_kernels *sl_raster_kernels_best(void);
+SL_KERNELS(void, sl_raster_cull, (const sl_raster *raster, const sl_pass_view *view, sl_visible *visible));
+SL_KERNELS(void, sl_raster_transform,
+           (const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, sl_vertex_buffer *out));
+SL_KERNELS(void, sl_raster_classify,
+           (const sl_raster *raster, uint32_t cluster, const sl_pass_view *view, const sl_tile *tile,
+            const sl_vertex_buffer *vertices, sl_classes *classes));
+SL_KERNELS(void, sl_raster_cover_tiny,
+           (const sl_raster *raster, uint32_t cluster, const sl_tile *tile, const sl_vertex_buffer *vertices,
+            const sl_classes *classes, sl_tiny *tiny));
+/* Edge functions and pixels of triangles [first, count); depth planes of [0, count). */
+SL_KERNELS(void, sl_raster_set_up_edges, (const sl_tile *tile, sl_triangle_batch *batch, uint32_t first));
+SL_KERNELS(void, sl_raster_set_up_depth, (const sl_pass_view *view, sl_triangle_batch *batch));
+/* Draws the tiny triangles, the first of the batch. */
+SL_KERNELS(void, sl_raster_rasterize_tiny,
+           (const sl_pass_view *view, const sl_tile *tile, const sl_triangle_batch *batch,
+            const sl_tiny *tiny));
+/* Draws triangles [first, count) that have no mask. */
+SL_KERNELS(void, sl_raster_rasterize,
+           (const sl_pass_view *view, const sl_tile *tile, const sl_triangle_batch *batch, uint32_t first));
+/* Tells whether all pixels of the rectangle, which lies within the tile, show something nearer than
+ * `nearest`. */
+SL_KERNELS(bool, sl_raster_occluded,
+           (const sl_pass_view *view, const sl_tile *tile, sl_rectangle pixels, float nearest));
+SL_KERNELS(void, sl_raster_clear, (const sl_pass_view *view, const sl_tile *tile));
+/* Copies the tile's pixels into planes of the whole target (either may be NULL). */
+SL_KERNELS(void, sl_raster_copy_out,
+           (const sl_pass_view *view, const sl_tile *tile, uint32_t *id, float *depth));
 
 /* A worker's buffers. */
 struct sl_raster_scratch {

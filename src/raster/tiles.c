@@ -71,7 +71,7 @@ static void cull_view(void *context, size_t index, unsigned worker) {
     (void)worker;
     tiled_passes *p = context;
     tiled_view *picture = &p->picture[index];
-    p->raster->kernels->cull(p->raster, &picture->pass, picture->visible);
+    SL_KERNEL_OF(p->raster->isa, sl_raster_cull)(p->raster, &picture->pass, picture->visible);
     sl_visible_sort(picture->visible);
     for (uint32_t i = 0; i < picture->visible->count; i++) picture->fate[i] = 0;
     weigh_tiles(p->raster, picture, p->task + picture->first_tile);
@@ -85,7 +85,8 @@ static void draw_tile(void *context, size_t index, unsigned worker) {
     sl_tile_place(&scratch->tile, &picture->pass, picture->tiles.first_column + number % columns,
                   picture->tiles.first_row + number / columns);
     sl_tile_draw(p->raster, picture->view, &picture->pass, picture->visible, scratch, picture->fate);
-    p->raster->kernels->copy_out(&picture->pass, &scratch->tile, picture->target->id, picture->target->depth);
+    SL_KERNEL_OF(p->raster->isa, sl_raster_copy_out)(&picture->pass, &scratch->tile, picture->target->id,
+                                                     picture->target->depth);
 }
 
 static bool allocate(tiled_passes *p, unsigned threads) {

@@ -223,10 +223,7 @@ sl_status sl_tracer_create_sharing(const sl_scene *scene, unsigned threads, cons
     sl_tracer *tracer = sl_allocate(1, sizeof *tracer);
     if (!tracer) return sl_fail_memory(error, "the tracer");
     tracer->scene = scene;
-    tracer->test = SL_KERNEL_OF(sl_isa_best(), sl_triangle_test);
-    tracer->frames = SL_KERNEL_OF(sl_isa_best(), sl_ray_frames);
-    tracer->find_usual = SL_KERNEL_OF(sl_isa_best(), sl_rays_usual);
-    tracer->make_ready = SL_KERNEL_OF(sl_isa_best(), sl_rays_ready);
+    tracer->isa = sl_isa_best();
     sl_status status = make(tracer, threads, embree_config, worth, error);
     if (status == SL_OK) *out = tracer;
     else sl_tracer_destroy(tracer);

@@ -41,11 +41,8 @@ struct sl_tracer {
     float inflation;
     sl_vec3d centre;
     double diagonal;
-    sl_triangle_test *test;
-    sl_ray_frames *frames;
+    sl_isa isa;
     sl_ray_setup setup;
-    sl_rays_usual *find_usual;
-    sl_rays_ready *make_ready;
     atomic_llong embree_bytes;
 };
 

@@ -23,13 +23,11 @@ typedef struct sl_ray_setup {
 } sl_ray_setup;
 
 /* Finds which of the first `count` are usual: -1, else 0. Returns how many. */
-typedef unsigned sl_rays_usual(const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count, int *valid);
+SL_KERNELS(unsigned, sl_rays_usual,
+           (const sl_ray_setup *setup, const sl_ray16 *rays, unsigned count, int *valid));
 /* Makes sixteen usual rays, whose `start` is known, ready: all of the state but the frames
  * (sl_ray_frames). */
-typedef void sl_rays_ready(const sl_ray_setup *setup, const sl_ray16 *rays, sl_ray_state *state,
-                           struct RTCRay16 *ready);
-
-SL_KERNEL_VARIANTS(sl_rays_usual, sl_rays_usual);
-SL_KERNEL_VARIANTS(sl_rays_ready, sl_rays_ready);
+SL_KERNELS(void, sl_rays_ready,
+           (const sl_ray_setup *setup, const sl_ray16 *rays, sl_ray_state *state, struct RTCRay16 *ready));
 
 #endif

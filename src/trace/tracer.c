@@ -62,7 +62,8 @@ void sl_intersect_callback(const struct RTCIntersectFunctionNArguments *argument
     const sl_triangle_corners *corners =
         find_triangle(arguments->geometryUserPtr, arguments->context, arguments->primID, &own, &triangle);
     sl_candidates c;
-    uint32_t hits = state->tracer->test(&state->rays, corners, arguments->valid, id, n, &c);
+    uint32_t hits = SL_KERNEL_OF(state->tracer->isa, sl_triangle_test)(&state->rays, corners,
+                                                                       arguments->valid, id, n, &c);
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
         sl_ray_state *r = &state->rays;
@@ -86,7 +87,8 @@ void sl_occluded_callback(const struct RTCOccludedFunctionNArguments *arguments)
     const sl_triangle_corners *corners =
         find_triangle(arguments->geometryUserPtr, arguments->context, arguments->primID, &own, &triangle);
     sl_candidates c;
-    uint32_t hits = state->tracer->test(&state->rays, corners, arguments->valid, id, n, &c);
+    uint32_t hits = SL_KERNEL_OF(state->tracer->isa, sl_triangle_test)(&state->rays, corners,
+                                                                       arguments->valid, id, n, &c);
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
         if (!is_better(&state->rays, k, c.t[i], triangle)) continue;
@@ -144,7 +146,7 @@ static bool make_usual(query_state *state, sl_ray16 *rays, unsigned i) {
 static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ray16 *rays, unsigned count,
                         struct RTCRay16 *out, int valid[SL_PACKET]) {
     sl_ray16 own;
-    unsigned valids = tracer->find_usual(&tracer->setup, rays, count, valid);
+    unsigned valids = SL_KERNEL_OF(tracer->isa, sl_rays_usual)(&tracer->setup, rays, count, valid);
     state->tracer = tracer;
     state->occluded = 0;
     for (unsigned i = 0; i < SL_PACKET; i++) {
@@ -164,8 +166,8 @@ static unsigned prepare(query_state *state, const sl_tracer *tracer, const sl_ra
             sl_ray16_set(&own, i, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 0.0f, 1.0f), 0.0f, 0.0f, SL_NO_INDEX);
         }
     }
-    tracer->make_ready(&tracer->setup, rays, &state->rays, out);
-    tracer->frames(&state->rays, rays);
+    SL_KERNEL_OF(tracer->isa, sl_rays_ready)(&tracer->setup, rays, &state->rays, out);
+    SL_KERNEL_OF(tracer->isa, sl_ray_frames)(&state->rays, rays);
     return valids;
 }
 

@@ -43,16 +43,12 @@ typedef struct sl_candidates {
 /* Tests the rays id[i] of state for which valid[i] is not 0, i < n <= 16. Bit i of the result: ray id[i]
  * meets the triangle, at candidates->t[i], whatever near, far and best hit are. A ray's bits do not depend on
  * its company. */
-typedef uint32_t sl_triangle_test(const sl_ray_state *state, const sl_triangle_corners *corners,
-                                  const int *valid, const unsigned *id, unsigned n,
-                                  sl_candidates *candidates);
-
-SL_KERNEL_VARIANTS(sl_triangle_test, sl_triangle_test);
+SL_KERNELS(uint32_t, sl_triangle_test,
+           (const sl_ray_state *state, const sl_triangle_corners *corners, const int *valid,
+            const unsigned *id, unsigned n, sl_candidates *candidates));
 
 /* Sets origins, shears and dominant axes of sixteen rays, whose directions are finite and not 0. The dominant
  * component is what the others are divided by, so that a shear's entries are at most 1. */
-typedef void sl_ray_frames(sl_ray_state *state, const sl_ray16 *rays);
-
-SL_KERNEL_VARIANTS(sl_ray_frames, sl_ray_frames);
+SL_KERNELS(void, sl_ray_frames, (sl_ray_state *state, const sl_ray16 *rays));
 
 #endif

@@ -48,7 +48,7 @@ static void add_irradiance(const void *context, const sl_second_points *points, 
     for (size_t i = 0; i < points->count; i++) asked += points->triangle[i] != SL_NO_INDEX;
     sl_count(counters, SL_COUNT_SECOND_LEVEL_LOOK_UPS, asked);
     sl_count(counters, SL_COUNT_SECOND_LEVEL_MISSES,
-             cache->kernel(cache, points, (float *[3]){r, g, b}, NULL));
+             SL_KERNEL_OF(cache->isa, sl_look_up)(cache, points, (float *[3]){r, g, b}, NULL));
 }
 
 /* ---- places ---- */
@@ -139,7 +139,7 @@ sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster,
     cache->scene = scene;
     cache->tracer = tracer;
     cache->settings = *settings;
-    cache->kernel = SL_KERNEL_OF(sl_isa_best(), sl_look_up);
+    cache->isa = sl_isa_best();
     cache->light = (sl_second_light){cache, add_irradiance};
     cache->rules = (sl_weight_rules){a, 1.0f / a, 1e-5f * scene->scale};
     cache->settings.gather.second = &cache->light;

@@ -62,7 +62,6 @@ typedef struct {
 
 typedef struct {
     const sl_second_cache *cache;
-    sl_link_kernel *kernel;
     sl_link_sums *sums; /* by worker */
     row *rows;
     float (*now)[3], (*next)[3], (*all)[3]; /* light of this bounce, of the next, of all from D on */
@@ -122,7 +121,7 @@ static void gather_second(void *context, size_t index, unsigned worker, void *re
     sl_gather_second_irradiance(g->gather, &b->cache->list.points[index], g->scratch[worker], &r->light,
                                 counters);
     const sl_gather_hits_seen seen = sl_gather_last_hits(g->scratch[worker]);
-    b->kernel(b->cache, &seen, &b->sums[worker]);
+    SL_KERNEL_OF(b->cache->isa, sl_second_links)(b->cache, &seen, &b->sums[worker]);
     write_row(&b->sums[worker], r);
 }
 
@@ -204,7 +203,7 @@ static void let_bounce(bouncing *b, sl_second_cache *cache, sl_counters *counter
 }
 
 sl_status sl_let_light_bounce(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
-    bouncing b = {.cache = cache, .kernel = SL_KERNEL_OF(sl_isa_best(), sl_second_links)};
+    bouncing b = {.cache = cache};
     cache->shines = true;
     cache->report.records = cache->list.count;
     cache->report.converged = false;

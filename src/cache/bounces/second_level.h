@@ -82,9 +82,9 @@ static inline int sl_octree_way(const sl_record_octree *t, float px, float py, f
 
 /* Adds the irradiance at points to three planes; light NULL: only weighs them, with the same bits. weight, if
  * not NULL: gets the sums of w. Returns how many points no record reaches. */
-typedef uint64_t sl_look_up_kernel(const sl_second_cache *cache, const sl_second_points *points,
-                                   float *const light[3], float *weight);
-SL_KERNEL_VARIANTS(sl_look_up_kernel, sl_look_up);
+SL_KERNELS(uint64_t, sl_look_up,
+           (const sl_second_cache *cache, const sl_second_points *points, float *const light[3],
+            float *weight));
 
 /* ---- what records send to each other (look_up_kernels.c, interreflection.c) ---- */
 
@@ -102,9 +102,8 @@ typedef struct sl_link_sums {
 } sl_link_sums;
 
 /* Adds what arrives from each record by way of the points that a gather sees, all of the same weight. */
-typedef void sl_link_kernel(const sl_second_cache *cache, const sl_gather_hits_seen *seen,
-                                 sl_link_sums *sums);
-SL_KERNEL_VARIANTS(sl_link_kernel, sl_second_links);
+SL_KERNELS(void, sl_second_links,
+           (const sl_second_cache *cache, const sl_gather_hits_seen *seen, sl_link_sums *sums));
 
 /* All records gather direct light, their first bounce. */
 sl_status sl_second_gather_first(sl_second_cache *cache, sl_counters *counters, sl_error *error);
@@ -122,7 +121,7 @@ struct sl_second_cache {
     sl_second_list list;
     sl_record_octree octree;
     sl_weight_rules rules;
-    sl_look_up_kernel *kernel;
+    sl_isa isa;
     sl_second_light light;
     bool shines;              /* before the first bounce is done there is no indirect light */
     sl_second_report report;

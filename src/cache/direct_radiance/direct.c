@@ -17,12 +17,12 @@
 /* cos theta / r^2, and cos theta' of an area light or the edge of a spot. */
 static void arrive(const sl_direct_light *d, const sl_light_points *points, const sl_light_source *source,
                    sl_arrivals *arrivals) {
-    d->kernels.light.arrive(points, source, arrivals);
+    SL_KERNEL_OF(d->isa, sl_light_arrive)(points, source, arrivals);
     if (source->kind == SL_SOURCE_AREA && source->two_sided) {
         sl_light_source back = *source;
         sl_arrivals behind;
         back.direction = sl_neg(back.direction);
-        d->kernels.light.arrive(points, &back, &behind);
+        SL_KERNEL_OF(d->isa, sl_light_arrive)(points, &back, &behind);
         for (size_t i = 0; i < points->count; i++) arrivals->weight[i] += behind.weight[i];
     }
 }
@@ -45,7 +45,7 @@ static void look_up(const sl_direct_light *d, const sl_receiver_tile *tile, size
     size_t wanted = 0;
     points.count = tile->count;
     for (size_t i = 0; i < tile->count; i++) wanted += lit[i] != 0.0f;
-    d->kernels.light.lit(&points, &d->pass->lights->cube[light], lit);
+    SL_KERNEL_OF(d->isa, sl_depth_cube_lit)(&points, &d->pass->lights->cube[light], lit);
     sl_count(counters, SL_COUNT_SHADOW_LOOKUPS, wanted);
 }
 
@@ -58,17 +58,20 @@ static void add_light(const sl_direct_light *d, const sl_receiver_tile *tile, bo
     const bool parallel = of->source.kind == SL_SOURCE_DIRECTIONAL;
     float lit[SL_TILE_PIXELS];
     arrive(d, &points, &of->source, &arrivals);
-    if (!d->kernels.reached(tile->padded, arrivals.weight, parallel ? INFINITY : d->largest_weight, lit))
+    if (!SL_KERNEL_OF(d->isa, sl_receivers_reached)(tile->padded, arrivals.weight,
+                                                    parallel ? INFINITY : d->largest_weight, lit))
         return;
     if (d->pass->lights->cube) look_up(d, tile, index, lit, counters);
     float (*e)[SL_TILE_PIXELS] = light->irradiance, (*l)[SL_TILE_PIXELS] = light->lobe;
-    d->kernels.light.accumulate(tile->padded, of->source.colour, arrivals.weight, lit, e[0], e[1], e[2]);
+    SL_KERNEL_OF(d->isa, sl_light_accumulate)(tile->padded, of->source.colour, arrivals.weight, lit, e[0],
+                                              e[1], e[2]);
     if (!glossy) return;
     float power[SL_TILE_PIXELS];
     const sl_lobe_target target = target_of(of);
-    d->kernels.receiver_lobe(tile, &target, power);
+    SL_KERNEL_OF(d->isa, sl_receiver_lobe_power)(tile, &target, power);
     for (size_t i = 0; i < tile->padded; i++) lit[i] *= power[i];
-    d->kernels.light.accumulate(tile->padded, of->source.colour, arrivals.weight, lit, l[0], l[1], l[2]);
+    SL_KERNEL_OF(d->isa, sl_light_accumulate)(tile->padded, of->source.colour, arrivals.weight, lit, l[0],
+                                              l[1], l[2]);
 }
 
 /* ---- a tile ---- */
@@ -76,7 +79,7 @@ static void add_light(const sl_direct_light *d, const sl_receiver_tile *tile, bo
 sl_direct_light sl_direct_light_of(const sl_light_pass *pass) {
     double nearest = 1e-6 * (double)pass->scene->scale;
     return (sl_direct_light){pass, (float)fmin(1.0 / (nearest * nearest), 1e30),
-                             sl_receiver_kernels_for(sl_isa_best())};
+                             sl_isa_best()};
 }
 
 void sl_direct_light_tile(const sl_direct_light *d, const sl_receiver_tile *tile, bool glossy,
@@ -84,7 +87,7 @@ void sl_direct_light_tile(const sl_direct_light *d, const sl_receiver_tile *tile
     sl_tile_light light;
     memset(&light, 0, glossy ? sizeof light : sizeof light.irradiance);
     for (size_t i = 0; i < d->pass->lights->count; i++) add_light(d, tile, glossy, i, &light, counters);
-    d->kernels.reflect_to(tile, &light, glossy, to->direct);
+    SL_KERNEL_OF(d->isa, sl_receivers_reflect_to)(tile, &light, glossy, to->direct);
 }
 
 /* ---- pass 1 ---- */

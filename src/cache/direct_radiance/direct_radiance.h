@@ -84,7 +84,7 @@ typedef struct sl_direct_light {
     const sl_light_pass *pass;
     /* 1 / r^2 nearer than which a light is taken to stand on the receiver: it then gives nothing */
     float largest_weight;
-    sl_receiver_kernels kernels;
+    sl_isa isa;
 } sl_direct_light;
 
 /* Add to a tile's pixels: each sum in the order of lights or photons, the same bits at any number of threads.

@@ -21,7 +21,7 @@ struct sl_photon_sums {
     sl_lobe_registers *lobe;    /* NULL where all photons are Lambertian */
     bool plain;                 /* all photons are Lambertian, and of one form */
     sl_vec3 *ray_end;           /* of each photon; NULL: photons are seen from everywhere */
-    sl_receiver_kernels kernels;
+    sl_isa isa;
 };
 typedef sl_photon_sums indirect_pass;
 
@@ -68,19 +68,19 @@ static void release(indirect_pass *p) {
 static void weigh(const indirect_pass *p, const sl_receiver_tile *tile, size_t j,
                   const sl_photon_registers *r, float *weight) {
     if (p->form[j] != SL_FORM_POLYGON) {
-        p->kernels.weigh(tile, r, p->form[j] == SL_FORM_COSINE, weight);
+        SL_KERNEL_OF(p->isa, sl_photon_weigh)(tile, r, p->form[j] == SL_FORM_COSINE, weight);
         return;
     }
     const sl_light_points points = sl_receiver_tile_points(tile);
     const sl_photon_polygon *polygon = &p->pass->photons->polygon[j];
     float pi[2][SL_TILE_PIXELS], any = 0.0f;
     for (size_t i = 0; i < tile->padded; i++) pi[0][i] = 1.0f;
-    p->kernels.weigh_polygon(tile, r, polygon, pi[0], weight);
+    SL_KERNEL_OF(p->isa, sl_photon_polygon)(tile, r, polygon, pi[0], weight);
     for (size_t i = 0; i < tile->padded; i++) any = weight[i] > any ? weight[i] : any;
     if (!(any > 0.0f)) return; /* all of the tile is behind the photon: in a room, often */
-    for (int t = 0; t < 2; t++) p->kernels.light.polygon(&points, &polygon->triangle[t], pi[t]);
+    for (int t = 0; t < 2; t++) SL_KERNEL_OF(p->isa, sl_polygon_light)(&points, &polygon->triangle[t], pi[t]);
     for (size_t i = 0; i < tile->padded; i++) pi[0][i] += pi[1][i];
-    p->kernels.weigh_polygon(tile, r, polygon, pi[0], weight);
+    SL_KERNEL_OF(p->isa, sl_photon_polygon)(tile, r, polygon, pi[0], weight);
 }
 
 static void multiply(size_t count, const float *restrict b, float *restrict a) {
@@ -89,7 +89,7 @@ static void multiply(size_t count, const float *restrict b, float *restrict a) {
 
 static void add(const indirect_pass *p, size_t count, sl_rgb colour, const float *weight,
                 const float *visible, float (*sum)[SL_TILE_PIXELS]) {
-    p->kernels.light.accumulate(count, colour, weight, visible, sum[0], sum[1], sum[2]);
+    SL_KERNEL_OF(p->isa, sl_light_accumulate)(count, colour, weight, visible, sum[0], sum[1], sum[2]);
 }
 
 /* ---- does a receiver see a photon? ---- */
@@ -147,13 +147,13 @@ static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, boo
     if (p->ray_end) see(p, tile, j, weight, visible, counters);
     add(p, count, colour, weight, visible, sum->irradiance);
     if (p->lobe) {
-        p->kernels.photon_lobe(tile, &r, &p->lobe[j], of_photon);
+        SL_KERNEL_OF(p->isa, sl_photon_lobe_power)(tile, &r, &p->lobe[j], of_photon);
         multiply(count, weight, of_photon);
         add(p, count, p->lobe[j].colour, of_photon, visible, sum->irradiance);
     }
     if (!glossy) return;
     const sl_lobe_target target = target_of(p, j, &r);
-    p->kernels.receiver_lobe(tile, &target, of_receiver);
+    SL_KERNEL_OF(p->isa, sl_receiver_lobe_power)(tile, &target, of_receiver);
     multiply(count, of_receiver, weight);
     add(p, count, colour, weight, visible, sum->lobe);
     if (!p->lobe) return;
@@ -167,7 +167,8 @@ static void sum_photons(const indirect_pass *p, const sl_receiver_tile *tile, bo
                         sl_counters *counters) {
     memset(sum, 0, glossy ? sizeof *sum : sizeof sum->irradiance);
     if (p->plain && !glossy) {
-        p->kernels.sum(tile, p->photon, p->count, sl_weight_is_cosine(p->pass->weight), sum);
+        SL_KERNEL_OF(p->isa, sl_photons_sum)(tile, p->photon, p->count, sl_weight_is_cosine(p->pass->weight),
+                                             sum);
         return;
     }
     for (size_t j = 0; j < p->count; j++) add_photon(p, tile, glossy, j, sum, counters);
@@ -177,7 +178,7 @@ void sl_indirect_light_tile(const sl_photon_sums *p, const sl_receiver_tile *til
                             const sl_tile_target *to, sl_counters *counters) {
     sl_tile_light sum;
     sum_photons(p, tile, glossy, &sum, counters);
-    p->kernels.reflect_to(tile, &sum, glossy, to->indirect);
+    SL_KERNEL_OF(p->isa, sl_receivers_reflect_to)(tile, &sum, glossy, to->indirect);
     sl_count(counters, SL_COUNT_PHOTON_LOOK_UPS, tile->count * p->count);
 }
 
@@ -223,7 +224,7 @@ sl_status sl_photon_sums_create(const sl_light_pass *pass, sl_photon_sums **sums
     if (!*sums) return sl_fail_memory(error, "photons of a frame");
     **sums = (sl_photon_sums){.pass = pass,
                               .count = pass->photons->count,
-                              .kernels = sl_receiver_kernels_for(sl_isa_best())};
+                              .isa = sl_isa_best()};
     if (make_tables(*sums)) {
         fill_tables(*sums);
         return SL_OK;

@@ -8,7 +8,7 @@
 /* ---- filling ---- */
 
 /* Fills the lanes from the tile's count and pixels; not what glossy receivers have besides. */
-static void fetch(const sl_gbuffer *g, const sl_receiver_kernels *kernels, sl_receiver_tile *t) {
+static void fetch(const sl_gbuffer *g, sl_isa isa, sl_receiver_tile *t) {
     const float *const from[SL_TILE_PLANES] = {g->position_x,  g->position_y,  g->position_z, g->geometric_x,
                                                g->geometric_y, g->geometric_z, g->normal_x,   g->normal_y,
                                                g->normal_z,    g->diffuse_r,   g->diffuse_g,  g->diffuse_b};
@@ -21,10 +21,10 @@ static void fetch(const sl_gbuffer *g, const sl_receiver_kernels *kernels, sl_re
         for (size_t i = 0; i < t->count; i++) to[k][i] = from[k][t->pixel[i]];
         for (size_t i = t->count; i < t->padded; i++) to[k][i] = 0.0f;
     }
-    kernels->prepare(t);
+    SL_KERNEL_OF(isa, sl_receivers_prepare)(t);
 }
 
-static void set_lobes(const sl_gbuffer *g, const sl_scene *scene, const sl_receiver_kernels *kernels,
+static void set_lobes(const sl_gbuffer *g, const sl_scene *scene, sl_isa isa,
                       sl_receiver_tile *t) {
     for (size_t i = 0; i < t->padded; i++) {
         size_t pixel = t->pixel[i < t->count ? i : 0];
@@ -37,13 +37,13 @@ static void set_lobes(const sl_gbuffer *g, const sl_scene *scene, const sl_recei
         t->specular[1][i] = m->specular.g * scale;
         t->specular[2][i] = m->specular.b * scale;
     }
-    kernels->mirror_eye(t);
+    SL_KERNEL_OF(isa, sl_receiver_mirror_eye)(t);
 }
 
-static void fill(const sl_gbuffer *g, const sl_scene *scene, const sl_receiver_kernels *kernels, bool glossy,
+static void fill(const sl_gbuffer *g, const sl_scene *scene, sl_isa isa, bool glossy,
                  sl_receiver_tile *t) {
-    fetch(g, kernels, t);
-    if (glossy) set_lobes(g, scene, kernels, t);
+    fetch(g, isa, t);
+    if (glossy) set_lobes(g, scene, isa, t);
 }
 
 /* ---- which pixels receive ---- */
@@ -56,12 +56,12 @@ static sl_receiver_kind kind_of(const sl_scene *scene, uint32_t material) {
 
 bool sl_receiver_tile_of_pixel(const sl_scene *scene, const sl_gbuffer *g, size_t pixel, bool *glossy,
                                sl_receiver_tile *t) {
-    const sl_receiver_kernels kernels = sl_receiver_kernels_for(sl_isa_best());
+    const sl_isa isa = sl_isa_best();
     const sl_receiver_kind kind = kind_of(scene, g->material[pixel]);
     *glossy = kind == SL_RECEIVER_GLOSSY;
     t->count = 1;
     t->pixel[0] = (uint32_t)pixel;
-    if (kind != SL_RECEIVER_NONE) fill(g, scene, &kernels, *glossy, t);
+    if (kind != SL_RECEIVER_NONE) fill(g, scene, isa, *glossy, t);
     return kind != SL_RECEIVER_NONE;
 }
 
@@ -104,7 +104,7 @@ static void light_tile(const sl_direct_light *direct, const sl_photon_sums *sums
 
 void sl_light_strip(const sl_direct_light *direct, const sl_photon_sums *sums, const sl_scene *scene,
                     const sl_gbuffer *g, int y0, const sl_tile_target *to, sl_counters *counters) {
-    const sl_receiver_kernels kernels = sl_receiver_kernels_for(sl_isa_best());
+    const sl_isa isa = sl_isa_best();
     tile_pixels list;
     sl_receiver_tile tile;
     for (int x = 0; x < g->width; x += SL_TILE_WIDTH) {
@@ -113,7 +113,7 @@ void sl_light_strip(const sl_direct_light *direct, const sl_photon_sums *sums, c
             tile.count = list.count[kind];
             if (tile.count == 0) continue;
             memcpy(tile.pixel, list.pixel[kind], tile.count * sizeof *tile.pixel);
-            fill(g, scene, &kernels, kind == SL_RECEIVER_GLOSSY, &tile);
+            fill(g, scene, isa, kind == SL_RECEIVER_GLOSSY, &tile);
             light_tile(direct, sums, &tile, kind == SL_RECEIVER_GLOSSY, to, counters);
         }
     }

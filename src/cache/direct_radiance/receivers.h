@@ -225,21 +225,23 @@ sl_weight_form sl_photon_load(const sl_map_photons *photons, size_t photon, sl_p
  * instruction set. */
 
 /* kd to kd / pi; lanes without a sound normal get none, and so no light. */
-typedef void sl_prepare_kernel(sl_receiver_tile *tile);
+SL_KERNELS(void, sl_receivers_prepare, (sl_receiver_tile *tile));
 /* Radiance that leaves towards the eye, added to three planes. */
-typedef void sl_reflect_to_kernel(const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy,
-                                  float *const planes[3]);
+SL_KERNELS(void, sl_receivers_reflect_to,
+           (const sl_receiver_tile *tile, const sl_tile_light *light, bool glossy, float *const planes[3]));
 /* Sets lit_i to 1 where 0 < weight_i <= largest, else both to 0; tells if any is lit. */
-typedef bool sl_reached_kernel(size_t count, float *weight, float largest, float *lit);
+SL_KERNELS(bool, sl_receivers_reached, (size_t count, float *weight, float largest, float *lit));
 
 /* (10) over Lambertian photons in index order: adds to the irradiance. */
-typedef void sl_photon_sum_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photons,
-                                  size_t count, bool cosine, sl_tile_light *sum);
+SL_KERNELS(void, sl_photons_sum,
+           (const sl_receiver_tile *tile, const sl_photon_registers *photons, size_t count, bool cosine,
+            sl_tile_light *sum));
 /* One photon's weight, or its polygon's where pi (its Pi by Lambert's formula) is given. */
-typedef void sl_photon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon,
-                                    bool cosine, float *weight);
-typedef void sl_polygon_weigh_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon,
-                                     const sl_photon_polygon *polygon, const float *pi, float *weight);
+SL_KERNELS(void, sl_photon_weigh,
+           (const sl_receiver_tile *tile, const sl_photon_registers *photon, bool cosine, float *weight));
+SL_KERNELS(void, sl_photon_polygon,
+           (const sl_receiver_tile *tile, const sl_photon_registers *photon,
+            const sl_photon_polygon *polygon, const float *pi, float *weight));
 /* Where a receiver's lobe looks: a point, or a direction. What has an area is a disc of that normal, seen
  * from its front or from both sides; extent: area / (4 pi), else 0. */
 typedef struct sl_lobe_target {
@@ -252,43 +254,12 @@ typedef struct sl_lobe_target {
 
 /* Cosine powers: of a photon's lobe towards the receivers; of the receivers' lobes towards what lights them.
  */
-typedef void sl_photon_lobe_kernel(const sl_receiver_tile *tile, const sl_photon_registers *photon,
-                                   const sl_lobe_registers *lobe, float *power);
-typedef void sl_receiver_lobe_kernel(const sl_receiver_tile *tile, const sl_lobe_target *target,
-                                     float *power);
+SL_KERNELS(void, sl_photon_lobe_power,
+           (const sl_receiver_tile *tile, const sl_photon_registers *photon, const sl_lobe_registers *lobe,
+            float *power));
+SL_KERNELS(void, sl_receiver_lobe_power,
+           (const sl_receiver_tile *tile, const sl_lobe_target *target, float *power));
 /* The mirrored directions of the eye, from where the eye is, which they replace. */
-typedef void sl_mirror_eye_kernel(sl_receiver_tile *tile);
-
-typedef struct sl_receiver_kernels {
-    sl_prepare_kernel *prepare;
-    sl_reflect_to_kernel *reflect_to;
-    sl_reached_kernel *reached;
-    sl_photon_sum_kernel *sum;
-    sl_photon_weigh_kernel *weigh;
-    sl_polygon_weigh_kernel *weigh_polygon;
-    sl_photon_lobe_kernel *photon_lobe;
-    sl_receiver_lobe_kernel *receiver_lobe;
-    sl_mirror_eye_kernel *mirror_eye;
-    sl_light_kernels light;
-} sl_receiver_kernels;
-
-SL_KERNEL_VARIANTS(sl_prepare_kernel, sl_receivers_prepare);
-SL_KERNEL_VARIANTS(sl_reflect_to_kernel, sl_receivers_reflect_to);
-SL_KERNEL_VARIANTS(sl_reached_kernel, sl_receivers_reached);
-SL_KERNEL_VARIANTS(sl_photon_sum_kernel, sl_photons_sum);
-SL_KERNEL_VARIANTS(sl_photon_weigh_kernel, sl_photon_weigh);
-SL_KERNEL_VARIANTS(sl_polygon_weigh_kernel, sl_photon_polygon);
-SL_KERNEL_VARIANTS(sl_photon_lobe_kernel, sl_photon_lobe_power);
-SL_KERNEL_VARIANTS(sl_receiver_lobe_kernel, sl_receiver_lobe_power);
-SL_KERNEL_VARIANTS(sl_mirror_eye_kernel, sl_receiver_mirror_eye);
-
-static inline sl_receiver_kernels sl_receiver_kernels_for(sl_isa isa) {
-    return (sl_receiver_kernels){
-        SL_KERNEL_OF(isa, sl_receivers_prepare), SL_KERNEL_OF(isa, sl_receivers_reflect_to),
-        SL_KERNEL_OF(isa, sl_receivers_reached), SL_KERNEL_OF(isa, sl_photons_sum),
-        SL_KERNEL_OF(isa, sl_photon_weigh), SL_KERNEL_OF(isa, sl_photon_polygon),
-        SL_KERNEL_OF(isa, sl_photon_lobe_power), SL_KERNEL_OF(isa, sl_receiver_lobe_power),
-        SL_KERNEL_OF(isa, sl_receiver_mirror_eye), sl_light_kernels_for(isa)};
-}
+SL_KERNELS(void, sl_receiver_mirror_eye, (sl_receiver_tile *tile));
 
 #endif

@@ -97,8 +97,6 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     if (gather->settings.more_rays > 4.0f) gather->settings.more_rays = 4.0f;
     gather->offset = 1e-5f * scene->scale;
     gather->isa = sl_isa_best();
-    gather->kernels = sl_gather_kernels_for(gather->isa);
-    gather->light = sl_light_kernels_for(sl_isa_best());
     gather->half_tangent = (float)sl_tan(0.5 * (double)settings->plane_fov);
     sl_status status = make_parts(gather, threads, counters, error);
     if (status != SL_OK) {
@@ -284,8 +282,9 @@ static void gather_light(const sl_gather *gather, const sl_gather_point *point, 
     sl_gather_view view = sl_gather_see(gather, point, scratch, counters);
     view.second_alone = second_alone;
     sl_gather_shade(&view, &nearest, &back_weight, counters);
-    gather->kernels.sums(gather->tables, p->r, p->g, p->b, p->nearness, p->first, &sums);
-    gather->kernels.curvature(gather->tables, p->r, p->g, p->b, p->nearness, p->mean, &curvature);
+    SL_KERNEL_OF(gather->isa, sl_gather_sums)(gather->tables, p->r, p->g, p->b, p->nearness, p->first, &sums);
+    SL_KERNEL_OF(gather->isa, sl_gather_curvature)(gather->tables, p->r, p->g, p->b, p->nearness, p->mean,
+                                                   &curvature);
     finish(&view, &sums, &curvature, irradiance);
     irradiance->nearest = nearest;
     irradiance->back_share = (float)(back_weight / gather->tables->weight_sum);

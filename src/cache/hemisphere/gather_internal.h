@@ -42,7 +42,6 @@ struct sl_gather {
     float half_tangent;
     /* eps: of the eye along the geometric normal; hits nearer than twice that do not count */
     float offset;
-    sl_gather_kernels kernels;
     sl_projection *projection;   /* onto hemispherical harmonics, or NULL */
     sl_isa isa;
     sl_lattice_colours colours;  /* known colours, in place of all that follows, or NULL */
@@ -59,7 +58,6 @@ struct sl_gather {
     float sky_irradiance[6];     /* in units, on planes that face +x, -x, +y, -y, +z, -z */
     sl_light_sampler *sampler;   /* all that samples are drawn from, where they are many */
     bool every_light;            /* lights without extent are few: each lights every hit */
-    sl_light_kernels light;
 };
 
 /* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be

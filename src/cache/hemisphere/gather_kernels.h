@@ -44,41 +44,20 @@ typedef struct sl_gather_hits {
     float *back;                                    /* 1: seen from the clockwise side */
 } sl_gather_hits;
 
-typedef void sl_gather_directions_kernel(const sl_ray_cells *cells);
+SL_KERNELS(void, sl_gather_directions, (const sl_ray_cells *cells));
 /* The standard deviation of a cell's eight neighbours (mirrored at the picture's edges), without the cell
  * itself. At least 2 x 2 cells. */
-typedef void sl_gather_spread_kernel(int width, int height, const float *value, float *spread);
+SL_KERNELS(void, sl_gather_spread, (int width, int height, const float *value, float *spread));
 /* Makes positions of slots first to first + count, their normals (interpolated, and by winding) unit and on
  * the gather's side, cosine and back. */
-typedef void sl_gather_surfaces_kernel(const sl_gather_hits *hits, size_t first, size_t count, sl_vec3 eye);
-typedef void sl_gather_sums_kernel(const sl_gather_tables *tables, const float *r, const float *g,
-                                   const float *b, const float *nearness, const float *first,
-                                   sl_gather_sums *sums);
+SL_KERNELS(void, sl_gather_surfaces, (const sl_gather_hits *hits, size_t first, size_t count, sl_vec3 eye));
+SL_KERNELS(void, sl_gather_sums,
+           (const sl_gather_tables *tables, const float *r, const float *g, const float *b,
+            const float *nearness, const float *first, sl_gather_sums *sums));
 
 /* mean: a plane to work in, laid out as the others. */
-typedef void sl_gather_curvature_kernel(const sl_gather_tables *tables, const float *r, const float *g,
-                                        const float *b, const float *nearness, float *mean,
-                                        sl_gather_curvature *curvature);
-
-typedef struct sl_gather_kernels {
-    sl_gather_directions_kernel *directions;
-    sl_gather_surfaces_kernel *surfaces;
-    sl_gather_sums_kernel *sums;
-    sl_gather_curvature_kernel *curvature;
-    sl_gather_spread_kernel *spread;
-} sl_gather_kernels;
-
-SL_KERNEL_VARIANTS(sl_gather_directions_kernel, sl_gather_directions);
-SL_KERNEL_VARIANTS(sl_gather_surfaces_kernel, sl_gather_surfaces);
-SL_KERNEL_VARIANTS(sl_gather_sums_kernel, sl_gather_sums);
-SL_KERNEL_VARIANTS(sl_gather_curvature_kernel, sl_gather_curvature);
-SL_KERNEL_VARIANTS(sl_gather_spread_kernel, sl_gather_spread);
-
-static inline sl_gather_kernels sl_gather_kernels_for(sl_isa isa) {
-    return (sl_gather_kernels){
-        SL_KERNEL_OF(isa, sl_gather_directions), SL_KERNEL_OF(isa, sl_gather_surfaces),
-        SL_KERNEL_OF(isa, sl_gather_sums), SL_KERNEL_OF(isa, sl_gather_curvature),
-        SL_KERNEL_OF(isa, sl_gather_spread)};
-}
+SL_KERNELS(void, sl_gather_curvature,
+           (const sl_gather_tables *tables, const float *r, const float *g, const float *b,
+            const float *nearness, float *mean, sl_gather_curvature *curvature));
 
 #endif

@@ -121,7 +121,8 @@ static void expect_block(const sl_gather_view *view, size_t first, size_t count)
     for (size_t i = 0; i < count; i++) expected[i] = 0.0f;
     for (size_t source = 0; source < g->sources; source++) {
         float *from = s->from + source * s->slots + first, strength = g->strength[source];
-        if (source < g->sides.count) g->light.polygon(&at, &g->sides.polygon[source], from);
+        if (source < g->sides.count)
+            SL_KERNEL_OF(g->isa, sl_polygon_light)(&at, &g->sides.polygon[source], from);
         else weigh_sky(g->sky_irradiance, &at, from);
         for (size_t i = 0; i < count; i++) expected[i] += from[i] *= strength;
     }

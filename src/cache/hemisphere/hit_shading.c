@@ -64,7 +64,7 @@ static void make_surfaces(const sl_gather_view *view, size_t first, size_t count
         h->diffuse_g[k] *= sl_srgb_to_linear[texel[k][1]];
         h->diffuse_b[k] *= sl_srgb_to_linear[texel[k][2]];
     }
-    gather->kernels.surfaces(h, first, count, view->eye);
+    SL_KERNEL_OF(gather->isa, sl_gather_surfaces)(h, first, count, view->eye);
 }
 
 /* A shading normal may tilt the gather below the geometric horizon: nothing arrives from there, neither from

@@ -59,8 +59,7 @@ typedef struct sl_colour_pixels {
     float *weighted[3];            /* ... times weights */
 } sl_colour_pixels;
 
-typedef void sl_colour_pixels_kernel(const sl_colour_pixels *pixels);
-SL_KERNEL_VARIANTS(sl_colour_pixels_kernel, sl_colour_pixels_shade);
+SL_KERNELS(void, sl_colour_pixels_shade, (const sl_colour_pixels *pixels));
 
 /* Leaves NULL where there is no environment, or a constant one, which is a face. pixel: the widest one's
  * angle. */

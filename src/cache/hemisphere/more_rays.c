@@ -104,7 +104,7 @@ void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters) {
     float *radiance = s->planes.mean, *spread = s->planes.distance, *more = s->planes.r;
     estimate_radiance(view, radiance);
     bring_near_one(view, radiance);
-    g->kernels.spread(t->width, t->height, radiance, spread);
+    SL_KERNEL_OF(g->isa, sl_gather_spread)(t->width, t->height, radiance, spread);
     double scale = share_rays(t, spread, (double)(s->slots_max - t->used), more);
     if (scale > 0.0) add_slots(view, more, scale);
     if (s->slots > t->used) sl_gather_see_more_rays(view, counters);

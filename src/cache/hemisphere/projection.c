@@ -379,12 +379,10 @@ sl_status sl_projection_create(const sl_gather_tables *tables, int order, unsign
 
 /* ---- one projection -------------------------------------------------------------------------- */
 
-static sl_projection_kernel *kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_projection_sums); }
-
 void sl_project(const sl_projection *p, sl_isa isa, const float *const picture[4], float *coefficients) {
     sl_projection_sums sums;
     size_t stride = sl_hsh_stride(p->order);
-    kernel_for(isa)(p, picture, &sums);
+    SL_KERNEL_OF(isa, sl_projection_sums)(p, picture, &sums);
     memset(coefficients, 0, SL_PROJECTION_VECTORS * stride * sizeof *coefficients);
     for (int g = 0; g < p->groups; g++) {
         for (int c = 0; c < GROUP; c++) {

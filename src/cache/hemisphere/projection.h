@@ -68,8 +68,7 @@ void sl_project(const sl_projection *projection, sl_isa isa, const float *const 
 
 /* ---- the kernels (projection_kernels.c) ---- */
 
-typedef void sl_projection_kernel(const sl_projection *projection, const float *const picture[4],
-                                  sl_projection_sums *sums);
-SL_KERNEL_VARIANTS(sl_projection_kernel, sl_projection_sums);
+SL_KERNELS(void, sl_projection_sums,
+           (const sl_projection *projection, const float *const picture[4], sl_projection_sums *sums));
 
 #endif

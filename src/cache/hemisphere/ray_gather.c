@@ -43,7 +43,7 @@ void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters) 
                           .x = h->direction_x + t->used,
                           .y = h->direction_y + t->used,
                           .z = h->direction_z + t->used};
-    gather->kernels.directions(&cells);
+    SL_KERNEL_OF(gather->isa, sl_gather_directions)(&cells);
     trace_slots(view, t->used, s->slots, counters);
 }
 
@@ -61,6 +61,6 @@ void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters) {
                           .x = h->direction_x,
                           .y = h->direction_y,
                           .z = h->direction_z};
-    gather->kernels.directions(&cells);
+    SL_KERNEL_OF(gather->isa, sl_gather_directions)(&cells);
     trace_slots(view, 0, t->used, counters);
 }

@@ -24,7 +24,7 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->scene = scene;
     d->tracer = tracer;
     d->settings = *settings;
-    d->light = sl_light_kernels_for(sl_isa_best());
+    d->isa = sl_isa_best();
     d->offset = 1e-5f * scene->scale;
     for (size_t i = 0; i < scene->material_count; i++)
         d->glossy |= sl_material_is_glossy(&scene->materials[i]);

@@ -23,7 +23,7 @@ static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w
     w->sides = 0;
     for (size_t s = 0; s < direct->sides.count; s++) {
         float *share = w->share + w->sides * SL_LIGHT_BLOCK, *sum = w->sums + w->sides * SL_LIGHT_BLOCK;
-        direct->light.polygon(&points, &direct->sides.polygon[s], share);
+        SL_KERNEL_OF(direct->isa, sl_polygon_light)(&points, &direct->sides.polygon[s], share);
         float largest = 0.0f, luminance = direct->sides.luminance[s];
         for (size_t i = 0; i < block->count; i++) largest = share[i] > largest ? share[i] : largest;
         if (!(largest > 0.0f)) continue;
@@ -116,7 +116,7 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
             &points,      w->sides,         w->side,      direct->sides.values, w->share,    w->sums,
             s->u0 + lane, s->u1 + lane,     s->u2 + lane, s->chosen + lane,  s->x + lane, s->y + lane,
             s->z + lane,  s->weight + lane, s->r + lane,  s->g + lane,       s->b + lane, s->wanted + lane};
-        direct->light.aim(&aims[k]);
+        SL_KERNEL_OF(direct->isa, sl_direct_aim)(&aims[k]);
     }
     aim_at_near(direct, block, aims, s->samples);
 }

@@ -23,7 +23,7 @@ struct sl_direct {
     const sl_scene *scene;
     const sl_tracer *tracer;
     sl_direct_settings settings;
-    sl_light_kernels light;
+    sl_isa isa;
     float offset;                   /* how far along the geometric normal rays start */
     /* the scene without its lights without extent, its environment the sun alone */
     sl_scene extended;

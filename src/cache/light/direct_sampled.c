@@ -33,7 +33,7 @@ void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const s
     for (size_t l = 0; l < direct->scene->light_count; l++) {
         sl_light_source source = sl_light_source_of(&direct->scene->lights[l]);
         bool far_away = source.kind == SL_SOURCE_DIRECTIONAL;
-        direct->light.arrive(&points, &source, &a);
+        SL_KERNEL_OF(direct->isa, sl_light_arrive)(&points, &source, &a);
         if (!far_away) lengthen(block, source.position, &a);
         sl_direct_visible(direct, block, (sl_aims){a.x, a.y, a.z, far_away}, a.weight, visible, counters);
         for (size_t i = 0; i < block->count; i++) {

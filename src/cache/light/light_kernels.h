@@ -78,16 +78,16 @@ typedef struct sl_light_sides {
 sl_status sl_light_sides_make(const sl_scene *scene, size_t most, sl_light_sides *sides, sl_error *error);
 void sl_light_sides_release(sl_light_sides *sides);
 
-typedef void sl_arrive_kernel(const sl_light_points *points, const sl_light_source *source,
-                              sl_arrivals *arrivals);
+SL_KERNELS(void, sl_light_arrive,
+           (const sl_light_points *points, const sl_light_source *source, sl_arrivals *arrivals));
 /* Multiplies lit by 1 where the light is seen, 0 where it is not, in between at a shadow's edge. */
-typedef void sl_lit_kernel(const sl_light_points *points, const sl_depth_cube *cube, float *lit);
+SL_KERNELS(void, sl_depth_cube_lit, (const sl_light_points *points, const sl_depth_cube *cube, float *lit));
 /* Unoccluded irradiance from a triangle of radiance 1, in closed form. */
-typedef void sl_polygon_kernel(const sl_light_points *points, const sl_polygon_light *light,
-                               float *irradiance);
+SL_KERNELS(void, sl_polygon_light,
+           (const sl_light_points *points, const sl_polygon_light *light, float *irradiance));
 /* r, g, b += colour a_i b_i. */
-typedef void sl_accumulate_kernel(size_t count, sl_rgb colour, const float *a, const float *b, float *r,
-                                  float *g, float *bl);
+SL_KERNELS(void, sl_light_accumulate,
+           (size_t count, sl_rgb colour, const float *a, const float *b, float *r, float *g, float *bl));
 
 typedef struct sl_aim_block {
     const sl_light_points *points;
@@ -108,27 +108,6 @@ typedef struct sl_aim_block {
 } sl_aim_block;
 
 /* Chooses a side in proportion to its irradiance and a point of it by area. */
-typedef void sl_aim_kernel(const sl_aim_block *block);
-
-typedef struct sl_light_kernels {
-    sl_arrive_kernel *arrive;
-    sl_lit_kernel *lit;
-    sl_polygon_kernel *polygon;
-    sl_accumulate_kernel *accumulate;
-    sl_aim_kernel *aim;
-} sl_light_kernels;
-
-SL_KERNEL_VARIANTS(sl_arrive_kernel, sl_light_arrive);
-SL_KERNEL_VARIANTS(sl_lit_kernel, sl_depth_cube_lit);
-SL_KERNEL_VARIANTS(sl_polygon_kernel, sl_polygon_light);
-SL_KERNEL_VARIANTS(sl_accumulate_kernel, sl_light_accumulate);
-SL_KERNEL_VARIANTS(sl_aim_kernel, sl_direct_aim);
-
-static inline sl_light_kernels sl_light_kernels_for(sl_isa isa) {
-    return (sl_light_kernels){
-        SL_KERNEL_OF(isa, sl_light_arrive), SL_KERNEL_OF(isa, sl_depth_cube_lit),
-        SL_KERNEL_OF(isa, sl_polygon_light), SL_KERNEL_OF(isa, sl_light_accumulate),
-        SL_KERNEL_OF(isa, sl_direct_aim)};
-}
+SL_KERNELS(void, sl_direct_aim, (const sl_aim_block *block));
 
 #endif

@@ -110,7 +110,7 @@ sl_status sl_light_sampling_create(const sl_scene *scene, const sl_raster *raste
                              .tracer = tracer,
                              .lights = lights,
                              .settings = *settings,
-                             .kernels = sl_light_pixel_kernels_for(sl_isa_best()),
+                             .isa = sl_isa_best(),
                              .near = 1e-5f * scene->scale,
                              .lift = SL_LIGHT_LIFT * sl_scene_coordinate_near(scene, scene->central_min)};
     s->step = fmaxf(2e-6f * scene->scale, s->lift);

@@ -39,7 +39,7 @@ struct sl_light_sampling {
     const sl_sampled_lights *lights;
     sl_light_sample_settings settings;
     sl_light_shape_info *shape; /* by light */
-    sl_light_pixel_kernels kernels;
+    sl_isa isa;
     /* nearer than 1e-5 of the scene's scale nothing is drawn of what the paper's frustum sees */
     float near;
     /* how far on its way to the light the eye of other pictures is: it moves shadows, so a fifth of that */

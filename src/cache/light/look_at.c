@@ -165,7 +165,7 @@ sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_s
                                        ((v.top - v.bottom) / (float)size),
                               .seen = s->planes,
                               .all = s->planes + (size_t)size * (size_t)size};
-    sampling->kernels.look_at(&pixels, s->light_id, s->facing, s->light_depth, s->depth);
+    SL_KERNEL_OF(sampling->isa, sl_look_at_weigh)(&pixels, s->light_id, s->facing, s->light_depth, s->depth);
     s->picture_size = size;
     *sums = sl_light_reduce(query, size);
     return SL_SHOT_TAKEN;

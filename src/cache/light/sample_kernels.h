@@ -19,8 +19,9 @@ typedef struct sl_light_pixels {
 
 /* The light is what its own picture shows (light_id: a triangle with facing != 0); seen where the scene is no
  * nearer, depths being 1/w. */
-typedef void sl_look_at_weigh(const sl_light_pixels *pixels, const uint32_t *light_id, const uint8_t *facing,
-                              const float *light_depth, const float *depth);
+SL_KERNELS(void, sl_look_at_weigh,
+           (const sl_light_pixels *pixels, const uint32_t *light_id, const uint8_t *facing,
+            const float *light_depth, const float *depth));
 
 /* ---- rays ---- */
 
@@ -43,30 +44,12 @@ typedef struct sl_ray_receiver {
 } sl_ray_receiver;
 
 /* Numbers in [0,1) of the strata in columns and rows of n x n. */
-typedef void sl_ray_jitter(uint64_t key, int n, const int32_t *column, const int32_t *row, float *u,
-                           float *v);
+SL_KERNELS(void, sl_ray_jitter,
+           (uint64_t key, int n, const int32_t *column, const int32_t *row, float *u, float *v));
 /* Of a parallelogram: corner + u e1 + v e2. */
-typedef void sl_ray_places(const float *u, const float *v, sl_vec3 corner, sl_vec3 e1, sl_vec3 e2,
-                           sl_vec3 normal, sl_aimed_rays *rays);
-typedef void sl_ray_weights(const sl_ray_receiver *receiver, sl_aimed_rays *rays);
-
-typedef struct sl_light_pixel_kernels {
-    sl_look_at_weigh *look_at;
-    sl_ray_jitter *jitter;
-    sl_ray_places *places;
-    sl_ray_weights *weights;
-} sl_light_pixel_kernels;
-
-SL_KERNEL_VARIANTS(sl_look_at_weigh, sl_look_at_weigh);
-SL_KERNEL_VARIANTS(sl_ray_jitter, sl_ray_jitter);
-SL_KERNEL_VARIANTS(sl_ray_places, sl_ray_places);
-SL_KERNEL_VARIANTS(sl_ray_weights, sl_ray_weights);
-
-static inline sl_light_pixel_kernels sl_light_pixel_kernels_for(sl_isa isa) {
-    return (sl_light_pixel_kernels){
-        SL_KERNEL_OF(isa, sl_look_at_weigh),
-        SL_KERNEL_OF(isa, sl_ray_jitter), SL_KERNEL_OF(isa, sl_ray_places),
-        SL_KERNEL_OF(isa, sl_ray_weights)};
-}
+SL_KERNELS(void, sl_ray_places,
+           (const float *u, const float *v, sl_vec3 corner, sl_vec3 e1, sl_vec3 e2, sl_vec3 normal,
+            sl_aimed_rays *rays));
+SL_KERNELS(void, sl_ray_weights, (const sl_ray_receiver *receiver, sl_aimed_rays *rays));
 
 #endif

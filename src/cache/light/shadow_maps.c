@@ -27,7 +27,7 @@ typedef struct sl_mapped_emitter {
 struct sl_shadow_maps {
     const sl_scene *scene;
     sl_shadow_map_settings settings;
-    sl_light_kernels kernels;
+    sl_isa isa;
     float offset;
     /* the first plain_count sources are no samples of emitters */
     size_t source_count, emitter_count, plain_count, capacity;
@@ -181,7 +181,7 @@ sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster,
     if (!maps) return sl_fail_memory(error, "shadow maps");
     *maps = (sl_shadow_maps){.scene = scene,
                              .settings = *settings,
-                             .kernels = sl_light_kernels_for(sl_isa_best()),
+                             .isa = sl_isa_best(),
                              .offset = 1e-5f * scene->scale};
     sl_status status = create_all(maps, raster, counters, error);
     if (status != SL_OK) {
@@ -219,10 +219,10 @@ static bool any(const float *values, size_t count) {
 /* False: nothing arrives anywhere in the block, shadows aside. */
 static bool look_up(const sl_shadow_maps *maps, const sl_mapped_source *s, const sl_light_points *points,
                     sl_arrivals *arrivals, float *lit, sl_counters *counters) {
-    maps->kernels.arrive(points, &s->source, arrivals);
+    SL_KERNEL_OF(maps->isa, sl_light_arrive)(points, &s->source, arrivals);
     if (!any(arrivals->weight, points->count)) return false;
     for (size_t i = 0; i < points->count; i++) lit[i] = 1.0f;
-    maps->kernels.lit(points, &s->cube, lit);
+    SL_KERNEL_OF(maps->isa, sl_depth_cube_lit)(points, &s->cube, lit);
     sl_count(counters, SL_COUNT_SHADOW_LOOKUPS, points->count);
     return true;
 }
@@ -274,11 +274,11 @@ static void add_emitter(const sl_shadow_maps *maps, const sl_mapped_emitter *e, 
                         unsigned parts, float *r, float *g, float *b, sl_counters *counters) {
     float exact[SL_LIGHT_BLOCK];
     shares s;
-    maps->kernels.polygon(points, &e->polygon, exact);
+    SL_KERNEL_OF(maps->isa, sl_polygon_light)(points, &e->polygon, exact);
     if (!any(exact, points->count)) return;
     share_of_samples(maps, e, points, parts, &s, counters);
     for (size_t i = 0; i < points->count; i++) s.seen[i] = s.all[i] > 0.0f ? s.seen[i] / s.all[i] : 0.0f;
-    maps->kernels.accumulate(points->count, e->radiance, exact, s.seen, r, g, b);
+    SL_KERNEL_OF(maps->isa, sl_light_accumulate)(points->count, e->radiance, exact, s.seen, r, g, b);
 }
 
 void sl_shadow_maps_irradiance(const sl_shadow_maps *maps, const sl_light_points *points, unsigned parts,
@@ -288,7 +288,8 @@ void sl_shadow_maps_irradiance(const sl_shadow_maps *maps, const sl_light_points
     for (size_t i = 0; i < maps->plain_count; i++) {
         const sl_mapped_source *s = &maps->sources[i];
         if (!(s->part & parts) || !look_up(maps, s, points, &arrivals, lit, counters)) continue;
-        maps->kernels.accumulate(points->count, s->source.colour, arrivals.weight, lit, r, g, b);
+        SL_KERNEL_OF(maps->isa, sl_light_accumulate)(points->count, s->source.colour, arrivals.weight, lit,
+                                                     r, g, b);
     }
     for (size_t i = 0; i < maps->emitter_count && (parts & SL_MAPPED_LIGHTS); i++)
         add_emitter(maps, &maps->emitters[i], points, parts, r, g, b, counters);

@@ -169,7 +169,7 @@ static unsigned numbers_of(const sl_light_query *query, uint64_t jitter, int k, 
     if (!numbers) {
         int32_t column[SL_AIMED], row[SL_AIMED];
         count = strata_of(query->rays, k, column, row);
-        query->sampling->kernels.jitter(jitter, query->rays, column, row, u, v);
+        SL_KERNEL_OF(query->sampling->isa, sl_ray_jitter)(jitter, query->rays, column, row, u, v);
         return count;
     }
     for (uint32_t i = 0; i < SL_AIMED; i++) {
@@ -184,7 +184,6 @@ static unsigned numbers_of(const sl_light_query *query, uint64_t jitter, int k, 
 
 sl_light_sums sl_light_rays(const sl_light_query *query) {
     const sl_light_sampling *sampling = query->sampling;
-    const sl_light_pixel_kernels *kernels = &sampling->kernels;
     const sl_light_shape_info *shape = &sampling->shape[query->light];
     const sl_light_surface *surface = &shape->surface;
     const sl_sampled_light *light = &sampling->lights->light[query->light];
@@ -207,9 +206,10 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
         float u[SL_AIMED], v[SL_AIMED];
         sl_aimed_rays rays;
         unsigned count = numbers_of(query, key, k, u, v);
-        if (surface->parallelogram) kernels->places(u, v, corner, e1, e2, light->normal, &rays);
+        if (surface->parallelogram)
+            SL_KERNEL_OF(sampling->isa, sl_ray_places)(u, v, corner, e1, e2, light->normal, &rays);
         else aim(query, u, v, &rays);
-        kernels->weights(&receiver, &rays);
+        SL_KERNEL_OF(sampling->isa, sl_ray_weights)(&receiver, &rays);
         for (unsigned i = 0; i < count; i++) {
             if (!(rays.weight[i] > 0.0f)) continue;
             sl_vec3 d = sl_v3(rays.x[i], rays.y[i], rays.z[i]),

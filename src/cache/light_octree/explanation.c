@@ -12,7 +12,7 @@
 typedef struct explaining {
     sl_explanation_writer *writer;
     const sl_voxel_texture *texture;
-    sl_shade_kernel *kernel;
+    sl_isa isa;
     sl_octree_point point;
     sl_octree_seen seen;
     float throughput[3];   /* of the mirrors before it */
@@ -29,7 +29,7 @@ static double weight_of(explaining *e, int corner) {
             cells.corner[k].set[s].lights = k == corner;
         }
     }
-    e->kernel(&cells, SL_SHADE_LANES, false, &e->seen.block);
+    SL_KERNEL_OF(e->isa, sl_shade_block)(&cells, SL_SHADE_LANES, false, &e->seen.block);
     return (double)e->seen.block.irradiance[0][0];
 }
 
@@ -51,7 +51,7 @@ static void explain_light(explaining *e, int corner, int set, int number, double
     sl_shade_set *one = &cells.corner[corner].set[set];
     one->light += number;
     one->lights = 1;
-    e->kernel(&cells, SL_SHADE_LANES, e->seen.glossy, b);
+    SL_KERNEL_OF(e->isa, sl_shade_block)(&cells, SL_SHADE_LANES, e->seen.glossy, b);
     sl_vec3 at = middle_of(e, corner);
     sl_explanation_term term = {.layer = "indirect",
                                 .kind = cells.lobes == SL_LOBES_NONE
@@ -109,7 +109,7 @@ void sl_octree_explain(const sl_octree_state *s, size_t pixel, sl_explanation_wr
     explaining e = {
         .writer = writer,
         .texture = shading.texture,
-        .kernel = sl_shade_kernel_for(sl_isa_best()),
+        .isa = sl_isa_best(),
         .point = sl_octree_point_of_pixel(s->scene, s->gbuffer, s->scene->camera.eye, pixel),
         .throughput = {left.r, left.g, left.b}};
     if (sl_octree_see(&shading, &e.point, &e.seen)) explain_voxels(&e);

@@ -26,9 +26,9 @@ typedef struct sl_clusters {
 /* Deterministic: first centre nearest to the mean, next ones by largest weighted distance, ties to the lower
  * index; J never rises. iterations: at most so many. of: the cluster of each point; a cluster may end without
  * any. scratch: count doubles. */
-typedef void sl_cluster_kernel(const sl_directions *directions, int wanted, int iterations, uint8_t *of,
-                               double *scratch, sl_clusters *clusters);
-SL_KERNEL_VARIANTS(sl_cluster_kernel, sl_cluster);
+SL_KERNELS(void, sl_cluster,
+           (const sl_directions *directions, int wanted, int iterations, uint8_t *of, double *scratch,
+            sl_clusters *clusters));
 
 static inline void sl_cluster_directions(const sl_directions *directions, int wanted, uint8_t *of,
                                          double *scratch, sl_clusters *clusters) {

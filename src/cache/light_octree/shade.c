@@ -121,7 +121,7 @@ enum { NUMBER_BITS = 12, CELL_BITS = 11 /* from -1 on */ };
 typedef struct shading_pass {
     const sl_octree_shading *shading;
     const sl_octree_points *points;
-    sl_shade_kernel *kernel;
+    sl_isa isa;
     worker_scratch *scratch;
 } shading_pass;
 
@@ -162,7 +162,7 @@ static void shade_points(const shading_pass *pass, size_t first, const uint64_t 
         size_t i = order[k < count ? k : count - 1] & mask;
         load_point(&s->point[i], &s->place[i], glossy, widest, &s->block, k);
     }
-    pass->kernel(&s->cells, padded, glossy, &s->block);
+    SL_KERNEL_OF(pass->isa, sl_shade_block)(&s->cells, padded, glossy, &s->block);
     for (size_t k = 0; k < count; k++) {
         size_t i = order[k] & mask;
         put_light(pass->points, first + i, &s->point[i], glossy, &s->block, k);
@@ -189,7 +189,7 @@ sl_status sl_octree_shade(const sl_octree_shading *shading, const sl_octree_poin
                           sl_counters *counters, sl_error *error) {
     size_t blocks = (points->count + SL_OCTREE_BLOCK - 1) / SL_OCTREE_BLOCK;
     threads = sl_thread_count(threads);
-    shading_pass pass = {shading, points, sl_shade_kernel_for(sl_isa_best()),
+    shading_pass pass = {shading, points, sl_isa_best(),
                          sl_allocate(threads, sizeof *pass.scratch)};
     if (!pass.scratch) return sl_fail_memory(error, "shading");
     sl_parallel_for(threads, blocks, shade_block, &pass);

@@ -33,10 +33,7 @@ typedef struct sl_shade_block {
     float lobe[3][SL_SHADE_BLOCK];
 } sl_shade_block;
 
-typedef void sl_shade_kernel(const sl_shade_cells *cells, size_t count, bool glossy, sl_shade_block *block);
-
-SL_KERNEL_VARIANTS(sl_shade_kernel, sl_shade_block);
-
-static inline sl_shade_kernel *sl_shade_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_shade_block); }
+SL_KERNELS(void, sl_shade_block,
+           (const sl_shade_cells *cells, size_t count, bool glossy, sl_shade_block *block));
 
 #endif

@@ -45,11 +45,6 @@ typedef struct sl_photon_search {
 } sl_photon_search;
 
 /* Leaves the k smallest keys, in no order. */
-typedef void sl_photon_search_kernel(const sl_photon_buckets *buckets, sl_photon_search *search);
-SL_KERNEL_VARIANTS(sl_photon_search_kernel, sl_photon_search);
-
-static inline sl_photon_search_kernel *sl_photon_search_for(sl_isa isa) {
-    return SL_KERNEL_OF(isa, sl_photon_search);
-}
+SL_KERNELS(void, sl_photon_search, (const sl_photon_buckets *buckets, sl_photon_search *search));
 
 #endif

@@ -14,7 +14,7 @@ struct sl_photon_tree {
     sl_photon_box *box;
     uint32_t *place_of_id;
     size_t buckets;
-    sl_photon_search_kernel *search;
+    sl_isa isa;
 };
 
 enum { BUCKETS_A_TASK = 256, SPLIT_LEVELS = 6, SAMPLE = 31 };
@@ -247,7 +247,7 @@ sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photo
         return sl_fail_memory(error, "the photons' tree");
     }
     tree->buckets = (list->count + SL_PHOTON_BUCKET - 1) / SL_PHOTON_BUCKET;
-    tree->search = sl_photon_search_for(sl_isa_best());
+    tree->isa = sl_isa_best();
     tree->bucket = sl_allocate(tree->buckets, sizeof *tree->bucket);
     tree->box = sl_allocate(2 * tree->buckets, sizeof *tree->box);
     tree->place_of_id = sl_allocate(list->count, sizeof *tree->place_of_id);
@@ -331,7 +331,7 @@ void sl_photon_tree_gather(const sl_photon_tree *tree, const sl_photon_query *qu
     sl_photon_search search = begin_search(query, wanted, key);
     const sl_photon_buckets buckets = {tree->buckets, tree->bucket, tree->box};
     if (wanted > 0 && sl_is_finite(query->centre) && sl_is_finite(query->normal))
-        tree->search(&buckets, &search);
+        SL_KERNEL_OF(tree->isa, sl_photon_search)(&buckets, &search);
     gathered->count = search.count;
     gathered->full = wanted > 0 && search.count == wanted;
     double farthest = 0.0;

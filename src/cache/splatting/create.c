@@ -71,7 +71,7 @@ static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
                   .plane_tangent = sl_tan(0.5 * (double)s->plan.gather.plane_fov),
                   .metric = cache->glossy ? SL_METRIC_HARMONIC : s->plan.metric},
         .coefficient_count = sl_splat_coefficients(s, cache->class),
-        .kernels = sl_splat_kernels_for(sl_isa_best()),
+        .isa = sl_isa_best(),
         .camera = camera,
         .mirrors = s->reflections ? &s->mirrors : NULL,
         .near_distance = 1e-5f * scale,

@@ -30,7 +30,7 @@ static void reflected_at(const sl_record_cache *cache, size_t index, size_t i, f
     const sl_record *record = &cache->list.records[index];
     const sl_glossy_record glossy = {record->position, sl_frame_from_normal(record->normal),
                                      cache->list.coefficients + index * cache->pass.coefficient_count};
-    sl_glossy_kernel_for(sl_isa_best())(&cache->pass.glossy, &glossy, i, radiance);
+    SL_KERNEL_OF(sl_isa_best(), sl_glossy_radiance)(&cache->pass.glossy, &glossy, i, radiance);
 }
 
 /* Adds w / sum w of what a record says to a layer that reflects so much of it. */

@@ -95,7 +95,3 @@ size_t sl_glossy_bytes(const sl_glossy *glossy) {
     }
     return bytes;
 }
-
-SL_KERNEL_VARIANTS(sl_glossy_kernel, sl_glossy_radiance);
-
-sl_glossy_kernel *sl_glossy_kernel_for(sl_isa isa) { return SL_KERNEL_OF(isa, sl_glossy_radiance); }

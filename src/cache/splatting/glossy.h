@@ -44,9 +44,8 @@ typedef struct sl_glossy_record {
 } sl_glossy_record;
 
 /* sum of c lambda for one pixel, W/(m^2 sr) per unit ks: may be slightly negative, as finite orders ring. */
-typedef void sl_glossy_kernel(const sl_glossy_view *view, const sl_glossy_record *record, size_t pixel,
-                              float radiance[3]);
-sl_glossy_kernel *sl_glossy_kernel_for(sl_isa isa);
+SL_KERNELS(void, sl_glossy_radiance,
+           (const sl_glossy_view *view, const sl_glossy_record *record, size_t pixel, float radiance[3]));
 
 struct sl_glossy {
     int order;

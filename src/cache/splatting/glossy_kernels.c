@@ -88,7 +88,6 @@ static inline float reflect(const float *restrict w, const float *restrict lambd
     return here + (change < most ? (change > -most ? change : -most) : most);
 }
 
-extern sl_glossy_kernel SL_KERNEL(sl_glossy_radiance);
 void SL_KERNEL(sl_glossy_radiance)(const sl_glossy_view *view, const sl_glossy_record *record, size_t pixel,
                                    float radiance[3]) {
     const sl_glossy *g = view->glossy;

@@ -137,21 +137,18 @@ typedef struct sl_tile_planes {
     float glossy[3][SL_SPLAT_TILE_PIXELS];
 } sl_tile_planes;
 
-typedef struct sl_splat_kernels {
-    /* Fetches the receivers of a region that starts in column region.x0 - x, row region.y0 - y of the tile.
-     */
-    void (*fetch)(const sl_splat_receivers *receivers, int x, int y, sl_splat_rect region,
-                  sl_tile_planes *tile);
-    /* Algorithm 1, steps 2 to 6, for the pixels of a rectangle within the tile; without light the sum of
-     * weights alone, with the same bits. weights, if not NULL: gets that of every pixel of the rectangle,
-     * pixel (x, y) of the tile at [y * SL_SPLAT_TILE + x]. Returns how many pixels took part. */
-    uint64_t (*splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, bool light,
-                      sl_tile_planes *tile, float *weights);
-    /* w at one pixel; 0 where the record does not contribute. */
-    float (*weight)(const sl_record *record, const sl_weight_rules *rules,
-                    const sl_splat_receivers *receivers, size_t pixel);
-} sl_splat_kernels;
-
-const sl_splat_kernels *sl_splat_kernels_for(sl_isa isa);
+/* Fetches the receivers of a region that starts in column region.x0 - x, row region.y0 - y of the tile. */
+SL_KERNELS(void, sl_splat_fetch,
+           (const sl_splat_receivers *receivers, int x, int y, sl_splat_rect region, sl_tile_planes *tile));
+/* Algorithm 1, steps 2 to 6, for the pixels of a rectangle within the tile; without light the sum of weights
+ * alone, with the same bits. weights, if not NULL: gets that of every pixel of the rectangle, pixel (x, y) of
+ * the tile at [y * SL_SPLAT_TILE + x]. Returns how many pixels took part. */
+SL_KERNELS(uint64_t, sl_splat_record,
+           (const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect, bool light,
+            sl_tile_planes *tile, float *weights));
+/* w at one pixel; 0 where the record does not contribute. */
+SL_KERNELS(float, sl_splat_weight,
+           (const sl_record *record, const sl_weight_rules *rules, const sl_splat_receivers *receivers,
+            size_t pixel));
 
 #endif

@@ -15,7 +15,7 @@ typedef struct {
     const float *coefficients;     /* of the first record; NULL: only irradiance is splatted */
     const sl_splat_buffer *buffer; /* planes that are wanted; NULL ones are not */
     bool light;                    /* or weights alone */
-    sl_glossy_kernel *glossy;
+    sl_isa isa;
 } splat_context;
 
 /* ---- a tile comes and goes ---- */
@@ -51,7 +51,7 @@ static void copy_sums(const splat_context *c, const sl_splat_tile *tile, bool ba
 
 static void begin_tile(void *context, const sl_splat_tile *tile) {
     const splat_context *c = context;
-    c->pass->kernels->fetch(&c->pass->receivers, tile->x, tile->y, tile->region, tile->memory);
+    SL_KERNEL_OF(c->isa, sl_splat_fetch)(&c->pass->receivers, tile->x, tile->y, tile->region, tile->memory);
     copy_sums(c, tile, false);
 }
 
@@ -72,7 +72,7 @@ static void add_glossy(const splat_context *c, const sl_splat_tile *tile, size_t
             const int i = y * SL_SPLAT_TILE + x;
             float radiance[3];
             if (!(weights[i] > 0.0f)) continue;
-            c->glossy(&pass->glossy, &glossy,
+            SL_KERNEL_OF(c->isa, sl_glossy_radiance)(&pass->glossy, &glossy,
                       (size_t)(tile->y + y) * (size_t)pass->receivers.width + (size_t)(tile->x + x),
                       radiance);
             for (int k = 0; k < 3; k++) planes->glossy[k][i] += weights[i] * radiance[k];
@@ -84,8 +84,9 @@ static uint64_t shade(void *context, const sl_splat_tile *tile, size_t index, sl
     const splat_context *c = context;
     const sl_splat_rect r = {rect.x0 - tile->x, rect.y0 - tile->y, rect.x1 - tile->x, rect.y1 - tile->y};
     float weights[SL_SPLAT_TILE_PIXELS];
-    uint64_t blended = c->pass->kernels->splat(&c->records[index], &c->pass->weights, r, c->light,
-                                               tile->memory, c->coefficients ? weights : NULL);
+    uint64_t blended = SL_KERNEL_OF(c->isa, sl_splat_record)(&c->records[index], &c->pass->weights, r,
+                                                             c->light, tile->memory,
+                                                             c->coefficients ? weights : NULL);
     if (blended && c->coefficients) add_glossy(c, tile, index, r, weights);
     return blended;
 }
@@ -173,7 +174,7 @@ static sl_status draw(splat_context *context, size_t count, sl_counters *counter
 sl_status sl_cover(const sl_record_pass *pass, const sl_record *records, size_t count, sl_error *error) {
     if (count == 0) return SL_OK;
     const sl_splat_buffer weights_alone = {.weight = pass->coverage};
-    splat_context context = {pass, records, NULL, &weights_alone, false, NULL};
+    splat_context context = {pass, records, NULL, &weights_alone, false, pass->isa};
     /* the paper sums coverage on the CPU: these are no splats of the hardware */
     sl_counters unbilled = {{0}};
     return draw(&context, count, &unbilled, error);
@@ -184,13 +185,6 @@ sl_status sl_splat_records(const sl_record_pass *pass, const sl_record_list *lis
     if (first >= list->count) return SL_OK;
     const float *coefficients =
         list->coefficients ? list->coefficients + first * pass->coefficient_count : NULL;
-    splat_context context = {pass,   list->records + first, coefficients,
-                             buffer, true,                  sl_glossy_kernel_for(sl_isa_best())};
+    splat_context context = {pass, list->records + first, coefficients, buffer, true, pass->isa};
     return draw(&context, list->count - first, counters, error);
-}
-
-SL_KERNEL_VARIANTS(const sl_splat_kernels, sl_splat_kernel_table);
-
-const sl_splat_kernels *sl_splat_kernels_for(sl_isa isa) {
-    return SL_KERNEL_CHOICE(isa, sl_splat_kernel_table);
 }

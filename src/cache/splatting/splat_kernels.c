@@ -74,7 +74,7 @@ static inline void add(const float *restrict w, float *restrict weight) {
     for (int l = 0; l < GROUP; l++) weight[l] += w[l];
 }
 
-static uint64_t SL_KERNEL(splat)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
+uint64_t SL_KERNEL(sl_splat_record)(const sl_record *record, const sl_weight_rules *rules, sl_splat_rect rect,
                                  bool light, sl_tile_planes *tile, float *weights) {
     const sl_record_terms k = sl_record_terms_of(record, rules);
     uint64_t blended = 0;
@@ -95,7 +95,7 @@ static uint64_t SL_KERNEL(splat)(const sl_record *record, const sl_weight_rules 
 
 /* ---- single pixels, and the way into a tile ---- */
 
-static float SL_KERNEL(weight)(const sl_record *record, const sl_weight_rules *rules,
+float SL_KERNEL(sl_splat_weight)(const sl_record *record, const sl_weight_rules *rules,
                                const sl_splat_receivers *p, size_t i) {
     const sl_record_terms k = sl_record_terms_of(record, rules);
     const float px = p->position_x[i], py = p->position_y[i], pz = p->position_z[i];
@@ -106,7 +106,7 @@ static float SL_KERNEL(weight)(const sl_record *record, const sl_weight_rules *r
     return sl_record_weight_at(&k, squared, px, py, pz, p->normal_x[i], p->normal_y[i], p->normal_z[i]);
 }
 
-static void SL_KERNEL(fetch)(const sl_splat_receivers *p, int x, int y, sl_splat_rect region,
+void SL_KERNEL(sl_splat_fetch)(const sl_splat_receivers *p, int x, int y, sl_splat_rect region,
                              sl_tile_planes *tile) {
     const int columns = region.x1 - region.x0;
     for (int row = region.y0; row < region.y1; row++) {
@@ -128,7 +128,3 @@ static void SL_KERNEL(fetch)(const sl_splat_receivers *p, int x, int y, sl_splat
         }
     }
 }
-
-extern const sl_splat_kernels SL_KERNEL(sl_splat_kernel_table);
-const sl_splat_kernels SL_KERNEL(sl_splat_kernel_table) = {
-    SL_KERNEL(fetch), SL_KERNEL(splat), SL_KERNEL(weight)};

@@ -96,7 +96,7 @@ typedef struct sl_record_pass {
     sl_radius_rules radii;
     size_t coefficient_count; /* floats of one record's coefficients; 0: irradiance records */
     sl_glossy_view glossy;    /* used where coefficient_count > 0 */
-    const sl_splat_kernels *kernels;
+    sl_isa isa;
     const sl_camera *camera;
     const sl_mirror_pixels *mirrors; /* or NULL */
     float near_distance, footprint_per_depth;

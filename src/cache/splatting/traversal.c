@@ -80,7 +80,7 @@ static float depth_of(const sl_record_pass *pass, size_t pixel, sl_vec3 p) {
 }
 
 float sl_record_weight(const sl_record_pass *pass, const sl_record *record, size_t pixel) {
-    return pass->kernels->weight(record, &pass->weights, &pass->receivers, pixel);
+    return SL_KERNEL_OF(pass->isa, sl_splat_weight)(record, &pass->weights, &pass->receivers, pixel);
 }
 
 /* Has an earlier record of this batch covered the pixel meanwhile? Adds their weights in order, as the

@@ -6,28 +6,26 @@
 #include "raster/raster.h"
 
 /* 2x2 sums of `rows` rows (even) of `width` pixels (even) into rows / 2 rows of width / 2. */
-typedef void halve_kernel(const float *in, int width, int rows, float *out);
-SL_KERNEL_VARIANTS(halve_kernel, sl_raster_halve);
+SL_KERNELS(void, sl_raster_halve, (const float *in, int width, int rows, float *out));
 
 /* scratch: size*size/2, for halves in turn. */
-static void reduce_plane(halve_kernel *halve, const float *plane, int size, int final, float *scratch,
-                         float *out) {
+static void reduce_plane(sl_isa isa, const float *plane, int size, int final, float *scratch, float *out) {
     float *const half[2] = {scratch, scratch + (size_t)(size / 2) * (size_t)(size / 2)};
     for (int now = 0; size > final; now = 1 - now, size /= 2) {
         float *to = size / 2 == final ? out : half[now];
-        halve(plane, size, size, to);
+        SL_KERNEL_OF(isa, sl_raster_halve)(plane, size, size, to);
         plane = to;
     }
 }
 
 void sl_raster_reduce(const float *planes, int size, int channels, int final, float *scratch, float *out,
                       sl_counters *counters) {
-    halve_kernel *halve = SL_KERNEL_OF(sl_isa_best(), sl_raster_halve);
+    const sl_isa isa = sl_isa_best();
     size_t pixels = (size_t)size * (size_t)size, left = (size_t) final * (size_t) final,
            depth = (size_t)channels;
     if (size == final) memcpy(out, planes, depth * left * sizeof *out);
     for (size_t c = 0; size > final && c < depth; c++)
-        reduce_plane(halve, planes + c * pixels, size, final, scratch, out + c * left);
+        reduce_plane(isa, planes + c * pixels, size, final, scratch, out + c * left);
     /* A fragment sums all planes of its pixel. */
     for (int at = size; at > final; at /= 2)
         sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, (uint64_t)(at / 2) * (uint64_t)(at / 2));

@@ -140,7 +140,7 @@ static void resolve_surfaces(const resolution *r, const sl_pass_view *view, size
     sl_surface_block *s = &w->surface;
     s->normals = r->normals;
     if (s->normals) fetch_normals(r->raster->scene, w);
-    r->raster->kernels->resolve->surfaces(&w->pixels, view, s);
+    SL_KERNEL_OF(r->raster->isa, sl_resolve_surfaces)(&w->pixels, view, s);
     if (s->normals) resolve_bumps(r->raster->scene, view, &w->pixels, &s->normal, NULL);
     uint32_t count = w->pixels.count;
     put(r, r->out->position_x, first, s->position.x, count);
@@ -181,7 +181,7 @@ void sl_resolve_diffuse(const sl_raster *raster, const sl_pass_view *view, const
                         sl_vector_planes *diffuse) {
     sl_albedo_block albedo;
     fetch_albedo(raster->scene, block, &albedo);
-    raster->kernels->resolve->albedo(block, &albedo, diffuse);
+    SL_KERNEL_OF(raster->isa, sl_resolve_albedo)(block, &albedo, diffuse);
     resolve_bumps(raster->scene, view, block, NULL, diffuse);
 }
 
@@ -198,7 +198,7 @@ static void resolve_material(const resolution *r, size_t first, workspace *w) {
         uint32_t triangle = sl_run_triangle(&w->pixels, run);
         value[run] = triangle == SL_NO_INDEX ? SL_NO_INDEX : r->raster->scene->material_index[triangle];
     }
-    r->raster->kernels->resolve->spread_index(&w->pixels, value, w->index);
+    SL_KERNEL_OF(r->raster->isa, sl_resolve_spread_index)(&w->pixels, value, w->index);
     put(r, r->out->material, first, w->index, w->pixels.count);
 }
 

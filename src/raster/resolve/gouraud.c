@@ -58,7 +58,7 @@ static void interpolate(const gouraud *g, const sl_resolve_block *block, size_t 
     float plane[SL_RESOLVE_ROOM];
     fetch(g->pass, block, corners);
     for (size_t c = 0; c < (size_t)g->pass->channels; c++) {
-        g->raster->kernels->resolve->interpolate(block, corners[c], plane);
+        SL_KERNEL_OF(g->raster->isa, sl_resolve_interpolate)(block, corners[c], plane);
         if (g->pass->out) sl_resolve_put(g->pass->out + c * g->pixels, g->pixels, pixel, plane, block->count);
         else memcpy(value[c] + at, plane, block->count * sizeof *plane);
     }

@@ -49,10 +49,10 @@ size_t sl_resolve_next(const sl_raster *raster, const sl_pass_view *view, size_t
     block->id = id;
     block->pixel = pixel;
     block->first = (uint32_t)first;
-    raster->kernels->resolve->runs(block, count);
+    SL_KERNEL_OF(raster->isa, sl_resolve_runs)(block, count);
     find_vertices(raster, count, block);
     fetch_corners(raster, block);
-    raster->kernels->resolve->weights(block, view);
+    SL_KERNEL_OF(raster->isa, sl_resolve_weights)(block, view);
     return block->count;
 }
 

@@ -79,16 +79,18 @@ typedef struct sl_albedo_block {
 } sl_albedo_block;
 
 /* The kernels, in the order in which they are called; all variants give the same bits. */
-typedef struct sl_resolve_kernels {
-    /* Finds the runs of a block of at most `count` pixels. */
-    void (*runs)(sl_resolve_block *block, size_t count);
-    void (*weights)(sl_resolve_block *block, const sl_pass_view *view);
-    /* Values given at the corners, at every pixel; and indices given for each run. */
-    void (*interpolate)(const sl_resolve_block *block, const sl_run_corners value, float *out);
-    void (*spread_index)(const sl_resolve_block *block, const uint32_t *value, uint32_t *out);
-    void (*surfaces)(const sl_resolve_block *block, const sl_pass_view *view, sl_surface_block *surfaces);
-    void (*albedo)(const sl_resolve_block *block, const sl_albedo_block *materials, sl_vector_planes *out);
-} sl_resolve_kernels;
+/* Finds the runs of a block of at most `count` pixels. */
+SL_KERNELS(void, sl_resolve_runs, (sl_resolve_block *block, size_t count));
+SL_KERNELS(void, sl_resolve_weights, (sl_resolve_block *block, const sl_pass_view *view));
+/* Values given at the corners, at every pixel; and indices given for each run. */
+SL_KERNELS(void, sl_resolve_interpolate,
+           (const sl_resolve_block *block, const sl_run_corners value, float *out));
+SL_KERNELS(void, sl_resolve_spread_index,
+           (const sl_resolve_block *block, const uint32_t *value, uint32_t *out));
+SL_KERNELS(void, sl_resolve_surfaces,
+           (const sl_resolve_block *block, const sl_pass_view *view, sl_surface_block *surfaces));
+SL_KERNELS(void, sl_resolve_albedo,
+           (const sl_resolve_block *block, const sl_albedo_block *materials, sl_vector_planes *out));
 
 /* Takes the next block from `count` pixels (pixel NULL: first, first + 1, ...) with their ids, and finds
  * their weights. Returns how many pixels it took: 0 when count is 0. The block must have been cleared once.

@@ -29,7 +29,7 @@ static inline uint32_t lowest_byte(uint64_t set) { return (uint32_t)__builtin_ct
 /* ---- runs ---- */
 
 /* Where the index changes, as bytes, 64 pixels at a time; then only at the changes. */
-static void find_runs(sl_resolve_block *block, size_t count) {
+void SL_KERNEL(sl_resolve_runs)(sl_resolve_block *block, size_t count) {
     const uint32_t most = count < SL_RESOLVE_PIXELS ? (uint32_t)count : SL_RESOLVE_PIXELS;
     uint32_t runs = 1;
     block->start[0] = 0;
@@ -163,7 +163,7 @@ static void move_inside(sl_resolve_block *block) {
     }
 }
 
-static void find_weights(sl_resolve_block *block, const sl_pass_view *view) {
+void SL_KERNEL(sl_resolve_weights)(sl_resolve_block *block, const sl_pass_view *view) {
     locate_pixels(block, view);
     make_lines(block, view);
     make_background(block);
@@ -174,7 +174,8 @@ static void find_weights(sl_resolve_block *block, const sl_pass_view *view) {
 
 /* ---- attributes ---- */
 
-static void interpolate(const sl_resolve_block *block, const sl_run_corners value, float *plane) {
+void SL_KERNEL(sl_resolve_interpolate)(const sl_resolve_block *block, const sl_run_corners value,
+                                       float *plane) {
     for (uint32_t r = 0; r < block->runs; r++) {
         const float first = value[0][r], to_1 = value[1][r] - first, to_2 = value[2][r] - first;
         for (uint32_t n = block->start[r]; n < block->start[r + 1]; n += LANES) {
@@ -223,7 +224,8 @@ static void spread(const sl_resolve_block *block, const float *x, const float *y
     }
 }
 
-static void spread_index(const sl_resolve_block *block, const uint32_t *value, uint32_t *plane) {
+void SL_KERNEL(sl_resolve_spread_index)(const sl_resolve_block *block, const uint32_t *value,
+                                        uint32_t *plane) {
     for (uint32_t r = 0; r < block->runs; r++) {
         const uint32_t v = value[r];
         for (uint32_t n = block->start[r]; n < block->start[r + 1]; n += LANES) {
@@ -287,7 +289,8 @@ static void turn_normals(sl_surface_block *s, uint32_t count, sl_vec3 eye) {
     }
 }
 
-static void find_surfaces(const sl_resolve_block *block, const sl_pass_view *view, sl_surface_block *s) {
+void SL_KERNEL(sl_resolve_surfaces)(const sl_resolve_block *block, const sl_pass_view *view,
+                                    sl_surface_block *s) {
     const uint32_t count = whole_lanes(block->count);
     const sl_vec3 eye = sl_v3(view->origin[0], view->origin[1], view->origin[2]);
     interpolate_vectors(block, &block->corner, &s->position);
@@ -303,18 +306,3 @@ static void find_surfaces(const sl_resolve_block *block, const sl_pass_view *vie
         turn_normals(s, count, eye);
     }
 }
-
-/* ---- the table ---- */
-
-void SL_KERNEL(sl_resolve_albedo)(const sl_resolve_block *block, const sl_albedo_block *a,
-                                  sl_vector_planes *out);
-
-extern const sl_resolve_kernels SL_KERNEL(sl_resolve_kernels);
-const sl_resolve_kernels SL_KERNEL(sl_resolve_kernels) = {
-    .runs = find_runs,
-    .weights = find_weights,
-    .interpolate = interpolate,
-    .spread_index = spread_index,
-    .surfaces = find_surfaces,
-    .albedo = SL_KERNEL(sl_resolve_albedo),
-};

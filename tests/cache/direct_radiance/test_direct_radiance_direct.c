@@ -193,7 +193,7 @@ static float lobe_towards(float x, float y, float exponent, sl_vec3 at, sl_vec3 
     t = (sl_receiver_tile){.count = 1, .padded = SL_TILE_LANES};
     t.mirrored_x[0] = axis.x, t.mirrored_y[0] = axis.y, t.mirrored_z[0] = axis.z, t.exponent[0] = exponent;
     const sl_lobe_target target = {.towards = at, .normal = normal, .extent = 0.01f}; /* A / 4 pi */
-    sl_receiver_kernels_for(sl_isa_best()).receiver_lobe(&t, &target, power);
+    SL_KERNEL_OF(sl_isa_best(), sl_receiver_lobe_power)(&t, &target, power);
     return power[0];
 }
 

@@ -54,7 +54,7 @@ static void discard(world *w) {
 static float lit_at(const world *w, sl_vec3 p, sl_vec3 n) {
     float lit = 1.0f;
     const sl_light_points at = {1, &p.x, &p.y, &p.z, &n.x, &n.y, &n.z, &n.x, &n.y, &n.z};
-    sl_light_kernels_for(sl_isa_best()).lit(&at, &w->cube, &lit);
+    SL_KERNEL_OF(sl_isa_best(), sl_depth_cube_lit)(&at, &w->cube, &lit);
     return lit;
 }
 

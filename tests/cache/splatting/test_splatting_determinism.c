@@ -78,7 +78,7 @@ static void stage_open(stage *s) {
                   .guard = true,
                   .gather = SL_GATHER_RAYS,
                   .plane_tangent = 2.7},
-        .kernels = sl_splat_kernels_for(sl_isa_best()),
+        .isa = sl_isa_best(),
         .camera = c,
         .near_distance = 1e-5f * s->scene->diagonal,
         .footprint_per_depth = 2.0f * t / SIDE,

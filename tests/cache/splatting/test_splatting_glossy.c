@@ -101,7 +101,7 @@ static void stage_open(stage *s, sl_vec3 record_normal, sl_vec3 pixel_normal) {
 
 static void look_from(stage *s, sl_vec3 to_viewer, float radiance[3]) {
     s->view.eye = sl_scale(to_viewer, 3.0f);
-    sl_glossy_kernel_for(sl_isa_best())(&s->view, &s->record, 0, radiance);
+    SL_KERNEL_OF(sl_isa_best(), sl_glossy_radiance)(&s->view, &s->record, 0, radiance);
 }
 
 static void a_pixel_with_the_records_normal_reflects_what_quadrature_says(void **state) {
@@ -168,7 +168,7 @@ static void coefficients_are_translated_along_their_gradients_in_the_records_fra
     sl_vec3 d = sl_add(sl_scale(s.record.frame.x, 0.4f), sl_scale(s.record.frame.y, 0.3f));
     s.px = d.x, s.py = d.y, s.pz = d.z;
     s.view.eye = sl_add(d, sl_scale(to_viewer, 3.0f));
-    sl_glossy_kernel_for(sl_isa_best())(&s.view, &s.record, 0, moved);
+    SL_KERNEL_OF(sl_isa_best(), sl_glossy_radiance)(&s.view, &s.record, 0, moved);
     for (int c = 0; c < 3; c++) {
         expected[c] = there[c] * (1.0f + 0.5f * 0.4f - 0.2f * 0.3f);
         assert_true(fabsf(moved[c] - expected[c]) < 1e-4f * expected[c]);
@@ -190,7 +190,7 @@ static void gradients_beyond_measure_change_what_is_reflected_by_half(void **sta
         for (size_t j = 0; j < 3 * stride; j++) s.coefficients[3 * stride + j] = steep[i] * s.coefficients[j];
         s.px = 0.01f * s.record.frame.x.x, s.py = 0.01f * s.record.frame.x.y,
         s.pz = 0.01f * s.record.frame.x.z;
-        sl_glossy_kernel_for(sl_isa_best())(&s.view, &s.record, 0, moved);
+        SL_KERNEL_OF(sl_isa_best(), sl_glossy_radiance)(&s.view, &s.record, 0, moved);
         for (int c = 0; c < 3; c++) assert_true(moved[c] > 0.45f * there[c] && moved[c] < 1.55f * there[c]);
     }
     sl_glossy_destroy(s.glossy);
@@ -202,9 +202,9 @@ static void every_instruction_set_reflects_the_same_bits(void **state) {
     stage_open(&s, unit(0.1f, 0.5f, 0.7f), unit(0.2f, 0.45f, 0.7f));
     s.view.eye = sl_v3(1, 2, 3);
     float first[3], other[3];
-    sl_glossy_kernel_for(SL_ISA_BASELINE)(&s.view, &s.record, 0, first);
+    SL_KERNEL_OF(SL_ISA_BASELINE, sl_glossy_radiance)(&s.view, &s.record, 0, first);
     for (int isa = SL_ISA_BASELINE; isa <= (int)sl_isa_best(); isa++) {
-        sl_glossy_kernel_for((sl_isa)isa)(&s.view, &s.record, 0, other);
+        SL_KERNEL_OF((sl_isa)isa, sl_glossy_radiance)(&s.view, &s.record, 0, other);
         assert_memory_equal(first, other, sizeof first);
     }
     sl_glossy_destroy(s.glossy);
@@ -218,7 +218,7 @@ static void an_eye_on_the_pixel_or_below_it_and_a_normal_that_is_none_give_numbe
     const sl_vec3 eyes[] = {{0, 0, 0}, {0, 0, -1}, {1, 0, 0}, {1e-30f, 0, 0}};
     for (int i = 0; i < 4; i++) {
         s.view.eye = eyes[i];
-        sl_glossy_kernel_for(sl_isa_best())(&s.view, &s.record, 0, radiance);
+        SL_KERNEL_OF(sl_isa_best(), sl_glossy_radiance)(&s.view, &s.record, 0, radiance);
         for (int c = 0; c < 3; c++) assert_true(isfinite(radiance[c]));
     }
     sl_glossy_destroy(s.glossy);

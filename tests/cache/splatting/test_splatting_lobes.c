@@ -97,7 +97,7 @@ static void every_order_on_every_instruction_set_equals_the_plain_loops(void **s
             expected_radiance(&v, order, lobe, i, truth);
             for (int isa = SL_ISA_BASELINE; isa <= (int)sl_isa_best(); isa++) {
                 float radiance[3];
-                sl_glossy_kernel_for((sl_isa)isa)(&v.view, &v.record, i, radiance);
+                SL_KERNEL_OF((sl_isa)isa, sl_glossy_radiance)(&v.view, &v.record, i, radiance);
                 if (isa == SL_ISA_BASELINE) memcpy(first, radiance, sizeof first);
                 assert_memory_equal(radiance, first, sizeof first);
                 for (int k = 0; k < 3; k++) /* the other material is not glossy */

@@ -246,7 +246,7 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
                                      .guard = true,
                                      .gather = SL_GATHER_RAYS,
                                      .plane_tangent = 2.7},
-                           .kernels = sl_splat_kernels_for(sl_isa_best()),
+                           .isa = sl_isa_best(),
                            .camera = &scene->camera,
                            .near_distance = 1e-5f * scene->diagonal,
                            .footprint_per_depth = footprint,

@@ -17,7 +17,6 @@
 
 enum { SIDE = 16, PIXELS = SIDE * SIDE };
 
-static const sl_splat_kernels *kernels(void) { return sl_splat_kernels_for(sl_isa_best()); }
 
 /* A patch of receivers that a test fills in. */
 typedef struct {
@@ -32,7 +31,8 @@ static sl_tile_planes tile;
 
 static void into_tile(const patch *p) {
     memset(&tile, 0x7f, sizeof tile); /* what an earlier tile may have left */
-    kernels()->fetch(&p->receivers, 0, 0, (sl_splat_rect){0, 0, SIDE, SIDE}, &tile);
+    SL_KERNEL_OF(sl_isa_best(), sl_splat_fetch)(&p->receivers, 0, 0, (sl_splat_rect){0, 0, SIDE, SIDE},
+                                                &tile);
     for (int i = 0; i < PIXELS; i++) {
         int at = i / SIDE * SL_SPLAT_TILE + i % SIDE;
         tile.r[at] = p->r[i], tile.g[at] = p->g[i], tile.b[at] = p->b[i];
@@ -76,7 +76,8 @@ static const sl_weight_rules wards = {0.5f, 0.0f, 1e-6f}, smooth = {0.5f, 2.0f, 
 static void splat(patch *p, const sl_record *records, size_t count, const sl_weight_rules *rules) {
     into_tile(p);
     for (size_t k = 0; k < count; k++)
-        kernels()->splat(&records[k], rules, (sl_splat_rect){0, 0, SIDE, SIDE}, true, &tile, NULL);
+        SL_KERNEL_OF(sl_isa_best(), sl_splat_record)(&records[k], rules, (sl_splat_rect){0, 0, SIDE, SIDE},
+                                                     true, &tile, NULL);
     out_of_tile(p);
 }
 
@@ -259,20 +260,23 @@ static void coverage_has_the_bits_of_the_splatted_weight_on_every_instruction_se
         patch_plane(&p);
         for (int i = 0; i < PIXELS; i++)
             p.pz[i] = 0.01f * sl_random_unit(key, 1000 + (uint64_t)i), p.receives[i] = i % 7 != 0;
-        const sl_splat_kernels *k = sl_splat_kernels_for((sl_isa)isa);
         const sl_splat_rect some = {3, 1, SIDE - 5, SIDE - 2}; /* runs that fill no vector */
         uint64_t splatted = 0, covered = 0, expected = 0;
         into_tile(&p);
-        for (int n = 0; n < 20; n++) splatted += k->splat(&records[n], &smooth, some, true, &tile, NULL);
+        for (int n = 0; n < 20; n++)
+            splatted += SL_KERNEL_OF((sl_isa)isa, sl_splat_record)(&records[n], &smooth, some, true, &tile,
+                                                                      NULL);
         out_of_tile(&p);
         memset(tile.weight, 0, sizeof tile.weight);
-        for (int n = 0; n < 20; n++) covered += k->splat(&records[n], &smooth, some, false, &tile, NULL);
+        for (int n = 0; n < 20; n++)
+            covered += SL_KERNEL_OF((sl_isa)isa, sl_splat_record)(&records[n], &smooth, some, false, &tile,
+                                                                     NULL);
         for (size_t i = 0; i < PIXELS; i++) { /* and those of adding single pixels in record order */
             float sum = 0.0f;
             int x = (int)i % SIDE, y = (int)i / SIDE;
             bool inside = x >= some.x0 && x < some.x1 && y >= some.y0 && y < some.y1;
             for (int n = 0; n < 20 && inside; n++) {
-                float w = k->weight(&records[n], &smooth, &p.receivers, i);
+                float w = SL_KERNEL_OF((sl_isa)isa, sl_splat_weight)(&records[n], &smooth, &p.receivers, i);
                 sum += w;
                 expected += w > 0.0f;
             }
