@@ -209,7 +209,7 @@ static void plots_keep_their_names_apart_and_on_the_paper(void **state) {
     fixture *f = *state;
     need_browser(f);
     open_page(f, "report/report.html");
-    assert_holds(f->browser, "document.querySelectorAll('svg.plot').length === 6");
+    assert_holds(f->browser, "document.querySelectorAll('svg.plot').length === 4");
     assert_holds(f->browser,
                  "[...document.querySelectorAll('svg.plot')].every(p => { const all = "
                  "p.getBoundingClientRect();"

@@ -41,12 +41,12 @@ awk -F, '
     field("curve") != curve { conclude_curve() }
     {
         curve = field("curve"); quality = field("quality")
-        if (field("end") != "ran" || field("matched_rel_rmse") == "") {
+        if (field("end") != "ran" || field("matched") == "") {
             printf "result %-16s %-24s %-6s %s\n", scene, curve, quality, field("end")
             bad++
             next
         }
-        error[quality] = field("matched_rel_rmse"); doubt[quality] = field("matched_doubt"); bound[quality] = field("matched_is_bound") == "yes"
+        error[quality] = field("matched"); doubt[quality] = field("matched.doubt"); bound[quality] = field("matched.lost") == 1
     }
     END {
         conclude_curve()

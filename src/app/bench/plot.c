@@ -9,50 +9,45 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- every plot ---- */
+/* ---- the paper ---- */
 
-const char *sl_plot_name(int plot) {
-    return plot == SL_PLOT_PARTS ? "parts" : sl_bench_truth_name((sl_bench_truth)plot);
-}
+/* Classes 0, 1, ... of the five methods' and two tracers' colours; the last is the photon map's. On light and
+ * on dark paper. */
+enum { CLASSES = 8 };
+static const char *const light[CLASSES] = {"#0065a8", "#c24e00", "#00805c", "#a63a86",
+                                           "#8a6a00", "#333",    "#777",    "#7a4fd0"};
+static const char *const dark[CLASSES] = {"#5db4f0", "#ff9650", "#3fd6a6", "#ee96cf",
+                                          "#e6c34a", "#eee",    "#aaa",    "#b79bff"};
 
-/* Puts rules for classes 0, 1, ... of a colour each: a # in the rule is the class, a $ its colour. */
-static void put_colours(FILE *out, const char *rule, const char *const *colours, int count) {
-    for (int i = 0; i < count; i++) {
-        for (const char *at = rule; *at; at++) {
-            if (*at == '#') fprintf(out, "%d", i);
-            else if (*at == '$') fputs(colours[i], out);
-            else fputc(*at, out);
-        }
-    }
-}
-
-typedef struct style {
-    const char *more, *rule; /* rules besides; of each class */
-    int count;
-    const char *light[8], *dark[8];
-} style;
-
-/* Begins a plot: its style, for light and for dark paper, its paper and its title. */
-static void begin(FILE *out, const style *s, int width, int height, const char *scene, const char *title) {
-    fprintf(out,
-            "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" "
-            "height=\"%d\" role=\"img\">\n<style>.plot text{font:12px system-ui,sans-serif;fill:#222}.plot "
-            ".paper{fill:#fff}.plot .grid{stroke:#ddd}.plot .title{font-weight:600;font-size:14px}%s",
-            width, height, width, height, s->more);
-    put_colours(out, s->rule, s->light, s->count);
-    fputs("@media(prefers-color-scheme:dark){.plot text{fill:#ddd}.plot .paper{fill:#15171a}.plot "
-          ".grid{stroke:#33373d}",
-          out);
-    put_colours(out, s->rule, s->dark, s->count);
-    fprintf(out,
-            "}</style>\n<rect class=\"paper\" width=\"%d\" height=\"%d\"/>\n<text class=\"title\" x=\"8\" "
-            "y=\"20\">",
-            width, height);
-    sl_put_escaped(out, scene);
-    fprintf(out, "%s</text>\n", title);
+static void put_colours(FILE *out, const char *const colours[CLASSES]) {
+    for (int i = 0; i < CLASSES; i++)
+        fprintf(out, ".plot .m%d{stroke:%s}.plot .f%d{fill:%s;stroke:%s}.plot text.n%d{fill:%s}", i,
+                colours[i], i, colours[i], colours[i], i, colours[i]);
 }
 
 enum { WIDTH = 780, HEIGHT = 470, LEFT = 64, RIGHT = 176, TOP = 34, BOTTOM = 48 };
+
+/* Begins a plot: its style, for light and for dark paper, its paper and its title. */
+static void begin(FILE *out, const char *scene, const char *title) {
+    fprintf(out,
+            "<svg class=\"plot\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" "
+            "height=\"%d\" role=\"img\">\n<style>.plot text{font:12px system-ui,sans-serif;fill:#222}.plot "
+            ".paper{fill:#fff}.plot .grid{stroke:#ddd}.plot .title{font-weight:600;font-size:14px}.plot "
+            ".goal{stroke:#888;stroke-dasharray:6 4}.plot .line{fill:none;stroke-width:2}.plot "
+            ".lead{stroke-width:.6;stroke-dasharray:2 3}.plot .off{fill:none;opacity:.55}",
+            WIDTH, HEIGHT, WIDTH, HEIGHT);
+    put_colours(out, light);
+    fputs("@media(prefers-color-scheme:dark){.plot text{fill:#ddd}.plot .paper{fill:#15171a}.plot "
+          ".grid{stroke:#33373d}",
+          out);
+    put_colours(out, dark);
+    fprintf(out,
+            "}</style>\n<rect class=\"paper\" width=\"%d\" height=\"%d\"/>\n<text class=\"title\" x=\"8\" "
+            "y=\"20\">",
+            WIDTH, HEIGHT);
+    sl_put_escaped(out, scene);
+    fprintf(out, "%s</text>\n", title);
+}
 
 typedef struct axis {
     double least, most; /* powers of ten */
@@ -69,7 +64,7 @@ static double place(const axis *a, double value) {
     return a->from + (log10(value) - a->least) / (a->most - a->least) * (a->to - a->from);
 }
 
-/* Returns which of the five methods' and two tracers' colours; the last is the photon map's. */
+/* Returns the class of a curve. */
 static int class_of(const char *curve) {
     static const char *const names[] = {"splatting",     "direct-radiance", "light-octree", "multi-mesh",
                                         "shading-cache", "path",            "bidirectional"};
@@ -79,14 +74,6 @@ static int class_of(const char *curve) {
 }
 
 /* ---- error over time ---- */
-
-static const style curve_style = {
-    ".plot .goal{stroke:#888;stroke-dasharray:6 4}.plot .line{fill:none;stroke-width:2}"
-    ".plot .lead{stroke-width:.6;stroke-dasharray:2 3}.plot .off{fill:none;opacity:.55}",
-    ".plot .m#{stroke:$}.plot .f#{fill:$;stroke:$}.plot text.n#{fill:$}",
-    8,
-    {"#0065a8", "#c24e00", "#00805c", "#a63a86", "#8a6a00", "#333", "#777", "#7a4fd0"},
-    {"#5db4f0", "#ff9650", "#3fd6a6", "#ee96cf", "#e6c34a", "#eee", "#aaa", "#b79bff"}};
 
 /* Keeps of the tracers those whose own truth this is. */
 static bool belongs(const sl_curve *c, sl_bench_truth truth) {
@@ -219,13 +206,13 @@ static void put_labels(FILE *out, label *labels, size_t count) {
     }
 }
 
-static bool has_curves(const sl_bench_scene *s, sl_bench_truth truth) {
+bool sl_plot_is_there(const sl_plot *p) {
     sl_curve curves[SL_CURVES];
     axis x, y;
-    return find_bounds(curves, choose_curves(s, truth, curves), truth, &x, &y) >= 2;
+    return find_bounds(curves, choose_curves(p->scene, p->truth, curves), p->truth, &x, &y) >= 2;
 }
 
-static void plot_curves(FILE *out, const sl_bench_scene *s, sl_bench_truth truth) {
+void sl_put_plot(FILE *out, const void *plot) {
     static const char *const against[] = {
         ": relative RMSE against the method's own light paths",
         ": relative RMSE against direct light and one diffuse bounce",
@@ -234,9 +221,11 @@ static void plot_curves(FILE *out, const sl_bench_scene *s, sl_bench_truth truth
     sl_curve curves[SL_CURVES];
     label labels[SL_CURVES];
     axis x = {.from = LEFT, .to = WIDTH - RIGHT}, y = {.from = HEIGHT - BOTTOM, .to = TOP};
-    size_t count = choose_curves(s, truth, curves);
+    const sl_plot *p = plot;
+    const sl_bench_truth truth = p->truth;
+    size_t count = choose_curves(p->scene, truth, curves);
     find_bounds(curves, count, truth, &x, &y);
-    begin(out, &curve_style, WIDTH, HEIGHT, s->name, against[truth]);
+    begin(out, p->scene->name, against[truth]);
     put_axis(out, &x, true, 1.0);
     put_axis(out, &y, false, 100.0);
     put_goals(out, &y);
@@ -245,85 +234,4 @@ static void plot_curves(FILE *out, const sl_bench_scene *s, sl_bench_truth truth
     for (size_t k = 0; k < count; k++) labels[k] = put_curve(out, &curves[k], truth, &x, &y);
     put_labels(out, labels, count);
     fputs("</svg>\n", out);
-}
-
-/* ---- where the time goes: a bar a setting, cut at its passes ---- */
-
-enum { BAR_LEFT = 190, BAR_WIDTH = 640, BAR_HEIGHT = 20, BAR_STEP = 26, HEAD = 34 };
-/* of a picture's time: what takes less has no part of its own */
-static const double least_share = 0.004;
-
-static const style bar_style = {".plot .in{font-size:11px}",
-                                ".plot .p#{fill:$}",
-                                6,
-                                {"#a9cdea", "#f3c9a8", "#aedcc9", "#e3bfd9", "#e6d79b", "#ccc"},
-                                {"#2c5d85", "#8a5226", "#2b6b54", "#7a4468", "#6b5b1c", "#555"}};
-
-/* Leaves out the tracers, which have one pass, and nothing to show. */
-static bool is_shown(const sl_bench_row *r) {
-    return r->end == SL_CHILD_DONE && r->look && !sl_is_tracer(r->trial->method);
-}
-
-static int bars_of(const sl_bench_scene *s) {
-    int bars = 0;
-    for (size_t i = 0; i < s->row_count; i++) bars += is_shown(&s->rows[i]);
-    return bars;
-}
-
-/* Draws a part, and its name, or as much of it as there is room for: a letter takes some six pixels. Returns
- * where the next one begins. */
-static double put_part(FILE *out, const char *name, double share, int number, double x, int y) {
-    double width = BAR_WIDTH * share;
-    int room = (int)((width - 8.0) / 6.3), length = (int)strlen(name);
-    if (!(width > 0.0)) return x;
-    fprintf(out, "<rect class=\"p%d\" x=\"%.1f\" y=\"%d\" width=\"%.1f\" height=\"%d\"><title>", number % 6,
-            x, y, fmax(width - 1.0, 0.3), BAR_HEIGHT);
-    sl_put_escaped(out, name);
-    fprintf(out, ": %.1f %%</title></rect>", 100.0 * share);
-    if (room >= 4) {
-        char shown[128];
-        snprintf(shown, sizeof shown, "%.*s%s", length <= room ? length : room - 1, name,
-                 length <= room ? "" : ".");
-        fprintf(out, "<text class=\"in\" x=\"%.1f\" y=\"%d\">", x + 4.0, y + 14);
-        sl_put_escaped(out, shown);
-        fputs("</text>", out);
-    }
-    return x + width;
-}
-
-static void put_bar(FILE *out, const sl_bench_row *row, int y) {
-    double x = BAR_LEFT, others = 0.0;
-    int number = 0;
-    const cJSON *part;
-    fprintf(out, "<text x=\"%d\" y=\"%d\" text-anchor=\"end\">", BAR_LEFT - 8, y + 14);
-    sl_put_escaped(out, row->trial->curve);
-    fprintf(out, ", %s</text>", sl_bench_quality_name(row->trial->quality));
-    cJSON_ArrayForEach(part, cJSON_GetObjectItem(row->look, "parts")) {
-        if (part->valuedouble < least_share) others += part->valuedouble;
-        else x = put_part(out, part->string, part->valuedouble, number++, x, y);
-    }
-    put_part(out, "others", others, number, x, y);
-    fputc('\n', out);
-}
-
-static void plot_parts(FILE *out, const sl_bench_scene *s) {
-    int y = HEAD;
-    begin(out, &bar_style, BAR_LEFT + BAR_WIDTH + 16, HEAD + bars_of(s) * BAR_STEP + 8, s->name,
-          ": parts of a picture's processor time");
-    for (size_t i = 0; i < s->row_count; i++) {
-        if (!is_shown(&s->rows[i])) continue;
-        put_bar(out, &s->rows[i], y);
-        y += BAR_STEP;
-    }
-    fputs("</svg>\n", out);
-}
-
-bool sl_plot_is_there(const sl_plot *p) {
-    return p->plot == SL_PLOT_PARTS ? bars_of(p->scene) > 0 : has_curves(p->scene, (sl_bench_truth)p->plot);
-}
-
-void sl_put_plot(FILE *out, const void *plot) {
-    const sl_plot *p = plot;
-    if (p->plot == SL_PLOT_PARTS) plot_parts(out, p->scene);
-    else plot_curves(out, p->scene, (sl_bench_truth)p->plot);
 }

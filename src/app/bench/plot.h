@@ -6,17 +6,13 @@
 
 #include <stdio.h>
 
-/* A plot for each truth: error over time, both logarithmic, a curve a method. The last one: parts of the
- * processor time of a picture, a bar a setting. */
-enum { SL_PLOT_PARTS = SL_BENCH_TRUTHS, SL_PLOTS };
-
+/* Error over time, both logarithmic, a curve a method. */
 typedef struct sl_plot {
     const sl_bench_scene *scene;
-    int plot;
+    sl_bench_truth truth;
 } sl_plot;
 
-const char *sl_plot_name(int plot);
-/* Tells whether there is anything to be drawn: two settings with a known error, or one that was looked at. */
+/* Tells whether there is anything to be drawn: two settings with a known error. */
 bool sl_plot_is_there(const sl_plot *plot);
 /* Draws an sl_plot. */
 void sl_put_plot(FILE *out, const void *plot);

@@ -9,7 +9,7 @@
 
 /* Writes all of them. */
 sl_status sl_report_write(const sl_bench_results *results, const char *folder, sl_error *error);
-/* Prints to the terminal what matters, a line each. */
+/* Prints to the terminal what matters. */
 void sl_report_terminal(const sl_bench_results *results, FILE *out);
 
 /* ---- what the writers share ---- */
@@ -23,18 +23,32 @@ sl_status sl_report_page(const sl_bench_results *results, const char *path, sl_e
 /* tables.md: what a page in words quotes, each table between <!-- table NAME --> and <!-- end -->; those of a
  * file of trials are a row for each trial in each scene. Of sl_bench_results. */
 void sl_report_tables(FILE *out, const void *results);
-void sl_report_trials(FILE *out, const sl_bench_results *results);
 
 /* Prints the head of a table in Markdown; columns stand between bars, figures with a > before their names. */
 void sl_report_head(FILE *out, const char *columns);
 /* "3.2 %"; "3.2 ± 0.4 %" where more than a tenth of it is in doubt; "< 0.04 %": at most, and perhaps nothing;
  * "-" where it is not known. */
 void sl_error_text(const sl_bench_error *error, char text[32]);
-/* Writes what a reference leaves out of full global illumination, with so many digits behind the point:
- * "36.19 %"; "≥ 17.2 %", with one digit less, where the estimate is below what the missing energy alone makes
- * of it, and so lost in the references' noise. */
-void sl_missing_text(const sl_bench_reference *reference, int digits, char text[32]);
+/* Writes what a reference leaves out of full global illumination: "36.2 %"; "≥ 17 %" where the estimate is
+ * below what the missing energy alone makes of it, and so lost in the references' noise. */
+void sl_missing_text(const sl_bench_reference *reference, char text[32]);
 /* "0.31" to three digits; "" for 0. */
 void sl_seconds_text(double seconds, char text[32]);
+
+/* ---- tables about trials (cells.c has the columns' names) ---- */
+
+enum { SL_CELL = 512 };
+
+/* Takes the next name of a list with commas between; false after the last. */
+bool sl_next_column(const char **at, char column[SL_CELL]);
+/* plain: a bare number, or nothing where it is not known. */
+void sl_cell(const sl_bench_scene *scene, const sl_bench_row *row, const char *column, bool plain,
+             char cell[SL_CELL]);
+/* Tells whether the column's cells are words. */
+bool sl_cell_is_text(const char *column);
+/* Prints a table's head; then a scene's rows, those of one of the trials' tables (-1: of any). A trial that
+ * did not run to its end says so instead of figures. */
+void sl_report_columns(FILE *out, const char *columns);
+void sl_report_rows(FILE *out, const sl_bench_scene *scene, int table, const char *columns);
 
 #endif

@@ -50,9 +50,10 @@ static void add_references(cJSON *to, const sl_bench_scene *s) {
 static cJSON *scene_json(const sl_bench_scene *s) {
     cJSON *json = cJSON_CreateObject(), *plots = cJSON_AddObjectToObject(json, "plots");
     add_printed(json, "text", sl_report_scene, s);
-    for (int i = 0; i < SL_PLOTS; i++) {
-        const sl_plot plot = {s, i};
-        if (sl_plot_is_there(&plot)) add_printed(plots, sl_plot_name(i), sl_put_plot, &plot);
+    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
+        const sl_plot plot = {s, (sl_bench_truth)t};
+        if (sl_plot_is_there(&plot))
+            add_printed(plots, sl_bench_truth_name(plot.truth), sl_put_plot, &plot);
     }
     add_differences(cJSON_AddArrayToObject(json, "differences"), s);
     add_references(cJSON_AddArrayToObject(json, "references"), s);

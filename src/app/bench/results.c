@@ -56,10 +56,6 @@ double sl_bench_number(const cJSON *object, const char *name) {
     return cJSON_IsNumber(item) ? item->valuedouble : 0.0;
 }
 
-double sl_bench_counter(const sl_bench_row *row, sl_counter counter) {
-    return sl_bench_number(cJSON_GetObjectItem(row->result, "counters"), sl_counter_name(counter));
-}
-
 bool sl_bench_promises(const sl_bench_row *row) { return cJSON_HasObjectItem(row->result, "bound"); }
 
 const char *sl_bench_end_name(sl_child_outcome end) {

@@ -88,7 +88,6 @@ sl_bench_spread sl_bench_spread_of(double *values, int count);
 void sl_bench_find_unrest(sl_bench_results *results);
 /* Returns what stands in an object under that name; 0: no number does. */
 double sl_bench_number(const cJSON *object, const char *name);
-double sl_bench_counter(const sl_bench_row *row, sl_counter counter);
 /* Tells whether its error was told without a reference. */
 bool sl_bench_promises(const sl_bench_row *row);
 const char *sl_bench_end_name(sl_child_outcome end);

@@ -1,3 +1,4 @@
+#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
 #include "app/bench/scene.h"
 
 #include "app/same_file.h"
@@ -8,12 +9,16 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 /* ---- in the child ---- */
 
+/* Shared with the child, which fills in the scene. */
 typedef struct look {
     const sl_bench_options *options;
     sl_bench_scene scene;
+    bool refused; /* the report would take the place of a file: the error says of which */
+    sl_error error;
 } look;
 
 /* Refuses to write over the scene; what is written besides has names that no reader of scenes takes, or that
@@ -37,34 +42,28 @@ static void choose_size(const sl_bench_options *o, const sl_scene *scene, sl_ben
     if (o->size[0] > 0) s->width = o->size[0], s->height = o->size[1];
 }
 
-static void describe(const sl_scene *scene, sl_bench_scene *s, cJSON *root) {
+static void describe(const sl_scene *scene, sl_bench_scene *s) {
     sl_features f = sl_scene_features(scene);
     snprintf(s->hash, sizeof s->hash, "%016" PRIx64, sl_scene_hash(scene));
-    cJSON_AddStringToObject(root, "hash", s->hash);
-    cJSON_AddNumberToObject(root, "width", s->width);
-    cJSON_AddNumberToObject(root, "height", s->height);
-    cJSON_AddNumberToObject(root, "triangles", (double)sl_scene_triangle_count(scene));
-    cJSON_AddNumberToObject(root, "glossy", f.glossy_triangles > 0);
-    cJSON_AddNumberToObject(root, "mirrors", f.mirror_triangles > 0);
-    cJSON_AddNumberToObject(root, "sky", f.environment);
+    s->triangles = sl_scene_triangle_count(scene);
+    s->glossy = f.glossy_triangles > 0;
+    s->mirrors = f.mirror_triangles > 0;
+    s->sky = f.environment;
 }
 
 static bool look_work(void *context, char **report) {
     look *l = context;
-    const sl_bench_options *o = l->options;
-    sl_bench_scene *s = &l->scene;
     sl_scene *scene = NULL;
-    sl_error error;
-    cJSON *root = cJSON_CreateObject();
-    sl_status status = sl_scene_load_with(s->path, &o->load, &scene, &error);
-    if (status == SL_OK && spare_scene(scene, o->folder, &error) != SL_OK) {
-        cJSON_AddStringToObject(root, "refused", error.message);
-    } else if (status == SL_OK) {
-        choose_size(o, scene, s);
-        describe(scene, s, root);
+    sl_status status = sl_scene_load_with(l->scene.path, &l->options->load, &scene, &l->error);
+    if (status == SL_OK) {
+        status = spare_scene(scene, l->options->folder, &l->error);
+        l->refused = status != SL_OK;
     }
-    *report = status == SL_OK ? cJSON_PrintUnformatted(root) : strdup(error.message);
-    cJSON_Delete(root);
+    if (status == SL_OK) {
+        choose_size(l->options, scene, &l->scene);
+        describe(scene, &l->scene);
+    }
+    *report = strdup(l->error.message);
     sl_scene_destroy(scene);
     return status == SL_OK;
 }
@@ -79,35 +78,20 @@ static void name_scene(const char *path, sl_bench_scene *s) {
     if (dot && dot != s->name) *dot = '\0';
 }
 
-static sl_status take(const cJSON *told, sl_bench_scene *s, sl_error *error) {
-    const char *refused = cJSON_GetStringValue(cJSON_GetObjectItem(told, "refused")),
-               *hash = cJSON_GetStringValue(cJSON_GetObjectItem(told, "hash"));
-    if (refused) return sl_fail(error, SL_ERROR_USAGE, "%s", refused);
-    if (!hash) return sl_fail(error, SL_ERROR_RESOURCES, "%s: it told nothing of itself", s->path);
-    snprintf(s->hash, sizeof s->hash, "%s", hash);
-    s->width = (int)sl_bench_number(told, "width");
-    s->height = (int)sl_bench_number(told, "height");
-    s->triangles = (uint64_t)sl_bench_number(told, "triangles");
-    s->glossy = sl_bench_number(told, "glossy") > 0.0;
-    s->mirrors = sl_bench_number(told, "mirrors") > 0.0;
-    s->sky = sl_bench_number(told, "sky") > 0.0;
-    return SL_OK;
-}
-
 sl_status sl_bench_scene_read(const sl_bench_options *o, const char *path, sl_bench_scene *s,
                               sl_error *error) {
     const sl_child_limits limits = {0.0, 0, sl_interrupted};
-    look l = {.options = o};
-    sl_child_end end;
+    sl_child_end end = {0};
+    look *l = mmap(NULL, sizeof *l, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (l == MAP_FAILED) return sl_fail_memory(error, "a look at a scene");
     name_scene(path, s);
     s->base = o->trials->base;
-    l.scene = *s;
-    sl_status status = sl_child_run(look_work, &l, &limits, &end, error);
-    if (status != SL_OK) return status;
-    cJSON *told = cJSON_Parse(end.text);
-    if (end.outcome == SL_CHILD_DONE) status = take(told, s, error);
+    *l = (look){.options = o, .scene = *s};
+    sl_status status = sl_child_run(look_work, l, &limits, &end, error);
+    if (status == SL_OK && l->refused) status = sl_fail(error, SL_ERROR_USAGE, "%s", l->error.message);
+    else if (end.outcome == SL_CHILD_DONE) *s = l->scene;
     else snprintf(s->trouble, sizeof s->trouble, "%s", end.why);
-    cJSON_Delete(told);
+    munmap(l, sizeof *l);
     free(end.text);
     return status;
 }

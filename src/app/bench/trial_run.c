@@ -1,7 +1,6 @@
 /* One trial, in its own process: a scene, a method, a picture, and what they cost. */
 #include "app/bench/trials.h"
 #include "app/options.h"
-#include "app/page.h"
 #include "app/clock.h"
 #include "cache/frame/method.h"
 
@@ -74,6 +73,17 @@ static sl_status make_picture(const sl_scene *scene, sl_settings *settings, sl_p
     return status;
 }
 
+/* Adds what the picture tells of itself, without the beginning of each name. */
+static void add_metadata(cJSON *root, const sl_image *image) {
+    static const char ours[] = "softlux.";
+    cJSON *metadata = cJSON_AddObjectToObject(root, "metadata");
+    for (size_t i = 0; i < image->metadata_count; i++) {
+        const sl_metadatum *m = &image->metadata[i];
+        if (strncmp(m->key, ours, sizeof ours - 1) == 0)
+            cJSON_AddStringToObject(metadata, m->key + sizeof ours - 1, m->value);
+    }
+}
+
 static cJSON *report(const sl_trial_run *run, const made *m, sl_pass_times *watch) {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
@@ -82,7 +92,7 @@ static cJSON *report(const sl_trial_run *run, const made *m, sl_pass_times *watc
     cJSON_AddNumberToObject(root, "wall_seconds", m->wall);
     cJSON_AddNumberToObject(root, "peak_bytes", 1024.0 * (double)usage.ru_maxrss);
     cJSON_AddNumberToObject(root, "method_bytes", (double)sl_method_memory_bytes(m->method));
-    sl_json_add_counters(root, "counters", sl_method_counters(m->method), false);
+    add_metadata(root, m->image);
     if (run->look) {
         cJSON_AddNumberToObject(root, "first_picture", m->first_picture);
         add_parts(root, watch);
@@ -98,7 +108,6 @@ static void add_estimate(const sl_scene *scene, const sl_settings *settings, con
     sl_error_probe *probe = NULL;
     sl_error_estimate e = {0};
     sl_error error;
-    double from = sl_process_seconds();
     sl_status status = sl_error_probe_create(scene, settings, &probe, &error);
     if (status == SL_OK && sl_image_channel(picture, "even.R"))
         status = sl_error_estimate_from_halves(picture, sl_error_probe_surfaces(probe), &e, &error);
@@ -107,7 +116,6 @@ static void add_estimate(const sl_scene *scene, const sl_settings *settings, con
     if (status != SL_OK || !isfinite(e.bound)) return;
     cJSON_AddNumberToObject(root, "estimate", e.rel_rmse);
     cJSON_AddNumberToObject(root, "bound", e.bound);
-    cJSON_AddNumberToObject(root, "estimate_seconds", sl_process_seconds() - from);
 }
 
 static sl_status write_picture(const made *m, const char *path, sl_error *error) {

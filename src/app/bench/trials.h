@@ -42,7 +42,7 @@ typedef struct sl_trial {
 /* A table that a file of trials asks for, as Markdown: a row for each of its trials in each scene. */
 typedef struct sl_trial_table {
     char name[SL_BENCH_NAME];
-    const char *columns; /* with commas between (report_trials.c) */
+    const char *columns; /* with commas between (cells.c) */
 } sl_trial_table;
 
 enum { SL_TRIAL_TABLES = 32 };
@@ -78,8 +78,8 @@ typedef struct sl_trial_run {
 } sl_trial_run;
 
 /* In a child: runs an sl_trial_run and reports a JSON object: cpu_seconds, wall_seconds, peak_bytes,
- * method_bytes, counters; of a look first_picture and parts; of an estimate that could be made estimate,
- * bound and estimate_seconds. The picture's metadata tell the seconds of the processor. */
+ * method_bytes, and the picture's metadata; of a look first_picture and parts; of an estimate that could be
+ * made estimate and bound. The picture's metadata tell the seconds of the processor. */
 sl_child_work sl_trial_work;
 #define SL_TRIAL_SECONDS "softlux.cpu_seconds"
 /* Finds the settings that the arguments mean; false: they are wrong, which has been told. */
