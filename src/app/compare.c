@@ -83,16 +83,20 @@ static void warn_of_tones(const shown *a, const char *a_path, const shown *b, co
             b->stops, differ && automatic ? ", being automatic" : "");
 }
 
-/* A line, or, for JSON, an object (null for radiance) and a comma. */
-static void print_tone(const char *name, const shown *s, bool json) {
-    const char *curve = s->known ? sl_tone_curve_name((size_t)s->curve) : "unknown",
-               *automatic = s->automatic ? "true" : "false";
-    if (!s->is_shown) printf(json ? "\"%s\": null, " : "%-19s radiance, shown by the other's\n", name);
-    else if (!s->known) printf(json ? "\"%s\": {\"curve\": null}, " : "%-19s unknown\n", name);
-    else if (json)
-        printf("\"%s\": {\"curve\": \"%s\", \"exposure\": %.17g, \"automatic\": %s}, ", name, curve, s->stops,
-               automatic);
-    else printf("%-19s %s, %.9g stops%s\n", name, curve, s->stops, s->automatic ? ", automatic" : "");
+/* Adds a tone; for programs also of radiance, as null. */
+static void add_tone(cJSON *to, const char *name, const shown *s, bool json) {
+    if (!s->is_shown) {
+        if (json) cJSON_AddNullToObject(to, name);
+        return;
+    }
+    cJSON *tone = cJSON_AddObjectToObject(to, name);
+    if (!s->known) {
+        cJSON_AddNullToObject(tone, "curve");
+        return;
+    }
+    cJSON_AddStringToObject(tone, "curve", sl_tone_curve_name((size_t)s->curve));
+    cJSON_AddNumberToObject(tone, "exposure", s->stops);
+    cJSON_AddBoolToObject(tone, "automatic", s->automatic);
 }
 
 static const char details[] =
@@ -141,7 +145,20 @@ static const char details[] =
 
 /* ---- the command line ------------------------------------------------------------------------ */
 
-enum { MAX_RMSE, MAX_REL_RMSE, MAX_REL_MSE, MAX_ABS, MAX_BIAS, MIN_SSIM, MAX_FLIP, BOUNDS };
+/* Metrics that an option bounds; bias either way. */
+static const struct {
+    const char *metric, *option, *help;
+    bool at_least;
+} bounds[] = {
+    {"rmse", "max-rmse", "rmse must be at most X", false},
+    {"rel_rmse", "max-rel-rmse", "rel_rmse must be at most X", false},
+    {"rel_mse", "max-rel-mse", "rel_mse must be at most X", false},
+    {"max_abs", "max-abs", "max_abs must be at most X", false},
+    {"bias", "max-bias", "|bias| must be at most X", false},
+    {"ssim", "min-ssim", "ssim must be at least X", true},
+    {"flip", "max-flip", "flip must be at most X", false},
+};
+enum { BOUNDS = sizeof bounds / sizeof bounds[0], OWN_OPTIONS = 5 };
 
 typedef struct compare_request {
     const char *paths[2];
@@ -153,28 +170,19 @@ typedef struct compare_request {
 } compare_request;
 
 static bool parse(int argc, char **argv, compare_request *q, int *status) {
-    double *bound = q->bound;
-    bool *bounded = q->bounded;
-    const sl_option options[] = {
+    sl_option options[OWN_OPTIONS + BOUNDS + 1] = {
         SL_TEXT("mask", 0, &q->mask, "FILE", "compare only where the first channel of this picture is > 0.5"),
         SL_TEXT(
             "difference", 0, &q->difference, "FILE",
             "write (x-r)/(|r| + 0.01 |mean r|) in false colour: blue too dark, red too bright, full at 50 %"),
         SL_REAL("exposure", &q->exposure, NULL, "STOPS", -100, 100,
                 "both pictures times 2^STOPS for ssim, flip, rel_rmse_shown [0]"),
-        SL_FLAG("identical", &q->identical, "every bit of R, G, B must be equal"),
-        SL_REAL("max-rmse", &bound[MAX_RMSE], &bounded[MAX_RMSE], "X", 0, HUGE_VAL, "rmse must be at most X"),
-        SL_REAL("max-rel-rmse", &bound[MAX_REL_RMSE], &bounded[MAX_REL_RMSE], "X", 0, HUGE_VAL,
-                "rel_rmse must be at most X"),
-        SL_REAL("max-rel-mse", &bound[MAX_REL_MSE], &bounded[MAX_REL_MSE], "X", 0, HUGE_VAL,
-                "rel_mse must be at most X"),
-        SL_REAL("max-abs", &bound[MAX_ABS], &bounded[MAX_ABS], "X", 0, HUGE_VAL, "max_abs must be at most X"),
-        SL_REAL("max-bias", &bound[MAX_BIAS], &bounded[MAX_BIAS], "X", 0, HUGE_VAL,
-                "|bias| must be at most X"),
-        SL_REAL("min-ssim", &bound[MIN_SSIM], &bounded[MIN_SSIM], "X", -1, 1, "ssim must be at least X"),
-        SL_REAL("max-flip", &bound[MAX_FLIP], &bounded[MAX_FLIP], "X", 0, HUGE_VAL, "flip must be at most X"),
         SL_FLAG("json", &q->json, "print the metrics as one JSON object"),
-        {.name = NULL}};
+        SL_FLAG("identical", &q->identical, "every bit of R, G, B must be equal")};
+    for (int b = 0; b < BOUNDS; b++)
+        options[OWN_OPTIONS + b] =
+            (sl_option)SL_REAL(bounds[b].option, &q->bound[b], &q->bounded[b], "X",
+                               bounds[b].at_least ? -1 : 0, bounds[b].at_least ? 1 : HUGE_VAL, bounds[b].help);
     const sl_command_line line = {.usage = "softlux compare A B [options]",
                                   .summary = "Error metrics of picture A against reference B.",
                                   .details = details,
@@ -251,74 +259,52 @@ static double rel_rmse_of_surfaces(const compare_pictures *p) {
 
 /* ---- the answer ------------------------------------------------------------------------------ */
 
-/* A metric that is printed, and may be bounded. */
-typedef struct metric {
-    const char *name;
-    double value;
-    int bound; /* -1: none */
-    bool count;
-} metric;
-enum { METRICS = 17 };
-
 /* surfaces: NaN where the pictures do not tell. */
-static void list_metrics(const sl_comparison *r, double surfaces, metric to[METRICS]) {
-    const metric all[METRICS] = {{"rmse", r->rmse, MAX_RMSE, false},
-                                 {"rel_rmse", r->rel_rmse, MAX_REL_RMSE, false},
-                                 {"rel_rmse_surfaces", surfaces, -1, false},
-                                 {"rel_rmse_shown", r->rel_rmse_shown, -1, false},
-                                 {"rel_mse", r->rel_mse, MAX_REL_MSE, false},
-                                 {"rel_mse_trimmed", r->rel_mse_trimmed, -1, false},
-                                 {"rel_mse_noise", r->rel_mse_noise, -1, false},
-                                 {"rel_mse_less_noise", r->rel_mse - r->rel_mse_noise, -1, false},
-                                 {"max_abs", r->max_abs, MAX_ABS, false},
-                                 {"bias", r->bias, MAX_BIAS, false},
-                                 {"ssim", r->ssim, MIN_SSIM, false},
-                                 {"flip", r->flip, MAX_FLIP, false},
-                                 {"mean_image", r->mean_image, -1, false},
-                                 {"mean_reference", r->mean_reference, -1, false},
-                                 {"nonfinite", (double)r->nonfinite, -1, true},
-                                 {"negative", (double)r->negative, -1, true},
-                                 {"values", (double)r->values, -1, true}};
-    memcpy(to, all, sizeof all);
-}
-
-/* JSON has no word for what is not finite. */
-static void print_metric(const metric *m, bool json) {
-    if (!json) printf(m->count ? "%-19s %.0f\n" : "%-19s %.9g\n", m->name, m->value);
-    else if (isfinite(m->value)) printf(m->count ? "\"%s\": %.0f, " : "\"%s\": %.17g, ", m->name, m->value);
-    else printf("\"%s\": null, ", m->name);
-}
-
-static void print_comparison(const sl_comparison *r, const shown tones[2], const metric metrics[METRICS],
-                             bool json) {
-    if (json) putchar('{');
-    for (int i = 0; i < 2 && (json || tones[0].is_shown || tones[1].is_shown); i++)
-        print_tone(i ? "tone_reference" : "tone_image", &tones[i], json);
-    for (int i = 0; i < METRICS; i++)
-        if (strcmp(metrics[i].name, "rel_rmse_surfaces") != 0 || !isnan(metrics[i].value))
-            print_metric(&metrics[i], json);
-    if (json) printf("\"identical\": %s}\n", r->identical ? "true" : "false");
-    else printf("%-19s %s\n", "identical", r->identical ? "yes" : "no");
+static void add_metrics(cJSON *to, const sl_comparison *r, double surfaces) {
+    const struct {
+        const char *name;
+        double value;
+    } all[] = {{"rmse", r->rmse},
+               {"rel_rmse", r->rel_rmse},
+               {"rel_rmse_surfaces", surfaces},
+               {"rel_rmse_shown", r->rel_rmse_shown},
+               {"rel_mse", r->rel_mse},
+               {"rel_mse_trimmed", r->rel_mse_trimmed},
+               {"rel_mse_noise", r->rel_mse_noise},
+               {"rel_mse_less_noise", r->rel_mse - r->rel_mse_noise},
+               {"max_abs", r->max_abs},
+               {"bias", r->bias},
+               {"ssim", r->ssim},
+               {"flip", r->flip},
+               {"mean_image", r->mean_image},
+               {"mean_reference", r->mean_reference},
+               {"nonfinite", (double)r->nonfinite},
+               {"negative", (double)r->negative},
+               {"values", (double)r->values}};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (!isnan(all[i].value)) cJSON_AddNumberToObject(to, all[i].name, all[i].value);
+    cJSON_AddBoolToObject(to, "identical", r->identical);
 }
 
 /* Prints one line on stderr for all that failed, so that a test's log says it at a glance. */
-static int check_bounds(const compare_request *q, const sl_comparison *r, const metric metrics[METRICS]) {
+static int check_bounds(const compare_request *q, const sl_comparison *r, const cJSON *told) {
     char failures[1024] = "";
+    size_t used;
     bool any = q->identical;
-    for (int i = 0; i < BOUNDS; i++) any = any || q->bounded[i];
+    for (int b = 0; b < BOUNDS; b++) any = any || q->bounded[b];
     if (any && r->nonfinite)
         snprintf(failures, sizeof failures, "; NaN or infinite values: %llu",
                  (unsigned long long)r->nonfinite);
-    size_t used = strlen(failures);
+    used = strlen(failures);
     if (q->identical && !r->identical) snprintf(failures + used, sizeof failures - used, "; not identical");
-    for (const metric *m = metrics; m < metrics + METRICS; m++) {
-        if (m->bound < 0 || !q->bounded[m->bound]) continue;
-        double bound = q->bound[m->bound], value = m->bound == MAX_BIAS ? fabs(m->value) : m->value;
-        if (m->bound == MIN_SSIM ? value >= bound : value <= bound) continue; /* false for NaN */
+    for (int b = 0; b < BOUNDS; b++) {
+        const bool signless = strcmp(bounds[b].metric, "bias") == 0;
+        const double told_value = cJSON_GetNumberValue(cJSON_GetObjectItem(told, bounds[b].metric)),
+                     value = signless ? fabs(told_value) : told_value, bound = q->bound[b];
+        if (!q->bounded[b] || (bounds[b].at_least ? value >= bound : value <= bound)) continue; /* not NaN */
         used = strlen(failures);
         snprintf(failures + used, sizeof failures - used, "; %s is %.9g, not at %s %.9g",
-                 m->bound == MAX_BIAS ? "|bias|" : m->name, value, m->bound == MIN_SSIM ? "least" : "most",
-                 bound);
+                 signless ? "|bias|" : bounds[b].metric, value, bounds[b].at_least ? "least" : "most", bound);
     }
     if (!failures[0]) return SL_OK;
     fprintf(stderr, "softlux: %s differs from %s: %s\n", q->paths[0], q->paths[1], failures + 2);
@@ -338,10 +324,14 @@ static int compare(const compare_request *q, compare_pictures *p) {
     if (status == SL_OK && q->difference) status = sl_image_write(p->difference, q->difference, &error);
     if (status != SL_OK) return sl_complain(&error);
     warn_of_tones(&tones[0], q->paths[0], &tones[1], q->paths[1]);
-    metric metrics[METRICS];
-    list_metrics(&result, rel_rmse_of_surfaces(p), metrics);
-    print_comparison(&result, tones, metrics, q->json);
-    return check_bounds(q, &result, metrics);
+    cJSON *told = cJSON_CreateObject();
+    add_tone(told, "tone_image", &tones[0], q->json);
+    add_tone(told, "tone_reference", &tones[1], q->json);
+    add_metrics(told, &result, rel_rmse_of_surfaces(p));
+    int verdict = check_bounds(q, &result, told);
+    if (q->json) sl_json_print(told, true);
+    else sl_json_lines(stdout, told);
+    return verdict;
 }
 
 int sl_command_compare(int argc, char **argv) {

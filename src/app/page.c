@@ -119,6 +119,25 @@ void sl_json_print(cJSON *json, bool one_line) {
     cJSON_Delete(json);
 }
 
+static void put_lines(FILE *out, const cJSON *object, const char *indent) {
+    const cJSON *item;
+    cJSON_ArrayForEach(item, object) {
+        const bool word = cJSON_IsBool(item) || cJSON_IsNull(item);
+        fprintf(out, "%s%-19s ", indent, item->string ? item->string : ""); /* an array's have none */
+        if (cJSON_IsNumber(item)) fprintf(out, "%.9g\n", item->valuedouble);
+        if (cJSON_IsString(item)) fprintf(out, "%s\n", item->valuestring);
+        if (word) fprintf(out, "%s\n", cJSON_IsNull(item) ? "unknown" : cJSON_IsTrue(item) ? "yes" : "no");
+        if (word || !item->child) continue;
+        fputc('\n', out);
+        put_lines(out, item, "  ");
+    }
+}
+
+void sl_json_lines(FILE *out, cJSON *json) {
+    put_lines(out, json, "");
+    cJSON_Delete(json);
+}
+
 void sl_json_add_counters(cJSON *to, const char *name, const sl_counters *counters, bool zeros) {
     cJSON *object = cJSON_AddObjectToObject(to, name);
     for (int i = 0; i < SL_COUNTERS; i++)

@@ -30,6 +30,8 @@ sl_status sl_print_file(const char *path, sl_printer *print, const void *what, s
 /* Prints and deletes the object, on one line if asked for. Names of files are bytes, JSON is UTF-8: each byte
  * that belongs to no character is a question mark. */
 void sl_json_print(cJSON *json, bool one_line);
+/* Prints what stands in the object for people, a line each, and deletes it. */
+void sl_json_lines(FILE *out, cJSON *json);
 /* Adds an object of that name with the counters, also those that are 0 where asked for. */
 void sl_json_add_counters(cJSON *to, const char *name, const sl_counters *counters, bool zeros);
 /* Text as HTML and SVG have it. */

@@ -34,26 +34,10 @@ static cJSON *json_of(const sl_show_report *r) {
         const sl_pass_time *s = &r->stages->pass[i];
         cJSON_AddNumberToObject(stages, s->name, each(s->seconds, s->times));
     }
-    sl_json_add_counters(root, "counters", &r->counters, true);
+    sl_json_add_counters(root, "counters", &r->counters, false);
     return root;
 }
 
 void sl_show_report_json(const sl_show_report *r) { sl_json_print(json_of(r), false); }
 
-static void print_numbers(const cJSON *object, const char *indent) {
-    const cJSON *item;
-    cJSON_ArrayForEach(item, object) {
-        if (cJSON_IsNumber(item) && item->valuedouble != 0.0)
-            fprintf(stderr, "%s%-26s %.6g\n", indent, item->string, item->valuedouble);
-        if (cJSON_IsObject(item)) {
-            fprintf(stderr, "%s:\n", item->string);
-            print_numbers(item, "  ");
-        }
-    }
-}
-
-void sl_show_report_print(const sl_show_report *r) {
-    cJSON *root = json_of(r);
-    print_numbers(root, "");
-    cJSON_Delete(root);
-}
+void sl_show_report_print(const sl_show_report *r) { sl_json_lines(stderr, json_of(r)); }
