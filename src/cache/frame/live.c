@@ -176,16 +176,19 @@ static void update_on_and_on(void *context) {
     change moved = {.waits = false};
     uint64_t at = 0;
     sl_progress progress = {0};
-    bool shown = true; /* a picture of the last pose that was followed */
+    bool shown = true; /* some picture of the last pose that was followed */
     while (next_turn(l, shown, &turn, &moved)) {
         sl_error error = {0};
         sl_image *picture = NULL;
         uint64_t changes = sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN];
         sl_status status = turn.number == at ? SL_OK : follow(l, &turn, &error);
+        shown = shown && turn.number == at;
         at = turn.number;
         if (status == SL_OK) status = sl_method_update(l->method, &progress, &error);
-        shown = status == SL_OK && shows(l, &progress);
-        if (shown) status = resolve(l, &picture, &error);
+        if (status == SL_OK && shows(l, &progress)) {
+            status = resolve(l, &picture, &error);
+            shown = true;
+        }
         bool brought = status == SL_OK && moved.waits && shows_change(l, changes, &progress);
         tell(l, &turn, brought ? &moved : NULL, &progress, picture, status, &error);
         if (status != SL_OK) return;

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { EMITTER_SIDES_MAX = 64, EMITTER_SAMPLES = 32, SUN_LIGHTS = 8, SKY_LIGHTS = 32, SMALLEST_MAP = 8 };
+enum { EMITTER_SAMPLES = 32, SUN_LIGHTS = 8, SKY_LIGHTS = 32, SMALLEST_MAP = 8 };
 
 /* A light without extent, or a sample of one with extent, and its map. */
 typedef struct sl_mapped_source {
@@ -172,11 +172,11 @@ sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster,
     if (settings->size < SMALLEST_MAP || settings->size > 8192)
         return sl_fail(error, SL_ERROR_USAGE, "shadow maps have %d to 8192 texels a side, not %d",
                        (int)SMALLEST_MAP, settings->size);
-    if (sl_emitter_sides(scene) > EMITTER_SIDES_MAX)
+    if (sl_emitter_sides(scene) > SL_SHADOW_MAP_SIDES_MAX)
         return sl_fail(
             error, SL_ERROR_USAGE,
             "shadow maps for %zu sides of emissive triangles are too many (at most %d): use shadow rays",
-            sl_emitter_sides(scene), (int)EMITTER_SIDES_MAX);
+            sl_emitter_sides(scene), (int)SL_SHADOW_MAP_SIDES_MAX);
     sl_shadow_maps *maps = sl_allocate(1, sizeof *maps);
     if (!maps) return sl_fail_memory(error, "shadow maps");
     *maps = (sl_shadow_maps){.scene = scene,

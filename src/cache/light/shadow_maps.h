@@ -28,7 +28,8 @@ typedef struct sl_shadow_map_settings {
     unsigned threads;
 } sl_shadow_map_settings;
 
-enum { SL_SHADOW_MAP_SIZE = 1024 };
+/* More sides of emissive triangles than that are too many for maps. */
+enum { SL_SHADOW_MAP_SIZE = 1024, SL_SHADOW_MAP_SIDES_MAX = 64 };
 
 /* Scene and raster must outlive the maps; lights and geometry are those of now. */
 sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster,

@@ -18,6 +18,20 @@ static const double BEND = 60.0 / 180.0 * SL_PI; /* of charts */
 
 /* ---- Photon map ---- */
 
+static void next_level(sl_octree_state *s) {
+    s->depth = s->shown.octree->depth + 1;
+    s->phase = s->depth <= s->settings.light_octree.depth ? SL_OCTREE_PHASE_OCTREE : SL_OCTREE_PHASE_DONE;
+}
+
+/* With the one that is shown, unless that was of a scene in motion. */
+static void go_on_with_levels(sl_octree_state *s) {
+    s->depth = s->plan.first_depth;
+    s->phase = SL_OCTREE_PHASE_OCTREE;
+    if (!s->shown.octree || s->motion.shown) return;
+    if (s->lit) next_level(s);
+    else s->phase = SL_OCTREE_PHASE_SHADE;
+}
+
 static sl_status finish_photons(sl_octree_state *s, sl_error *error) {
     sl_announce_pass(&s->announcer, "photons", "photon map");
     sl_photon_list *list = s->photons;
@@ -30,8 +44,7 @@ static sl_status finish_photons(sl_octree_state *s, sl_error *error) {
     }
     sl_status status = sl_photon_tree_create(list, s->settings.threads, &s->tree, error);
     if (status != SL_OK) return status; /* without photons again */
-    s->phase = SL_OCTREE_PHASE_OCTREE;
-    s->depth = s->plan.first_depth;
+    go_on_with_levels(s);
     return SL_OK;
 }
 
@@ -41,7 +54,7 @@ static sl_status trace_photons(sl_octree_state *s, sl_error *error) {
         return SL_OK;
     }
     if (s->tree) { /* of an earlier view */
-        s->phase = s->shown.octree ? SL_OCTREE_PHASE_SHADE : SL_OCTREE_PHASE_OCTREE;
+        go_on_with_levels(s);
         return SL_OK;
     }
     sl_photon_options options = {.stored = s->settings.light_octree.photons,
@@ -59,15 +72,15 @@ static sl_status trace_photons(sl_octree_state *s, sl_error *error) {
 
 /* Of a scattered scene the central region, unless most photons lie elsewhere: where there is light, it is to
  * be seen. */
-static sl_octree_root root_of(const sl_octree_state *s) {
-    const sl_photon_list *photons = sl_photon_tree_list(s->tree);
-    const sl_octree_root central = sl_octree_root_of_central_region(s->scene);
+static sl_octree_root root_of(const sl_scene *scene, const sl_photon_tree *tree) {
+    const sl_photon_list *photons = sl_photon_tree_list(tree);
+    const sl_octree_root central = sl_octree_root_of_central_region(scene);
     size_t inside = 0;
     for (size_t i = 0; i < photons->count; i++) {
         const float *p = photons->photon[i].position;
         inside += sl_octree_root_holds(&central, sl_v3(p[0], p[1], p[2]));
     }
-    return 2 * inside >= photons->count ? central : sl_octree_root_of_all(s->scene);
+    return 2 * inside >= photons->count ? central : sl_octree_root_of_all(scene);
 }
 
 static void show_level(sl_octree_state *s) {
@@ -75,18 +88,19 @@ static void show_level(sl_octree_state *s) {
     s->shown = s->next;
     s->next = (sl_octree_level){NULL, NULL, NULL};
     s->phase = SL_OCTREE_PHASE_SHADE;
+    if (s->shown.lights->tree == s->tree) sl_octree_forget_slices(&s->motion);
 }
 
-static sl_status start_level(sl_octree_state *s, sl_error *error) {
+static sl_status start_level(sl_octree_state *s, const sl_photon_tree *tree, int depth, sl_error *error) {
     const sl_light_octree_settings *o = &s->settings.light_octree;
     unsigned threads = s->settings.threads;
-    const sl_octree_root root = root_of(s);
+    const sl_octree_root root = root_of(s->scene, tree);
     sl_status status =
-        sl_octree_create(s->scene, &root, s->depth, o->dilation, threads, &s->next.octree, error);
+        sl_octree_create(s->scene, &root, depth, o->dilation, threads, &s->next.octree, error);
     if (status != SL_OK) return status;
     sl_announce_pass(&s->announcer, "octree", "octree, K-means of its photons");
     s->leaf = 0;
-    status = sl_voxel_lights_create(s->scene, s->next.octree, s->tree, o, threads, &s->next.lights, error);
+    status = sl_voxel_lights_create(s->scene, s->next.octree, tree, o, threads, &s->next.lights, error);
     if (status != SL_OK) sl_octree_forget_level(&s->next);
     else if (o->photons_at_pixels) show_level(s); /* no lights in between */
     else s->phase = SL_OCTREE_PHASE_LIGHTS;
@@ -111,6 +125,14 @@ static sl_status light_leaves(sl_octree_state *s, sl_error *error) {
     sl_voxel_lights_compute(s->next.lights, s->leaf, count, s->settings.threads, &s->counters);
     s->leaf += count;
     return s->leaf == s->next.octree->leaf_count ? finish_level(s, error) : SL_OK;
+}
+
+sl_status sl_octree_show_level_of(sl_octree_state *s, const sl_photon_tree *tree, int depth,
+                                  sl_error *error) {
+    sl_status status = start_level(s, tree, depth, error);
+    while (status == SL_OK && s->phase != SL_OCTREE_PHASE_SHADE) status = light_leaves(s, error);
+    if (status != SL_OK) sl_octree_forget_level(&s->next);
+    return status;
 }
 
 /* ---- Rendering: pixels from the octree, or by way of a texture atlas ---- */
@@ -140,22 +162,26 @@ static sl_status light_pixels(sl_octree_state *s, sl_error *error) {
     return sl_octree_light_pixels(&pixels, s->indirect_light, &s->counters, error);
 }
 
-static sl_status shade(sl_octree_state *s, sl_error *error) {
+sl_status sl_octree_light_picture(sl_octree_state *s, sl_error *error) {
     char name[48];
-    int depth = s->shown.octree->depth;
     bool gathered = s->settings.light_octree.photons_at_pixels;
-    sl_status status = gathered ? SL_OK : ready_atlas(s, error);
+    sl_status status = SL_OK;
     if (gathered)
         sl_photons_light_pixels(s->scene, s->gbuffer, s->shown.lights, s->settings.threads, s->indirect_light,
                                 &s->counters);
-    else if (status == SL_OK) status = light_pixels(s, error);
+    else status = light_pixels(s, error);
     if (status != SL_OK) return status;
-    s->lit = true;
+    s->lit = s->fresh = true;
     if (gathered) snprintf(name, sizeof name, "indirect light, photons at pixels");
-    else snprintf(name, sizeof name, "indirect light, depth %d", depth);
+    else snprintf(name, sizeof name, "indirect light, depth %d", s->shown.octree->depth);
     sl_octree_announce_picture(s, name, "light from the octree", s->indirect_light[0]);
-    s->depth = depth + 1;
-    s->phase = s->depth <= s->settings.light_octree.depth ? SL_OCTREE_PHASE_OCTREE : SL_OCTREE_PHASE_DONE;
+    return status;
+}
+
+static sl_status shade(sl_octree_state *s, sl_error *error) {
+    sl_status status = s->settings.light_octree.photons_at_pixels ? SL_OK : ready_atlas(s, error);
+    if (status == SL_OK) status = sl_octree_light_picture(s, error);
+    if (status == SL_OK) next_level(s);
     return status;
 }
 
@@ -166,7 +192,7 @@ sl_status sl_octree_step(sl_octree_state *s, sl_error *error) {
     case SL_OCTREE_PHASE_GBUFFER: return sl_octree_draw_gbuffer(s, error);
     case SL_OCTREE_PHASE_DIRECT: return sl_octree_light_rows(s, error);
     case SL_OCTREE_PHASE_PHOTONS: return trace_photons(s, error);
-    case SL_OCTREE_PHASE_OCTREE: return start_level(s, error);
+    case SL_OCTREE_PHASE_OCTREE: return start_level(s, s->tree, s->depth, error);
     case SL_OCTREE_PHASE_LIGHTS: return light_leaves(s, error);
     case SL_OCTREE_PHASE_SHADE: return shade(s, error);
     case SL_OCTREE_PHASE_DONE: return SL_OK;

@@ -3,6 +3,7 @@
  *
  *   light_octree.c    the paper: one picture, step by step
  *   method.c          what a method holds of that, what edits leave, direct light
+ *   motion.c          frames while things move: photons in slices, direct light by shadow maps
  *   plan.c            which passes a scene needs; picture.c: a picture's layers, and what is said of it
  *   ../photons/       photon tracing, the kd-tree, and the k nearest photons
  *   octree.c          the voxels, on geometry; triangle_cells.c
@@ -85,6 +86,19 @@ typedef struct sl_octree_level {
     sl_voxel_texture *texture;
 } sl_octree_level;
 
+enum { SL_OCTREE_SLICES = 4 };
+
+/* What frames in motion are drawn by. */
+typedef struct sl_octree_motion {
+    bool asked;                 /* an edit came: the next update draws a whole frame */
+    bool shown;                 /* the octree that is shown is one of slices */
+    sl_photon_list *slice[SL_OCTREE_SLICES]; /* each a photon map of all light; all or none are there */
+    unsigned age[SL_OCTREE_SLICES];          /* edits of light since it was traced */
+    sl_photon_tree *tree;       /* of all slices */
+    sl_shadow_maps *maps;       /* NULL: none yet, or there are too many emitters */
+    sl_direct *direct;
+} sl_octree_motion;
+
 typedef struct sl_octree_state {
     const sl_scene *scene;
     sl_settings settings;
@@ -108,6 +122,8 @@ typedef struct sl_octree_state {
 
     sl_octree_phase phase;
     bool lit;                   /* the picture's indirect light is that of `shown` */
+    bool fresh;                 /* the last update made a whole picture that there was not before */
+    sl_octree_motion motion;
     int depth;                  /* of the octree under way */
     int direct_row;
     size_t leaf;
@@ -129,6 +145,17 @@ sl_octree_shading sl_octree_state_shading(const sl_octree_state *s);
 
 /* The next step of the pass that is under way (light_octree.c). */
 sl_status sl_octree_step(sl_octree_state *s, sl_error *error);
+/* An octree of that depth and the lights of its voxels, and the pixels' light from what is shown, at once. */
+sl_status sl_octree_show_level_of(sl_octree_state *s, const sl_photon_tree *tree, int depth, sl_error *error);
+sl_status sl_octree_light_picture(sl_octree_state *s, sl_error *error);
+
+/* A whole frame: G-buffer, direct light, octree where light has changed, pixels (motion.c). */
+sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error);
+void sl_octree_age_light(sl_octree_motion *motion);
+/* The octree that is shown is none of slices any more. */
+void sl_octree_forget_slices(sl_octree_motion *motion);
+void sl_octree_forget_motion(sl_octree_motion *motion);
+size_t sl_octree_motion_bytes(const sl_octree_motion *motion);
 /* R, G, B = emission + direct + indirect, and each of the three alone, mirrors' reflectances included; top
  * row first (picture.c). */
 sl_status sl_octree_compose(const sl_octree_state *s, sl_image **image, sl_error *error);

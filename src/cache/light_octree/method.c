@@ -30,18 +30,23 @@ static void forget_light(sl_octree_state *s) {
     s->direct = NULL;
 }
 
-static void forget_geometry(sl_octree_state *s) {
+static void forget_rays(sl_octree_state *s) {
     sl_atlas_canvas_destroy(s->canvas);
-    s->canvas = NULL;
     sl_tracer_destroy(s->tracer);
-    sl_raster_destroy(s->raster);
+    s->canvas = NULL;
     s->tracer = NULL;
+}
+
+static void forget_geometry(sl_octree_state *s) {
+    forget_rays(s);
+    sl_raster_destroy(s->raster);
     s->raster = NULL;
 }
 
 static void octree_destroy(void *state) {
     sl_octree_state *s = state;
     if (!s) return;
+    sl_octree_forget_motion(&s->motion);
     forget_light(s);
     forget_geometry(s);
     sl_reflections_destroy(s->reflections);
@@ -51,10 +56,12 @@ static void octree_destroy(void *state) {
 }
 
 static sl_status make_geometry(sl_octree_state *s, sl_error *error) {
-    sl_status status = sl_raster_create(s->scene, s->settings.threads, &s->raster, error);
+    const unsigned threads = s->settings.threads;
+    sl_status status = s->raster ? sl_raster_move(s->raster, threads, error)
+                                 : sl_raster_create(s->scene, threads, &s->raster, error);
     bool rays = s->plan.photons || (s->plan.mirrors && !s->settings.light_octree.environment_mirrors);
     if (status == SL_OK && rays)
-        status = sl_tracer_create(s->scene, s->settings.threads, NULL, &s->tracer, error);
+        status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     return status;
 }
 
@@ -144,6 +151,7 @@ sl_status sl_octree_light_rows(sl_octree_state *s, sl_error *error) {
                                       &s->counters, error);
     if (status != SL_OK || s->direct_row < s->settings.height) return status;
     sl_octree_announce_picture(s, "direct light", "direct light beside the octree", s->direct_light[0]);
+    s->fresh = s->lit; /* else it has no indirect light yet */
     s->phase = SL_OCTREE_PHASE_PHOTONS;
     return status;
 }
@@ -177,9 +185,12 @@ static sl_status octree_update(void *state, sl_progress *progress, sl_error *err
     sl_octree_state *s = state;
     if (!s->raster)
         return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
-    sl_status status = sl_octree_step(s, error);
+    const bool moves = s->motion.asked;
+    s->fresh = s->motion.asked = false;
+    sl_status status = moves ? sl_octree_draw_frame(s, error) : sl_octree_step(s, error);
     progress->fraction = fraction_done(s);
-    progress->frame_done = progress->done = s->phase == SL_OCTREE_PHASE_DONE;
+    progress->done = s->phase == SL_OCTREE_PHASE_DONE;
+    progress->frame_done = moves || progress->done;
     return status;
 }
 
@@ -194,16 +205,20 @@ static sl_status octree_resolve(void *state, sl_image **image, sl_error *error) 
     return status;
 }
 
-/* Photons and voxels do not know the camera. */
+/* Photons and voxels do not know the camera. A film's sub-frames are no motion. */
 static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
     sl_octree_state *s = state;
     sl_status status = SL_OK;
     s->phase = SL_OCTREE_PHASE_GBUFFER;
+    s->motion.asked = !s->scene->sub_frame.share;
     sl_octree_forget_level(&s->next);
     bool geometry = (changes & SL_CHANGED_OBJECTS) || !s->raster; /* an earlier edit may have failed */
-    if (geometry || (changes & SL_CHANGED_LIGHTS)) forget_light(s);
+    if (geometry || (changes & SL_CHANGED_LIGHTS)) {
+        forget_light(s);
+        sl_octree_age_light(&s->motion);
+    }
     if (geometry) {
-        forget_geometry(s);
+        forget_rays(s);
         status = make_geometry(s, error);
     }
     if (status == SL_OK && !s->direct) status = make_light(s, error);
@@ -222,8 +237,7 @@ static sl_status octree_explanation(void *state, int x, int y, sl_explanation_wr
     return SL_OK;
 }
 
-/* True behind each depth, until pixels are shaded by the next. */
-static bool octree_shows(const void *state) { return ((const sl_octree_state *)state)->lit; }
+static bool octree_shows(const void *state) { return ((const sl_octree_state *)state)->fresh; }
 
 static const sl_counters *octree_counters(const void *state) {
     return &((const sl_octree_state *)state)->counters;

@@ -38,7 +38,7 @@ static sl_status write_number(sl_image *image, const char *name, double value, s
 static sl_status write_statistics(const sl_octree_state *s, const sl_voxel_statistics *v, sl_image *image,
                                   sl_error *error) {
     const sl_octree *octree = s->shown.octree;
-    const sl_photon_list *photons = sl_photon_tree_list(s->tree);
+    const sl_photon_list *photons = sl_photon_tree_list(s->shown.lights->tree);
     const struct {
         const char *name;
         double value;
@@ -67,7 +67,7 @@ static sl_status write_statistics(const sl_octree_state *s, const sl_voxel_stati
 static void write_warning(const sl_octree_state *s, const sl_voxel_statistics *v, char *text, size_t size) {
     const sl_light_octree_settings *o = &s->settings.light_octree;
     double reach = v->mean_radius / sl_octree_voxel(s->shown.octree);
-    double photons = (double)sl_photon_tree_list(s->tree)->count,
+    double photons = (double)sl_photon_tree_list(s->shown.lights->tree)->count,
            a_voxel = photons / (double)s->shown.octree->leaf_count;
     text[0] = '\0';
     if (o->own_photons && a_voxel < SL_OCTREE_FEW_PHOTONS * o->neighbours)
@@ -111,6 +111,7 @@ size_t sl_octree_state_bytes(const sl_octree_state *s) {
     bytes += level_bytes(&s->shown) + level_bytes(&s->next);
     if (s->photons) bytes += s->photons->count * sizeof(sl_photon);
     if (s->tree) bytes += sl_photon_tree_bytes(s->tree);
+    bytes += sl_octree_motion_bytes(&s->motion);
     if (s->canvas) bytes += sl_atlas_canvas_bytes(s->canvas);
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);

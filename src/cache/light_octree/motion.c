@@ -1,0 +1,205 @@
+/* Frames while something moves: the update behind an edit draws a whole one, so that no frame is without
+ * light. Direct light is by shadow maps, rays are for what stands still. Where light has changed, photons are
+ * traced again in slices, one an edit, and the older a slice is the less it counts. A slice's paths are the
+ * same each time: where nothing has moved its photons keep their places, and light does not flash. */
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/random.h"
+#include "cache/light_octree/light_octree.h"
+
+#include <math.h>
+
+/* Texels a side of a light's map, of samples of emitters a quarter; rays where there are no maps. */
+enum { MAP_SIZE = 512, MAP_SIZE_LEAST = 64, MAP_TEXELS = 1 << 24, RAYS = 4 };
+/* All slices together have a quarter of the photons of a picture at rest. */
+enum { PATHS_DIVISOR = 4 * SL_OCTREE_SLICES };
+
+/* ---- Direct light ---- */
+
+static void forget_direct(sl_octree_motion *m) {
+    sl_direct_destroy(m->direct);
+    sl_shadow_maps_destroy(m->maps);
+    m->direct = NULL;
+    m->maps = NULL;
+}
+
+static const sl_environment *sampled_sky(const sl_octree_state *s) {
+    if (!s->plan.sky) return s->plan.environment ? &s->scene->environment : NULL;
+    return s->sun.present ? &s->sun : NULL;
+}
+
+static int map_size(const sl_scene *scene) {
+    const double lights = (double)scene->light_count + 1.0;
+    int size = MAP_SIZE;
+    while (size > MAP_SIZE_LEAST && 6.0 * lights * size * size > MAP_TEXELS) size /= 2;
+    return size;
+}
+
+static sl_status make_direct(sl_octree_state *s, sl_error *error) {
+    sl_octree_motion *m = &s->motion;
+    const unsigned threads = s->settings.threads;
+    const sl_shadow_map_settings maps = {map_size(s->scene), sampled_sky(s), NULL, threads};
+    sl_status status = SL_OK;
+    if (m->direct || !s->plan.direct) return status;
+    if (sl_emitter_sides(s->scene) <= SL_SHADOW_MAP_SIDES_MAX)
+        status = sl_shadow_maps_create(s->scene, s->raster, &maps, &m->maps, &s->counters, error);
+    const sl_direct_settings direct = {.light_samples = RAYS,
+                                       .seed = s->settings.seed,
+                                       .threads = threads,
+                                       .maps = m->maps,
+                                       .sun = sampled_sky(s)};
+    if (status == SL_OK) status = sl_direct_create(s->scene, s->tracer, &direct, &m->direct, error);
+    if (status != SL_OK) forget_direct(m);
+    return status;
+}
+
+static sl_status light_directly(sl_octree_state *s, sl_error *error) {
+    sl_status status = make_direct(s, error);
+    for (int row = 0; status == SL_OK && s->motion.direct && row < s->settings.height;)
+        status = sl_direct_rows(s->motion.direct, s->gbuffer, SL_DIRECT_ROWS, &row, s->direct_light,
+                                &s->counters, error);
+    if (status == SL_OK && s->motion.direct)
+        sl_octree_announce_picture(s, "direct light", "direct light beside the octree", s->direct_light[0]);
+    return status;
+}
+
+/* ---- Photons, in slices ---- */
+
+void sl_octree_age_light(sl_octree_motion *m) {
+    for (int k = 0; k < SL_OCTREE_SLICES; k++) m->age[k]++;
+    forget_direct(m);
+}
+
+void sl_octree_forget_slices(sl_octree_motion *m) {
+    for (int k = 0; k < SL_OCTREE_SLICES; k++) {
+        sl_photon_list_destroy(m->slice[k]);
+        m->slice[k] = NULL;
+    }
+    sl_photon_tree_destroy(m->tree);
+    m->tree = NULL;
+    m->shown = false;
+}
+
+void sl_octree_forget_motion(sl_octree_motion *m) {
+    forget_direct(m);
+    sl_octree_forget_slices(m);
+}
+
+static sl_status trace_slice(sl_octree_state *s, int k, sl_error *error) {
+    const uint64_t paths = s->settings.light_octree.photons / PATHS_DIVISOR,
+                   chunks = (paths + SL_PHOTON_CHUNK - 1) / SL_PHOTON_CHUNK;
+    const sl_photon_options options = {.stored = UINT64_MAX,
+                                       .emitted_at_most = chunks * SL_PHOTON_CHUNK,
+                                       .store = s->settings.light_octree.store,
+                                       .sky = s->sky.present ? &s->sky : NULL,
+                                       .seed = sl_random_key(s->settings.seed, (uint64_t)k + 1),
+                                       .threads = s->settings.threads};
+    sl_photon_list *slice = NULL;
+    bool done = false;
+    sl_status status = SL_OK;
+    while (status == SL_OK && !done)
+        status = sl_photons_trace(s->scene, s->tracer, &options, (size_t)chunks, &slice, &done, &s->counters,
+                                  error);
+    if (status == SL_OK) {
+        sl_photon_list_destroy(s->motion.slice[k]);
+        s->motion.slice[k] = slice;
+        s->motion.age[k] = 0;
+    } else {
+        sl_photon_list_destroy(slice);
+    }
+    return status;
+}
+
+static int oldest_slice(const sl_octree_motion *m) {
+    int oldest = 0;
+    for (int k = 1; k < SL_OCTREE_SLICES; k++) {
+        if (m->age[k] > m->age[oldest]) oldest = k;
+    }
+    return oldest;
+}
+
+/* Traces the oldest slice again; all, where none is there. */
+static sl_status renew_slices(sl_octree_state *s, sl_error *error) {
+    if (s->motion.slice[0]) return trace_slice(s, oldest_slice(&s->motion), error);
+    sl_status status = SL_OK;
+    for (int k = SL_OCTREE_SLICES - 1; k >= 0 && status == SL_OK; k--) status = trace_slice(s, k, error);
+    return status;
+}
+
+static void add_slice(sl_photon_list *all, const sl_photon_list *slice, double weight) {
+    for (size_t i = 0; i < slice->count; i++) {
+        sl_photon *p = &all->photon[all->count++];
+        *p = slice->photon[i];
+        for (int c = 0; c < 3; c++) p->flux[c] = (float)((double)p->flux[c] * weight);
+    }
+    all->emitted += slice->emitted;
+    all->emitted_flux = slice->emitted_flux;
+    all->cut_flux += slice->cut_flux * weight;
+}
+
+/* One map of all slices, each of which tells of all light: with every edit one counts half. */
+static sl_status join_slices(const sl_octree_motion *m, sl_photon_list **result, sl_error *error) {
+    sl_photon_list *all = *result = sl_allocate(1, sizeof *all);
+    double sum = 0.0, weight[SL_OCTREE_SLICES];
+    size_t count = 0;
+    for (int k = 0; k < SL_OCTREE_SLICES; k++) {
+        sum += weight[k] = ldexp(1.0, -(int)(m->age[k] < 64 ? m->age[k] : 64));
+        count += m->slice[k]->count;
+    }
+    if (all) all->photon = sl_allocate_unset(count, sizeof *all->photon);
+    if (!all || !all->photon) {
+        sl_photon_list_destroy(all);
+        return sl_fail_memory(error, "photons");
+    }
+    for (int k = 0; k < SL_OCTREE_SLICES; k++) add_slice(all, m->slice[k], weight[k] / sum);
+    return SL_OK;
+}
+
+/* ---- The octree ---- */
+
+/* An octree of all slices takes the place of the one that is shown. */
+static sl_status light_anew(sl_octree_state *s, sl_error *error) {
+    sl_octree_motion *m = &s->motion;
+    sl_photon_list *photons = NULL;
+    sl_photon_tree *tree = NULL;
+    sl_status status = renew_slices(s, error);
+    if (status == SL_OK) status = join_slices(m, &photons, error);
+    if (status != SL_OK) return status;
+    if (!photons->count) {
+        sl_photon_list_destroy(photons);
+        sl_octree_forget_level(&s->shown); /* dark */
+        m->shown = false;
+        return SL_OK;
+    }
+    status = sl_photon_tree_create(photons, s->settings.threads, &tree, error);
+    if (status == SL_OK) status = sl_octree_show_level_of(s, tree, s->plan.first_depth, error);
+    if (status != SL_OK) {
+        sl_photon_tree_destroy(tree);
+        return status;
+    }
+    sl_photon_tree_destroy(m->tree);
+    m->tree = tree;
+    m->shown = true;
+    return SL_OK;
+}
+
+static bool is_light_old(const sl_octree_motion *m) { return m->age[oldest_slice(m)] > 0; }
+
+sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error) {
+    sl_status status = sl_octree_draw_gbuffer(s, error);
+    const sl_octree_phase next = s->phase;
+    if (status == SL_OK) status = light_directly(s, error);
+    const bool old = !s->shown.octree || (s->motion.shown && is_light_old(&s->motion));
+    if (status == SL_OK && s->plan.photons && old) status = light_anew(s, error);
+    if (status == SL_OK && s->shown.octree) status = sl_octree_light_picture(s, error);
+    s->phase = next; /* rays and photons as of what stands still come now */
+    s->fresh = status == SL_OK;
+    return status;
+}
+
+size_t sl_octree_motion_bytes(const sl_octree_motion *m) {
+    size_t bytes = m->maps ? sl_shadow_maps_bytes(m->maps) : 0;
+    for (int k = 0; k < SL_OCTREE_SLICES; k++)
+        if (m->slice[k]) bytes += m->slice[k]->count * sizeof(sl_photon);
+    return bytes + (m->tree ? sl_photon_tree_bytes(m->tree) : 0);
+}

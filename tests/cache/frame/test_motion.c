@@ -1,0 +1,151 @@
+/* Scenes that move without rest, an update a move: frames have light, are near what they would be if the
+ * scene stood still, and are the same at any number of threads. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "rendering.h"
+
+enum { SIZE = 24, WINDOW = 10 };
+
+typedef struct motion {
+    const char *method, *scene;
+    int moves;
+    double most; /* relative RMS error of a window's last frame, against the picture of what stands still */
+} motion;
+
+/* Photons that are other ones make 0.06 of the octree's. Direct radiance mapping does all of a frame anew. */
+static const motion motions[] = {{"light-octree", "scenes/moving-ball.json", 400, 0.1},
+                                 {"light-octree", "scenes/moving-light.json", 100, 0.1},
+                                 {"direct-radiance", "scenes/moving-ball.json", 400, 1e-6},
+                                 {"direct-radiance", "scenes/moving-light.json", 400, 1e-6}};
+
+static void good(sl_status status, const sl_error *error) {
+    if (status != SL_OK) fail_msg("%s", error->message);
+}
+
+static sl_settings settings_of(const motion *m, unsigned threads) {
+    sl_settings s = small_settings(m->method, SIZE, SIZE);
+    s.quality = SL_QUALITY_DRAFT;
+    s.filter = SL_FILTER_CENTRE;
+    s.threads = threads;
+    s.light_octree.depth = 3;
+    s.light_octree.photons = 65536;
+    s.light_octree.neighbours = 200;
+    return s;
+}
+
+/* To and fro, 25 frames a second. */
+static double time_of(int move) { return 3.96 - fabs(fmod(0.04 * move, 7.92) - 3.96); }
+
+static sl_image *next_frame(sl_method *method, sl_scene *scene, int move) {
+    sl_progress progress;
+    sl_image *image;
+    sl_error error;
+    unsigned changes = 0;
+    good(sl_scene_set_time(scene, time_of(move), &changes, &error), &error);
+    good(sl_method_edit(method, changes, &error), &error);
+    good(sl_method_update(method, &progress, &error), &error);
+    assert_true(progress.frame_done);
+    good(sl_method_resolve(method, &image, &error), &error);
+    return image;
+}
+
+/* Of what is displayed: lamps count as white. */
+static double error_of(const sl_image *image, const sl_image *still) {
+    double squares = 0.0, sum = 0.0;
+    for (int i = 0; i < 3 * SIZE * SIZE; i++) {
+        const double a = fmin((double)image->planes[i], 1.0), b = fmin((double)still->planes[i], 1.0);
+        squares += (a - b) * (a - b);
+        sum += b;
+    }
+    return sqrt(squares / (3.0 * SIZE * SIZE)) / (sum / (3.0 * SIZE * SIZE));
+}
+
+static double mean_of(const sl_image *image, const char *channel) {
+    const float *plane = sl_image_channel(image, channel);
+    double sum = 0.0;
+    for (int i = 0; i < SIZE * SIZE; i++) sum += fmin((double)plane[i], 1.0) / (SIZE * SIZE);
+    return sum;
+}
+
+static double error_of_frame(const motion *m, const sl_scene *scene, const sl_image *frame) {
+    const sl_settings settings = settings_of(m, 2);
+    sl_image *still = render(scene, &settings, NULL);
+    const double error = error_of(frame, still);
+    sl_image_destroy(still);
+    return error;
+}
+
+static void follow(const motion *m) {
+    sl_scene *scene = load_scene(m->scene);
+    const sl_settings one = settings_of(m, 1), three = settings_of(m, 3);
+    sl_method *method[2];
+    sl_error error;
+    double worst = 0.0, sum = 0.0;
+    good(sl_method_create(scene, &one, &method[0], &error), &error);
+    good(sl_method_create(scene, &three, &method[1], &error), &error);
+    for (int move = 1; move <= m->moves; move++) {
+        sl_image *frame = next_frame(method[0], scene, move);
+        assert_true(mean_of(frame, "direct.G") > 0.01 && mean_of(frame, "indirect.G") > 0.005);
+        if (move % WINDOW == 0) {
+            const double now = error_of_frame(m, scene, frame);
+            sum += now * WINDOW / m->moves;
+            worst = fmax(worst, now);
+        }
+        if (move <= WINDOW) {
+            sl_image *other = next_frame(method[1], scene, move);
+            assert_true(same_picture(frame, other));
+            sl_image_destroy(other);
+        }
+        sl_image_destroy(frame);
+    }
+    print_message("%s, %s: %.2f %% off in the mean, %.2f at most\n", m->method, m->scene, 100.0 * sum,
+                  100.0 * worst);
+    assert_true(worst < m->most);
+    sl_method_destroy(method[0]);
+    sl_method_destroy(method[1]);
+    sl_scene_destroy(scene);
+}
+
+static void frames_of_what_moves_without_rest_are_near_those_of_what_stands_still(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof motions / sizeof motions[0]; i++) follow(&motions[i]);
+}
+
+/* One edit, and whatever was going on: its rest is the picture of a method that is made for the scene as it
+ * stands. */
+static void what_comes_to_rest_is_the_picture_of_what_never_moved(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof motions / sizeof motions[0]; i++) {
+        const sl_settings settings = settings_of(&motions[i], 2);
+        sl_scene *scene = load_scene(motions[i].scene);
+        sl_progress progress = {0};
+        sl_method *method;
+        sl_image *image;
+        sl_error error;
+        good(sl_method_create(scene, &settings, &method, &error), &error);
+        for (int move = 1; move < 5; move++) sl_image_destroy(next_frame(method, scene, move));
+        while (!progress.done) good(sl_method_update(method, &progress, &error), &error);
+        good(sl_method_resolve(method, &image, &error), &error);
+        sl_image *still = render(scene, &settings, NULL);
+        assert_true(same_picture(image, still));
+        sl_image_destroy(still);
+        sl_image_destroy(image);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_of_what_moves_without_rest_are_near_those_of_what_stands_still),
+        cmocka_unit_test(what_comes_to_rest_is_the_picture_of_what_never_moved),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
