@@ -1,6 +1,6 @@
 #!/bin/sh
 # bench/experiments.sh METHOD BUILD [--brief] [--docs] [SCENE ...]: the experiments on one method: the tables of bench/METHOD.trials, those of
-# bench/frames.trials that are its own, and programs for what trials cannot measure. METHOD is also bidirectional, estimates or raster.
+# bench/frames.trials that are its own, and programs for what trials cannot measure. METHOD is also bidirectional, estimates, raster or motion.
 # Tables go to BUILD/METHOD/ (brief ones, of small pictures, to BUILD/METHOD-brief/). With --docs they also replace what stands between the marks
 # of docs pages. Interrupted, the same command goes on. From outside: REFERENCE_BUDGET of each reference in processor seconds (60).
 set -eu
@@ -23,6 +23,10 @@ shading-cache) programs='shading_equal shading_moving' frames='' pages=docs/shad
 bidirectional) programs='' frames='' pages=docs/bidirectional.md ;;
 estimates) programs='' frames='' pages=docs/error-estimates.md ;;
 raster) make -s BUILD="$build" scenes && exec "$build/bench/bench_raster" ;;
+motion) # every method while things move; BUILD/motion/ gets the errors frame by frame
+    make -s BUILD="$build" scenes && mkdir -p "$build/motion"
+    # shellcheck disable=SC2086 # a list
+    exec "$build/bench/bench_motion" $brief --csv "$build/motion" ;;
 *) echo "unknown method: $method" >&2 && exit 2 ;;
 esac
 out=$build/$method${brief:+-brief}

@@ -43,7 +43,7 @@
     O(int, gather_size, "gather-size", "N", 4, 1024, TOLD("by quality"), "", RESEARCH, \
       "N x N samples a gather, N even; of multi-mesh a power of two") \
     O(uint32_t, bounces, "bounces", "N", 1, 64, TOLD("as many as matter"), "", USER(0), \
-      "surfaces between the one that is seen and the light; multi-mesh: 1 or 2")
+      "surfaces between the one that is seen and the light")
 
 /* Radiance cache splatting (Gautron, Krivanek, Bouatouch, Pattanaik 2005) */
 #define SL_OPTIONS_OF_SPLATTING(O) \
