@@ -35,29 +35,6 @@ void sl_setting_help(const sl_setting *s, char *text, size_t room) {
              standard);
 }
 
-static void print_setting(const sl_setting *s) {
-    char left[96], standard[96], bounds[64] = "", symbol[32] = "";
-    write_default(s, standard, sizeof standard);
-    if (s->minimum < s->maximum && *s->unit && strcmp(s->unit, "BYTES") != 0)
-        snprintf(bounds, sizeof bounds, ", %.7g to %.7g", s->minimum, s->maximum);
-    if (*s->symbol) snprintf(symbol, sizeof symbol, " (the paper's %s)", s->symbol);
-    snprintf(left, sizeof left, "%s=%s", s->name, *s->unit ? s->unit : "1");
-    printf("%c %s\n      %s%s%s%s\n", s->everyday ? '*' : ' ', left, s->help, symbol, bounds, standard);
-}
-
-void sl_print_settings(void) {
-    const char *methods = NULL;
-    const sl_setting *s;
-    printf("Options of the methods: --set NAME=VALUE, and of those with a star --NAME VALUE without the "
-           "method's name.\n");
-    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
-        if (!methods || strcmp(methods, s->methods) != 0)
-            printf("\n%s:\n", *s->methods ? s->methods : "every method");
-        methods = s->methods;
-        print_setting(s);
-    }
-}
-
 /* Words as they stand: a dot or quote at a line's beginning would be a request, a backslash an escape, and a
  * plain minus a hyphen. */
 static void print_text(const char *text) {
@@ -69,6 +46,35 @@ static void print_text(const char *text) {
         else if (*c == '-') fputs("\\-", stdout);
         else putchar(*c);
     }
+}
+
+/* Puts all of them as lines, method by method. */
+static void put_settings(void (*put)(const char *text)) {
+    const char *methods = NULL;
+    const sl_setting *s;
+    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
+        char line[512], standard[96], bounds[64] = "", symbol[32] = "";
+        write_default(s, standard, sizeof standard);
+        if (s->minimum < s->maximum && *s->unit && strcmp(s->unit, "BYTES") != 0)
+            snprintf(bounds, sizeof bounds, ", %.7g to %.7g", s->minimum, s->maximum);
+        if (*s->symbol) snprintf(symbol, sizeof symbol, " (the paper's %s)", s->symbol);
+        if (!methods || strcmp(methods, s->methods) != 0) {
+            snprintf(line, sizeof line, "\n%s:\n", *s->methods ? s->methods : "every method");
+            put(line);
+        }
+        methods = s->methods;
+        snprintf(line, sizeof line, "%c %s=%s\n      %s%s%s%s\n", s->everyday ? '*' : ' ', s->name,
+                 *s->unit ? s->unit : "1", s->help, symbol, bounds, standard);
+        put(line);
+    }
+}
+
+static void put_plain(const char *text) { fputs(text, stdout); }
+
+void sl_print_settings(void) {
+    printf("Options of the methods: --set NAME=VALUE, and of those with a star --NAME VALUE without the "
+           "method's name.\n");
+    put_settings(put_plain);
 }
 
 static void print_heading(const char *page, const char *summary) {
@@ -133,23 +139,6 @@ void sl_print_command_manual(const sl_command_line *line) {
     printf(".SH SEE ALSO\n.BR softlux (1)\n");
 }
 
-/* Prints what --set of every command takes. */
-static void print_settings(void) {
-    const sl_setting *s;
-    printf(".SH OPTIONS OF METHODS\n");
-    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
-        char help[256];
-        sl_setting_help(s, help, sizeof help);
-        printf(".TP\n\\fB");
-        print_text(s->name);
-        printf("\\fR=\\fI");
-        print_text(*s->unit ? s->unit : "1");
-        printf("\\fR\n");
-        print_text(help);
-        putchar('\n');
-    }
-}
-
 void sl_print_program_manual(const sl_command *commands, size_t count) {
     print_heading("softlux",
                   "global illumination of triangle scenes on a CPU, deterministic and without a GPU");
@@ -159,7 +148,9 @@ void sl_print_program_manual(const sl_command *commands, size_t count) {
         print_text(commands[i].summary);
         putchar('\n');
     }
-    print_settings();
+    printf(".SH OPTIONS OF METHODS\n.nf\n");
+    put_settings(print_text); /* those with a star without --set, too */
+    printf(".fi\n");
     print_exit_statuses();
     printf(".SH EXAMPLES\nsoftlux render scenes/cornell.json \\-o cornell.png\n.SH SEE ALSO\n");
     for (size_t i = 0; i < count; i++)

@@ -7,12 +7,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- how a scene is read ---- */
+/* ---- options beside a command's own ---- */
 
+enum { OPTIONS = 256 };
 static const double degree = 0.017453292519943295;
 
-/* Writes the options of reading a scene. */
-static void reading_options(sl_reading *r, sl_option *options) {
+/* Appends the options of reading a scene. */
+static void add_reading(sl_option *options, size_t *count, sl_reading *r) {
     sl_viewpoint *v = &r->view;
     const sl_option own[] = {
         SL_VECTOR("eye", v->eye, &v->has_eye,
@@ -28,8 +29,33 @@ static void reading_options(sl_reading *r, sl_option *options) {
         SL_FLAG("allow-outside", &r->allow_outside,
                 "files that the scene names may lie outside of its folder"),
     };
-    memcpy(options, own, sizeof own);
+    memcpy(options + *count, own, sizeof own);
+    *count += sizeof own / sizeof *own;
 }
+
+/* Appends all settings of methods, and --set. */
+static void add_settings(sl_option *options, size_t *count, const sl_command_line *line) {
+    const sl_setting *s;
+    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
+        const char *flag = sl_setting_flag(s);
+        options[(*count)++] = (sl_option){.name = flag,
+                                          .letter = s->letter,
+                                          .kind = SL_OPTION_SETTING,
+                                          .value = line->settings,
+                                          .given = strcmp(flag, "quality") == 0 ? line->quality_given : NULL,
+                                          .metavar = *s->unit ? s->unit : NULL,
+                                          .setting = s};
+    }
+    options[(*count)++] =
+        (sl_option){.name = "set",
+                    .kind = SL_OPTION_SET,
+                    .value = line->settings,
+                    .metavar = "NAME=VALUE",
+                    .help = "any other option of a method; softlux help settings lists them"};
+}
+
+/* Tells whether it is reached by --set alone. */
+static bool is_hidden(const sl_option *o) { return o->setting && !o->setting->everyday; }
 
 static void take_reading(sl_reading *r) {
     sl_viewpoint *v = &r->view;
@@ -51,16 +77,12 @@ static void print_option(char letter, const char *name, const char *unit, const 
 }
 
 void sl_each_option(const sl_command_line *line, sl_option_printer print) {
-    for (const sl_option *o = line->options; o->name; o++)
-        print(o->letter, o->name, o->metavar ? o->metavar : "", o->help);
-    if (!line->settings) return;
-    const sl_setting *s;
-    for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
+    for (const sl_option *o = line->options; o->name; o++) {
         char help[256];
-        sl_setting_help(s, help, sizeof help);
-        if (s->everyday) print(s->letter, sl_setting_flag(s), s->unit, help);
+        if (o->setting) sl_setting_help(o->setting, help, sizeof help);
+        if (!is_hidden(o))
+            print(o->letter, o->name, o->metavar ? o->metavar : "", o->setting ? help : o->help);
     }
-    print(0, "set", "NAME=VALUE", "any other option of a method; softlux help settings lists them");
 }
 
 static void print_help(const sl_command_line *line) {
@@ -84,19 +106,40 @@ __attribute__((format(printf, 2, 3))) static bool mistake(int *status, const cha
 
 /* An option that is only for experiments tells how it is reached. */
 static bool unknown_option(const sl_command_line *line, const char *word, int *status) {
-    enum { NAMES = 256 };
-    const char *names[NAMES];
+    const char *names[OPTIONS];
     size_t count = 0;
-    for (const sl_option *o = line->options; o->name && count < NAMES; o++) names[count++] = o->name;
-    for (size_t i = 0; line->settings && sl_setting_at(i) && count < NAMES; i++)
-        names[count++] = sl_setting_flag(sl_setting_at(i));
+    for (const sl_option *o = line->options; o->name; o++) names[count++] = o->name;
     const char *near = sl_nearest_word(word, names, count);
-    const sl_setting *setting = near && line->settings ? sl_setting_of_flag(near) : NULL;
-    if (setting && !setting->everyday)
-        return mistake(status, "unknown option --%s; write --set %s=%s", word, setting->name,
-                       *setting->unit ? setting->unit : "1");
-    if (near) return mistake(status, "unknown option --%s; did you mean --%s?", word, near);
-    return mistake(status, "unknown option --%s; see --help", word);
+    if (!near) return mistake(status, "unknown option --%s; see --help", word);
+    const sl_option *o = line->options;
+    while (o->name != near) o++;
+    if (!is_hidden(o)) return mistake(status, "unknown option --%s; did you mean --%s?", word, near);
+    return mistake(status, "unknown option --%s; write --set %s=%s", word, o->setting->name,
+                   o->metavar ? o->metavar : "1");
+}
+
+/* Sets one of a method's settings; a flag comes without text. The library's line begins with the whole name. */
+static bool take_setting(const sl_option *o, const char *text, int *status) {
+    const sl_setting *setting = o->setting;
+    sl_error error;
+    if (o->given) *o->given = true;
+    if (sl_settings_set(o->value, setting->name, text ? text : "1", &error) == SL_OK) return true;
+    return mistake(status, "--%s%s%s", is_hidden(o) ? "set " : "", is_hidden(o) ? setting->name : o->name,
+                   error.message + strlen(setting->name));
+}
+
+/* --set light-octree.depth=6 */
+static bool set_by_name(const sl_command_line *line, const char *text, int *status) {
+    char name[64];
+    const char *equals = strchr(text, '=');
+    sl_error error;
+    if (!equals) return mistake(status, "--set: expected NAME=VALUE, got '%s'", text);
+    snprintf(name, sizeof name, "%.*s", (int)(equals - text), text);
+    const sl_setting *setting = sl_setting_named(name);
+    for (const sl_option *o = line->options; setting && o->name; o++)
+        if (o->setting == setting) return take_setting(o, equals + 1, status);
+    sl_settings_set(line->settings, name, equals + 1, &error);
+    return mistake(status, "--set: %s", error.message);
 }
 
 static sl_status read_value(const sl_option *o, const char *text, sl_error *error) {
@@ -108,135 +151,84 @@ static sl_status read_value(const sl_option *o, const char *text, sl_error *erro
     case SL_OPTION_CHOICE: return sl_value_choice(text, o->choices, o->value, error);
     case SL_OPTION_SIZE: return sl_value_size(text, 32768, o->value, error);
     case SL_OPTION_VECTOR: return sl_value_vector(text, o->value, error);
+    default: return SL_OK;
     }
-    return SL_OK;
 }
 
-static bool take_value(const sl_option *o, const char *text, int *status) {
+static bool take_value(const sl_command_line *line, const sl_option *o, const char *text, int *status) {
     sl_error error;
+    if (o->kind == SL_OPTION_SET) return set_by_name(line, text, status);
+    if (o->kind == SL_OPTION_SETTING) return take_setting(o, text, status);
     if (o->given) *o->given = true;
     if (read_value(o, text, &error) == SL_OK) return true;
     return mistake(status, "--%s: %s", o->name, error.message);
 }
 
-/* The library's line begins with the whole name. */
-static bool take_setting(const sl_command_line *line, const sl_setting *setting, const char *text,
-                         int *status) {
-    sl_error error;
-    const char *flag = sl_setting_flag(setting);
-    if (line->quality_given && strcmp(flag, "quality") == 0) *line->quality_given = true;
-    if (sl_settings_set(line->settings, setting->name, text, &error) == SL_OK) return true;
-    return mistake(status, "--%s%s%s", setting->everyday ? "" : "set ",
-                   setting->everyday ? flag : setting->name, error.message + strlen(setting->name));
-}
-
-/* --set light-octree.depth=6 */
-static bool set_by_name(const sl_command_line *line, const char *text, int *status) {
-    char name[64];
-    const char *equals = strchr(text, '=');
-    sl_error error;
-    if (!equals) return mistake(status, "--set: expected NAME=VALUE, got '%s'", text);
-    snprintf(name, sizeof name, "%.*s", (int)(equals - text), text);
-    const sl_setting *setting = sl_setting_named(name);
-    if (setting) return take_setting(line, setting, equals + 1, status);
-    sl_settings_set(line->settings, name, equals + 1, &error);
-    return mistake(status, "--set: %s", error.message);
-}
-
-/* A word of the command line names an option of the command, a setting, or --set. */
-typedef struct named {
-    const sl_option *option;
-    const sl_setting *setting;
-    bool set;
-} named;
-
-static named find_letter(const sl_command_line *line, char letter) {
+/* By its name, or with NULL by its letter. */
+static const sl_option *find_option(const sl_command_line *line, const char *name, char letter) {
     for (const sl_option *o = line->options; o->name; o++)
-        if (o->letter == letter) return (named){.option = o};
-    for (size_t i = 0; line->settings && sl_setting_at(i); i++)
-        if (sl_setting_at(i)->letter == letter) return (named){.setting = sl_setting_at(i)};
-    return (named){0};
-}
-
-static named find_name(const sl_command_line *line, const char *name) {
-    for (const sl_option *o = line->options; o->name; o++)
-        if (strcmp(o->name, name) == 0) return (named){.option = o};
-    const sl_setting *setting = line->settings ? sl_setting_of_flag(name) : NULL;
-    return (named){.setting = setting && setting->everyday ? setting : NULL,
-                   .set = line->settings && strcmp(name, "set") == 0};
-}
-
-static bool take_named(const sl_command_line *line, const named *n, const char *text, int *status) {
-    if (n->option) return take_value(n->option, text, status);
-    return n->set ? set_by_name(line, text, status)
-                  : take_setting(line, n->setting, text ? text : "1", status);
-}
-
-static bool is_flag(const named *n) {
-    return n->option ? n->option->kind == SL_OPTION_FLAG : n->setting && !*n->setting->unit;
-}
-
-static const char *unit_of(const named *n) {
-    return n->option ? n->option->metavar : n->setting ? n->setting->unit : "NAME=VALUE";
+        if (!is_hidden(o) && (name ? strcmp(o->name, name) == 0 : o->letter == letter)) return o;
+    return NULL;
 }
 
 /* One option at argv[*i]; moves *i on to its value. */
 static bool take_option(const sl_command_line *line, int argc, char **argv, int *i, int *status) {
     char *word = argv[*i], *name = word + 2;
     const char *value = NULL;
-    named n = {0};
+    const sl_option *o = NULL;
     if (word[1] == '-') {
         const size_t length = strcspn(name, "=");
         if (name[length] == '=') value = name + length + 1;
         name[length] = '\0';
-        n = find_name(line, name);
+        o = find_option(line, name, 0);
     } else if (!word[2]) {
-        n = find_letter(line, *--name);
+        o = find_option(line, NULL, word[1]);
     }
-    if (!n.option && !n.setting && !n.set)
+    if (!o)
         return word[1] == '-' ? unknown_option(line, name, status)
                               : mistake(status, "unknown option %s; see --help", word);
-    if (is_flag(&n))
-        return value ? mistake(status, "%s takes no value", word) : take_named(line, &n, NULL, status);
+    if (!o->metavar)
+        return value ? mistake(status, "%s takes no value", word) : take_value(line, o, NULL, status);
     if (!value && *i + 1 < argc) value = argv[++*i];
-    if (!value) return mistake(status, "%s needs a value: %s", word, unit_of(&n));
-    return take_named(line, &n, value, status);
+    if (!value) return mistake(status, "%s needs a value: %s", word, o->metavar);
+    return take_value(line, o, value, status);
 }
 
-/* Parses with the options of reading a scene behind the command's own. */
-bool sl_options_parse(const sl_command_line *given, int argc, char **argv, const char **operands,
-                      int *operand_count, int *status) {
-    enum { OPTIONS = 40 };
-    sl_option options[OPTIONS] = {0};
-    sl_command_line whole = *given, *line = &whole;
-    size_t own = 0;
-    for (; given->options[own].name && own < OPTIONS / 2; own++) options[own] = given->options[own];
-    if (given->reading) reading_options(given->reading, options + own);
-    whole.options = options;
-    int count = 0;
+static bool is_word(const char *word, const char *name, const char *letter) {
+    return strcmp(word, name) == 0 || (letter && strcmp(word, letter) == 0);
+}
+
+static bool take_words(const sl_command_line *line, int argc, char **argv, const char **operands, int *count,
+                       int *status) {
     bool only_operands = false;
-    *status = 0;
     for (int i = 0; i < argc; i++) {
-        if (!only_operands && (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)) {
-            print_help(line);
-            return false;
-        }
-        if (!only_operands && strcmp(argv[i], "--man") == 0) {
-            sl_print_command_manual(line);
-            return false;
-        }
-        if (!only_operands && strcmp(argv[i], "--") == 0) {
+        if (!only_operands && is_word(argv[i], "--help", "-h")) return print_help(line), false;
+        if (!only_operands && is_word(argv[i], "--man", NULL)) return sl_print_command_manual(line), false;
+        if (!only_operands && is_word(argv[i], "--", NULL)) {
             only_operands = true;
         } else if (!only_operands && argv[i][0] == '-' && argv[i][1]) {
             if (!take_option(line, argc, argv, &i, status)) return false;
         } else {
-            if (count == line->operands_max)
+            if (*count == line->operands_max)
                 return mistake(status, "unexpected '%s'; usage: %s", argv[i], line->usage);
-            operands[count++] = argv[i];
+            operands[(*count)++] = argv[i];
         }
     }
-    if (count < line->operands_min) return mistake(status, "usage: %s", line->usage);
-    *operand_count = count;
+    return *count >= line->operands_min || mistake(status, "usage: %s", line->usage);
+}
+
+/* Behind the command's own options there are those of reading a scene, and the methods'. */
+bool sl_options_parse(const sl_command_line *given, int argc, char **argv, const char **operands,
+                      int *operand_count, int *status) {
+    sl_option options[OPTIONS] = {0};
+    sl_command_line whole = *given;
+    size_t count = 0;
+    for (; given->options[count].name && count < OPTIONS / 4; count++) options[count] = given->options[count];
+    if (given->reading) add_reading(options, &count, given->reading);
+    if (given->settings) add_settings(options, &count, given);
+    whole.options = options;
+    *operand_count = *status = 0;
+    if (!take_words(&whole, argc, argv, operands, operand_count, status)) return false;
     if (given->reading) take_reading(given->reading);
     return true;
 }

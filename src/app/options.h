@@ -16,7 +16,9 @@ typedef enum sl_option_kind {
     SL_OPTION_COUNT,   /* uint64_t *, decimal, within [minimum, maximum] */
     SL_OPTION_CHOICE,  /* int *: the number of the choice */
     SL_OPTION_SIZE,    /* int[2]: WxH, each 1 to 32768 */
-    SL_OPTION_VECTOR   /* float[3]: X,Y,Z, finite */
+    SL_OPTION_VECTOR,  /* float[3]: X,Y,Z, finite */
+    SL_OPTION_SETTING, /* sl_settings *: the method's `setting` of them */
+    SL_OPTION_SET      /* sl_settings *: that of them which the value names, NAME=VALUE */
 } sl_option_kind;
 
 typedef struct sl_option {
@@ -26,9 +28,11 @@ typedef struct sl_option {
     void *value;
     bool *given;                /* set to true where the option occurs; or NULL */
     const char *metavar;        /* "N"; NULL for flags */
-    const char *help;           /* one line; ends with the default in brackets where there is one */
+    const char *help;           /* one line; ends with the default in brackets where there is one; NULL for
+                                   settings, whose own it is */
     double minimum, maximum;    /* REAL and COUNT; both 0: no bounds but the type's */
     const char *choices;        /* CHOICE: "clip|reinhard" */
+    const sl_setting *setting;  /* SETTING */
 } sl_option;
 
 /* Rows of a table of options. */
