@@ -59,19 +59,6 @@ static sl_status look_at(const sl_scene *scene, const sl_settings *base, scene_k
     return status;
 }
 
-/* Measures light that the eye sees in mirrors, by one surface at most: multi-mesh caching declares the same
- * light paths, but for these. As a share of that light. */
-static sl_status look_into_mirrors(const sl_scene *scene, const sl_settings *base, double *seen,
-                                   sl_error *error) {
-    const sl_light_paths paths[] = {{"path", "one-bounce"}, {"path", "matched:multi-mesh"}};
-    double light[2] = {0.0};
-    sl_settings settings = *base;
-    settings.bounces = 1;
-    sl_status status = sl_measure_light(scene, &settings, paths, 2, SAMPLES, light, error);
-    *seen = light[0] > light[1] ? (light[0] - light[1]) / light[0] : 0.0;
-    return status;
-}
-
 /* ---- the choice ------------------------------------------------------------------------------ */
 
 /* Returns what may be left out of a picture: the error asked for, or what a quality and a time are good for.
@@ -107,17 +94,14 @@ static const char *choose(const scene_kind *k, const sl_auto_budget *b, sl_auto_
     return "diffuse light changes slowly, and is soonest found in records";
 }
 
-/* seen: the share that is seen in mirrors. */
-static void tell(const scene_kind *kind, double seen, const char *because, sl_auto_choice *choice) {
-    char in_mirrors[48] = "", light[200] = "";
-    if (kind->mirrors) snprintf(in_mirrors, sizeof in_mirrors, ", and %.0f %% is seen in them", 100.0 * seen);
+static void tell(const scene_kind *kind, const char *because, sl_auto_choice *choice) {
+    char light[160] = "";
     if (kind->lit)
         snprintf(light, sizeof light,
-                 ": of the light %.0f %% is direct, %.0f %% comes by one diffuse surface, %.0f %% by more, "
-                 "%.0f %% by mirrors%s;",
-                 100.0 * kind->direct, 100.0 * kind->second, 100.0 * kind->further, 100.0 * kind->mirrored,
-                 in_mirrors);
-    snprintf(choice->why, sizeof choice->why, "%s%s %s", choice->method, kind->lit ? light : ":", because);
+                 " of the light %.0f %% is direct, %.0f %% comes by one diffuse surface, %.0f %% by more, "
+                 "%.0f %% by mirrors;",
+                 100.0 * kind->direct, 100.0 * kind->second, 100.0 * kind->further, 100.0 * kind->mirrored);
+    snprintf(choice->why, sizeof choice->why, "%s:%s %s", choice->method, light, because);
 }
 
 sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, const sl_auto_budget *budget,
@@ -125,11 +109,7 @@ sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, con
     scene_kind k = {0};
     *choice = (sl_auto_choice){.method = "path"};
     sl_status status = look_at(scene, settings, &k, error);
-    if (status != SL_OK) return status;
-    const char *because = choose(&k, budget, choice);
-    double seen = 0.0;
-    if (k.lit && k.mirrors) status = look_into_mirrors(scene, settings, &seen, error);
-    tell(&k, seen, because, choice);
+    if (status == SL_OK) tell(&k, choose(&k, budget, choice), choice);
     return status;
 }
 

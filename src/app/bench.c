@@ -1,13 +1,12 @@
 /* softlux bench: speed against error of every method, on any scenes, as one report. */
 #include "app/bench/references.h"
 #include "app/bench/report.h"
-#include "app/bench/scene.h"
 #include "app/commands.h"
 #include "app/options.h"
 #include "app/page.h"
+#include "app/same_file.h"
 #include "base/error.h"
 #include "base/values.h"
-#include "image/output_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -191,24 +190,16 @@ static void name_machine(sl_bench_results *r) {
     if (in) fclose(in);
 }
 
-static sl_status make_folders(const sl_bench_options *o, sl_error *error) {
+/* Makes the folders, and checks that all can be written, before hours are spent. */
+static sl_status check_files(const sl_bench_options *o, sl_error *error) {
+    static const char *const names[] = {"report.html", "report.md", "results.csv", "tables.md"};
     char pictures[SL_BENCH_PATH];
     snprintf(pictures, sizeof pictures, "%.1000s/pictures", o->folder);
-    sl_status status = sl_reference_make_folder(pictures, error);
+    sl_status status = sl_make_folder(pictures, "picture.exr", error);
+    for (size_t i = 0; i < sizeof names / sizeof *names && status == SL_OK; i++)
+        status = sl_make_folder(o->folder, names[i], error);
     if (status != SL_OK || o->trials_only || o->report_only) return status;
-    return sl_reference_make_folder(o->references, error);
-}
-
-/* Checks that all can be written, before hours are spent. */
-static sl_status check_files(const sl_bench_options *o, sl_error *error) {
-    static const char *const names[] = {"report.html", "report.md", "results.csv", "pictures/picture.exr"};
-    sl_status status = make_folders(o, error);
-    for (size_t i = 0; i < sizeof names / sizeof *names && status == SL_OK; i++) {
-        char path[SL_BENCH_PATH];
-        snprintf(path, sizeof path, "%.1000s/%s", o->folder, names[i]);
-        status = sl_output_check(path, error);
-    }
-    return status;
+    return sl_make_folder(o->references, "reference.exr", error);
 }
 
 /* Writes the report after every scene, so that the last one that failed takes nothing away. */

@@ -12,11 +12,6 @@ const char *sl_setting_flag(const sl_setting *setting) {
     return dot ? dot + 1 : setting->name;
 }
 
-const sl_setting *sl_setting_of_flag(const char *flag) {
-    const sl_setting *s = sl_setting_named(flag);
-    return s && strcmp(sl_setting_flag(s), flag) == 0 ? s : NULL;
-}
-
 /* [5, 5, 6 by quality] */
 static void write_default(const sl_setting *s, char *text, size_t room) {
     const double *d = s->by_quality;

@@ -7,7 +7,6 @@
 #include "app/page.h"
 #include "app/picture.h"
 #include "app/same_file.h"
-#include "app/target.h"
 #include "cache/frame/all_light.h"
 
 #include <stdio.h>

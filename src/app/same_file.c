@@ -1,8 +1,10 @@
 #include "app/same_file.h"
 
 #include "base/error.h"
+#include "image/output_file.h"
 #include "scene/scene.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -97,4 +99,17 @@ sl_status sl_spare_scene_in(const sl_scene *scene, const char *option, const cha
     int length = snprintf(path, sizeof path, "%s/%s", folder, name);
     /* none is written there either */
     return length < (int)sizeof path ? sl_spare_scene(scene, option, path, error) : SL_OK;
+}
+
+sl_status sl_make_folder(const char *folder, const char *name, sl_error *error) {
+    char part[4096];
+    const size_t length = strlen(folder);
+    for (size_t i = 1; i <= length && i < sizeof part; i++) {
+        if (folder[i] != '/' && folder[i]) continue;
+        snprintf(part, sizeof part, "%.*s", (int)i, folder);
+        if (mkdir(part, 0777) != 0 && errno != EEXIST)
+            return sl_fail(error, SL_ERROR_OUTPUT, "cannot make the folder %.900s: %s", part, strerror(errno));
+    }
+    snprintf(part, sizeof part, "%.3900s/%s", folder, name);
+    return sl_output_check(part, error);
 }

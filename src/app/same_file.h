@@ -16,6 +16,10 @@ sl_status sl_spare_scene(const sl_scene *scene, const char *option, const char *
 sl_status sl_spare_scene_in(const sl_scene *scene, const char *option, const char *folder, const char *name,
                             sl_error *error);
 
+/* Makes a folder, and those above it, where they are not there; fails where no file of that name can be
+ * written in it. */
+sl_status sl_make_folder(const char *folder, const char *name, sl_error *error);
+
 /* ---- names of a series ---- */
 
 bool sl_name_ends_with(const char *name, const char *end);

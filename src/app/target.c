@@ -2,7 +2,7 @@
  * for, or the next would not be done in time. Methods that refine one picture are looked at on the way, too,
  * after numbers of batches that grow geometrically. Without --time nothing here knows a clock: the same bits
  * at any number of threads. */
-#include "app/target.h"
+#include "app/picture.h"
 
 #include "app/clock.h"
 #include "app/ladder.h"

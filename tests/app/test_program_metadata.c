@@ -35,7 +35,7 @@ static const sl_setting *setting_of(const sl_metadatum *m) {
         return NULL;
     snprintf(name, sizeof name, "%s", m->key + sizeof ours - 1);
     for (char *c = name; *c; c++) *c = *c == '_' ? '-' : *c;
-    const sl_setting *setting = sl_setting_of_flag(name);
+    const sl_setting *setting = sl_setting_named(name);
     if (!setting) fail_msg("%s is no option", m->key);
     return setting;
 }
@@ -166,7 +166,7 @@ static void every_option_has_a_name_of_its_own_and_a_line_of_help(void **state) 
     const sl_setting *s;
     for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
         assert_ptr_equal(sl_setting_named(s->name), s);
-        assert_ptr_equal(sl_setting_of_flag(sl_setting_flag(s)), s);
+        assert_ptr_equal(sl_setting_named(sl_setting_flag(s)), s);
         assert_true(strlen(s->help) > 3);
         assert_null(strchr(s->help, '\n'));
     }

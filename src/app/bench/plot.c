@@ -111,28 +111,28 @@ static bool is_on_paper(const sl_bench_row *row, sl_bench_truth truth) {
     return row->cpu.median > 0.0 && row->error[truth].rel_rmse > 0.0;
 }
 
-/* 1, 2, 5 of each power of ten, and their names. scale: the unit of the names. */
-static void put_axis(FILE *out, const axis *a, bool across, double scale) {
+/* Puts a line from one side of the field to the other, upright or level. */
+static void put_line(FILE *out, const char *class, bool upright, double at) {
+    fprintf(out, "<line class=\"%s\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>", class,
+            upright ? at : LEFT, upright ? at : WIDTH - RIGHT, upright ? TOP : at,
+            upright ? HEIGHT - BOTTOM : at);
+}
+
+/* 1, 2, 5 of each power of ten, and their names: seconds across, shares upwards. */
+static void put_axis(FILE *out, const axis *a, bool across) {
     static const double steps[] = {1.0, 2.0, 5.0};
     for (int power = (int)floor(a->least); power <= (int)ceil(a->most); power++) {
         for (int i = 0; i < 3; i++) {
-            double value = steps[i] * pow(10.0, power), at = log10(value);
+            const double value = steps[i] * pow(10.0, power), at = log10(value), p = place(a, value);
             if (at < a->least || at > a->most) continue;
-            double p = place(a, value);
-            bool named = i == 0 || a->most - a->least < 3.5;
-            if (across) {
-                fprintf(out, "<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%d\" y2=\"%d\"/>", p, p, TOP,
-                        HEIGHT - BOTTOM);
-                if (named)
-                    fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%.12g</text>", p,
-                            HEIGHT - BOTTOM + 17, scale * value);
-            } else {
-                fprintf(out, "<line class=\"grid\" x1=\"%d\" x2=\"%d\" y1=\"%.1f\" y2=\"%.1f\"/>", LEFT,
-                        WIDTH - RIGHT, p, p);
-                if (named)
-                    fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%.12g %%</text>", LEFT - 6,
-                            p + 4.0, scale * value);
-            }
+            put_line(out, "grid", across, p);
+            if (i > 0 && a->most - a->least >= 3.5) continue;
+            if (across)
+                fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%.12g</text>", p,
+                        HEIGHT - BOTTOM + 17, value);
+            else
+                fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%.12g %%</text>", LEFT - 6,
+                        p + 4.0, 100.0 * value);
         }
     }
     fputc('\n', out);
@@ -140,12 +140,9 @@ static void put_axis(FILE *out, const axis *a, bool across, double scale) {
 
 static void put_goals(FILE *out, const axis *y) {
     static const double goals[] = {0.05, 0.01};
-    for (int i = 0; i < 2; i++) {
-        if (log10(goals[i]) < y->least || log10(goals[i]) > y->most) continue;
-        double p = place(y, goals[i]);
-        fprintf(out, "<line class=\"goal\" x1=\"%d\" x2=\"%d\" y1=\"%.1f\" y2=\"%.1f\"/>\n", LEFT,
-                WIDTH - RIGHT, p, p);
-    }
+    for (int i = 0; i < 2; i++)
+        if (log10(goals[i]) >= y->least && log10(goals[i]) <= y->most)
+            put_line(out, "goal", false, place(y, goals[i]));
 }
 
 /* Qualities are large, other settings small; what is only known to be less than that points down. */
@@ -226,8 +223,8 @@ void sl_put_plot(FILE *out, const void *plot) {
     size_t count = choose_curves(p->scene, truth, curves);
     find_bounds(curves, count, truth, &x, &y);
     begin(out, p->scene->name, against[truth]);
-    put_axis(out, &x, true, 1.0);
-    put_axis(out, &y, false, 100.0);
+    put_axis(out, &x, true);
+    put_axis(out, &y, false);
     put_goals(out, &y);
     fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">processor seconds</text>\n",
             0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 10);

@@ -1,16 +1,14 @@
 #include "app/bench/references.h"
 
+#include "app/same_file.h"
 #include "base/error.h"
 #include "cache/frame/all_light.h"
 #include "cache/frame/method.h"
-#include "image/output_file.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* ---- where they are ---- */
 
@@ -71,21 +69,6 @@ void sl_reference_path(const char *folder, const sl_bench_scene *s, const char *
              SL_VERSION);
 }
 
-/* Does as mkdir -p. */
-sl_status sl_reference_make_folder(const char *path, sl_error *error) {
-    char part[SL_BENCH_PATH];
-    size_t length = strlen(path);
-    for (size_t i = 1; i <= length && i < sizeof part; i++) {
-        if (path[i] != '/' && path[i]) continue;
-        snprintf(part, sizeof part, "%.*s", (int)i, path);
-        if (mkdir(part, 0777) == 0 || errno == EEXIST) continue;
-        return sl_fail(error, SL_ERROR_OUTPUT, "cannot make the folder %.900s: %s", part,
-                 strerror(errno));
-    }
-    snprintf(part, sizeof part, "%.1000s/reference.exr", path);
-    return sl_output_check(part, error);
-}
-
 sl_status sl_reference_make(const sl_bench_options *o, const sl_bench_scene *s, uint64_t samples,
                             sl_bench_reference *r, sl_error *error) {
     enum { SEED = 24301 }; /* none that a trial has */
@@ -101,7 +84,7 @@ sl_status sl_reference_make(const sl_bench_options *o, const sl_bench_scene *s, 
                         .threads = (unsigned)o->reference_threads,
                         .picture = r->file,
                         .load = o->load};
-    sl_status status = sl_reference_make_folder(o->references, error);
+    sl_status status = sl_make_folder(o->references, "reference.exr", error);
     if (status == SL_OK) status = sl_child_run(sl_trial_work, &run, &limits, &end, error);
     if (status != SL_OK) return status;
     snprintf(r->trouble, sizeof r->trouble, "%s", end.why);

@@ -10,8 +10,6 @@
 
 /* $XDG_CACHE_HOME/softlux/references, or ~/.cache/softlux/references. */
 void sl_reference_default_folder(char path[SL_BENCH_PATH]);
-/* Makes it, and those above it, where they are not there; fails where nothing can be written in it. */
-sl_status sl_reference_make_folder(const char *path, sl_error *error);
 /* Tells whether two sets of light paths are one in this scene: without mirrors and glossy surfaces one bounce
  * is what splatting declares, for example. */
 bool sl_reference_is_same(const sl_bench_scene *scene, const char *transport, const char *other);

@@ -83,11 +83,9 @@ static void put_promises(FILE *out, const sl_bench_results *r) {
 
 static void put_machine(FILE *out, const sl_bench_results *r) {
     fprintf(out,
-            "softlux %s on %s, %d thread%s, medians of up to %d runs. The machine was %s: runs of the same "
-            "trial were within %.1f %% of their middle by the processor's time and had %.0f %% of the "
-            "clock's.",
-            r->version, r->machine, r->threads, r->threads == 1 ? "" : "s", r->repeats,
-            r->noisy ? "busy" : "quiet", 100.0 * r->unrest_cpu, 100.0 * r->share_of_processor);
+            "softlux %s on %s, %d thread%s, medians of up to %d runs. Runs of the same trial were within "
+            "%.1f %% of their middle.",
+            r->version, r->machine, r->threads, r->threads == 1 ? "" : "s", r->repeats, 100.0 * r->unrest);
     put_promises(out, r);
     fputs(r->interrupted ? " **Interrupted: what was measured until then.**\n" : "\n", out);
 }

@@ -30,25 +30,18 @@ sl_bench_spread sl_bench_spread_of(double *values, int count) {
     return (sl_bench_spread){count, median, values[0], values[count - 1]};
 }
 
-static double unrest_of(const sl_bench_spread *s) { return 0.5 * (s->most - s->least) / s->median; }
-
 void sl_bench_find_unrest(sl_bench_results *r) {
     enum { MOST = 4096 };
-    static double cpu[MOST], wall[MOST], share[MOST];
+    static double apart[MOST];
     int count = 0;
     for (size_t i = 0; i < r->scene_count; i++) {
         for (size_t k = 0; k < r->scenes[i].row_count && count < MOST; k++) {
-            const sl_bench_row *row = &r->scenes[i].rows[k];
-            if (row->cpu.count < 2 || !(row->cpu.median > 0.0) || !(row->wall.median > 0.0)) continue;
-            cpu[count] = unrest_of(&row->cpu);
-            wall[count] = unrest_of(&row->wall);
-            share[count++] = row->cpu.median / row->wall.median;
+            const sl_bench_spread *cpu = &r->scenes[i].rows[k].cpu;
+            if (cpu->count > 1 && cpu->median > 0.0)
+                apart[count++] = 0.5 * (cpu->most - cpu->least) / cpu->median;
         }
     }
-    r->unrest_cpu = sl_bench_spread_of(cpu, count).median;
-    r->unrest = sl_bench_spread_of(wall, count).median;
-    r->share_of_processor = count && r->threads == 1 ? sl_bench_spread_of(share, count).median : 1.0;
-    r->noisy = r->unrest > 0.05 || r->share_of_processor < 0.9;
+    r->unrest = sl_bench_spread_of(apart, count).median;
 }
 
 double sl_bench_number(const cJSON *object, const char *name) {

@@ -72,11 +72,9 @@ typedef struct sl_bench_results {
     const sl_trials *trials;
     char version[32], machine[128];
     int threads, repeats;
-    /* how far apart runs of the same trial are, by the processor's time and by the clock: half of that over
-     * their middle, of the middle trial; and how much of the clock's time a trial of one thread had a
-     * processor */
-    double unrest_cpu, unrest, share_of_processor;
-    bool noisy, interrupted;
+    /* how far apart runs of the same trial are: half of that over their middle, of the middle trial */
+    double unrest;
+    bool interrupted;
     size_t scene_count;
     sl_bench_scene *scenes;
 } sl_bench_results;

@@ -1,5 +1,6 @@
 #define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
-#include "app/bench/scene.h"
+/* Facts about a scene that are found before anything is measured of it. */
+#include "app/bench/schedule.h"
 
 #include "app/same_file.h"
 #include "base/error.h"

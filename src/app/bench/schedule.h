@@ -1,4 +1,4 @@
-/* In which order trials run, and what of them has been measured already. */
+/* A scene's trials: in which order they run, and what of them has been measured already. */
 #ifndef SL_APP_BENCH_SCHEDULE_H
 #define SL_APP_BENCH_SCHEDULE_H
 
@@ -27,6 +27,10 @@ typedef struct sl_bench_options {
     char program[17]; /* the fingerprint of what measures, or measured */
 } sl_bench_options;
 
+/* Reads the scene, in a child since that may start threads, and finds what is in it. What cannot be read says
+ * so in its `trouble`; a usage error where the report would take the place of one of its files. */
+sl_status sl_bench_scene_read(const sl_bench_options *options, const char *path, sl_bench_scene *scene,
+                              sl_error *error);
 /* Runs what the journal does not hold yet. Returns when all is done, or somebody interrupts. */
 sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_journal *journal,
                           sl_error *error);

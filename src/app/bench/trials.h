@@ -21,8 +21,7 @@ typedef enum sl_bench_quality {
     SL_BENCH_DRAFT,
     SL_BENCH_NORMAL,
     SL_BENCH_HIGH,
-    SL_BENCH_CURVE,
-    SL_BENCH_QUALITIES
+    SL_BENCH_CURVE
 } sl_bench_quality;
 
 enum { SL_BENCH_NAME = 80, SL_BENCH_PATHS = 128, SL_BENCH_ARGUMENTS = 400, SL_BENCH_PATH = 1024 };

@@ -1,54 +1,40 @@
 #include "app/numerics/cases.h"
 
-#include "app/page.h"
 #include "base/error.h"
-#include "base/grow.h"
-#include "base/memory.h"
+#include "base/math.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* ---- the room ---- */
 
-typedef struct sl_room_material {
-    const char *name;
-    double diffuse[3], specular, exponent, mirror, emission[3];
-} sl_room_material;
+/* Materials that every room has, by their numbers in the scene; emission leaves the front. */
+enum { SL_ROOM_WHITE = 1, SL_ROOM_RED, SL_ROOM_GREEN, SL_ROOM_BOX, SL_ROOM_LAMP, SL_ROOM_MATERIALS };
 
-/* Materials that every room has; emission leaves the front. */
-enum { SL_ROOM_WHITE, SL_ROOM_RED, SL_ROOM_GREEN, SL_ROOM_BOX, SL_ROOM_LAMP, SL_ROOM_MATERIALS };
-
-typedef struct sl_room_triangle {
-    size_t corner[3];
-    int material;
-} sl_room_triangle;
+enum { MOST = 8192 }; /* vertices, triangles */
 
 struct sl_room {
-    double (*vertex)[3];
-    size_t vertex_count, vertex_room;
-    sl_room_triangle *triangle;
-    size_t triangle_count, triangle_room;
-    sl_room_material material[SL_ROOM_MATERIALS];
-    char lights[512];       /* JSON, between the brackets of "lights" */
+    float vertex[MOST][3];
+    uint32_t corner[MOST][3], surface[MOST]; /* of triangles: vertices, and a material */
+    uint32_t vertex_count, triangle_count;
+    sl_material_data material[SL_ROOM_MATERIALS];
     double eye[3], target[3], fov_deg;
     int width, height;
-    bool failed;            /* for want of memory */
 };
 
 /* ---- vertices and triangles ---- */
 
-static size_t add_vertex(sl_room *r, double x, double y, double z) {
-    r->failed |= !sl_make_room(&r->vertex, r->vertex_count, &r->vertex_room, sizeof *r->vertex);
-    if (r->failed) return 0;
-    memcpy(r->vertex[r->vertex_count], (const double[3]){x, y, z}, sizeof *r->vertex);
+static uint32_t add_vertex(sl_room *r, double x, double y, double z) {
+    const float vertex[3] = {(float)x, (float)y, (float)z};
+    if (r->vertex_count == MOST) return 0;
+    memcpy(r->vertex[r->vertex_count], vertex, sizeof vertex);
     return r->vertex_count++;
 }
 
-static void add_triangle(sl_room *r, size_t a, size_t b, size_t c, int material) {
-    r->failed |= !sl_make_room(&r->triangle, r->triangle_count, &r->triangle_room, sizeof *r->triangle);
-    if (!r->failed) r->triangle[r->triangle_count++] = (sl_room_triangle){{a, b, c}, material};
+static void add_triangle(sl_room *r, uint32_t a, uint32_t b, uint32_t c, uint32_t material) {
+    const uint32_t corner[3] = {a, b, c};
+    if (r->triangle_count == MOST) return;
+    memcpy(r->corner[r->triangle_count], corner, sizeof corner);
+    r->surface[r->triangle_count++] = material;
 }
 
 static double share(int i, int count, double skew) {
@@ -62,8 +48,8 @@ static double share(int i, int count, double skew) {
 static const sl_room_cut plain_cut = {1, 1, 0.0};
 
 /* Adds a quadrilateral, counter-clockwise from the front, cut in parts. */
-static void add_quad(sl_room *r, const double corner[4][3], int material, const sl_room_cut *cut) {
-    size_t first = r->vertex_count, columns = (size_t)cut->columns + 1;
+static void add_quad(sl_room *r, const double corner[4][3], uint32_t material, const sl_room_cut *cut) {
+    const uint32_t first = r->vertex_count, columns = (uint32_t)cut->columns + 1;
     for (int j = 0; j <= cut->rows; j++) {
         for (int i = 0; i <= cut->columns; i++) {
             double u = share(i, cut->columns, cut->skew), v = (double)j / cut->rows, p[3];
@@ -73,9 +59,9 @@ static void add_quad(sl_room *r, const double corner[4][3], int material, const 
             add_vertex(r, p[0], p[1], p[2]);
         }
     }
-    for (size_t j = 0; j < (size_t)cut->rows; j++) {
-        for (size_t i = 0; i < (size_t)cut->columns; i++) {
-            size_t a = first + j * columns + i;
+    for (uint32_t j = 0; j < (uint32_t)cut->rows; j++) {
+        for (uint32_t i = 0; i + 1 < columns; i++) {
+            const uint32_t a = first + j * columns + i;
             add_triangle(r, a, a + 1, a + 1 + columns, material);
             add_triangle(r, a, a + 1 + columns, a + columns, material);
         }
@@ -109,7 +95,8 @@ static void begin_room(sl_room *r, const sl_room_cut *cut) {
                                           {{-2, 0, 2.5}, {-2, 0, -2.5}, {-2, 3, -2.5}, {-2, 3, 2.5}},
                                           /* right */
                                           {{2, 0, -2.5}, {2, 0, 2.5}, {2, 3, 2.5}, {2, 3, -2.5}}};
-    static const int of_wall[5] = {SL_ROOM_WHITE, SL_ROOM_WHITE, SL_ROOM_WHITE, SL_ROOM_RED, SL_ROOM_GREEN};
+    static const uint32_t of_wall[5] = {SL_ROOM_WHITE, SL_ROOM_WHITE, SL_ROOM_WHITE, SL_ROOM_RED,
+                                        SL_ROOM_GREEN};
     static const double lamp[4][3] = {
         {-0.4, 2.95, -0.6}, {0.4, 2.95, -0.6}, {0.4, 2.95, 0.2}, {-0.4, 2.95, 0.2}};
     *r = (sl_room){.eye = {0.1, 1.4, 6.0},
@@ -117,20 +104,20 @@ static void begin_room(sl_room *r, const sl_room_cut *cut) {
                    .fov_deg = 42.0,
                    .width = 32,
                    .height = 24,
-                   .material = {{"white", {0.7, 0.7, 0.7}, 0, 1, 0, {0}},
-                                {"red", {0.6, 0.1, 0.1}, 0, 1, 0, {0}},
-                                {"green", {0.1, 0.5, 0.1}, 0, 1, 0, {0}},
-                                {"box", {0.6, 0.6, 0.5}, 0, 1, 0, {0}},
-                                {"lamp", {0, 0, 0}, 0, 1, 0, {12, 11, 9}}}};
+                   .material = {[SL_ROOM_WHITE] = {.diffuse = {0.7f, 0.7f, 0.7f}},
+                                [SL_ROOM_RED] = {.diffuse = {0.6f, 0.1f, 0.1f}},
+                                [SL_ROOM_GREEN] = {.diffuse = {0.1f, 0.5f, 0.1f}},
+                                [SL_ROOM_BOX] = {.diffuse = {0.6f, 0.6f, 0.5f}},
+                                [SL_ROOM_LAMP] = {.emission = {12, 11, 9}}}};
     for (int w = 0; w < 5; w++) add_quad(r, walls[w], of_wall[w], cut);
     add_quad(r, lamp, SL_ROOM_LAMP, &plain_cut);
     add_box(r, (const double[3]){-1.2, 0.0, -1.6}, (const double[3]){-0.2, 1.3, -0.6});
 }
 
-static void turn(sl_room_triangle *t) {
-    size_t second = t->corner[1];
-    t->corner[1] = t->corner[2];
-    t->corner[2] = second;
+static void turn(sl_room *r, uint32_t triangle) {
+    uint32_t *corner = r->corner[triangle], second = corner[1];
+    corner[1] = corner[2];
+    corner[2] = second;
 }
 
 static void move_point(double p[3], double scale, const double by[3], bool mirrored) {
@@ -140,102 +127,90 @@ static void move_point(double p[3], double scale, const double by[3], bool mirro
 
 /* Everything, the camera and its lamp too: times scale, then moved, then x turned into -x if mirrored. */
 static void move_room(sl_room *r, double scale, const double by[3], bool mirrored) {
-    for (size_t i = 0; i < r->vertex_count; i++) move_point(r->vertex[i], scale, by, mirrored);
+    for (uint32_t i = 0; i < r->vertex_count; i++) {
+        double p[3];
+        for (int c = 0; c < 3; c++) p[c] = (double)r->vertex[i][c];
+        move_point(p, scale, by, mirrored);
+        for (int c = 0; c < 3; c++) r->vertex[i][c] = (float)p[c];
+    }
     move_point(r->eye, scale, by, mirrored);
     move_point(r->target, scale, by, mirrored);
-    for (size_t i = 0; mirrored && i < r->triangle_count; i++) turn(&r->triangle[i]); /* fronts stay fronts */
+    for (uint32_t i = 0; mirrored && i < r->triangle_count; i++) turn(r, i); /* fronts stay fronts */
 }
 
-/* ---- as files ---- */
+/* ---- as a scene ---- */
 
-static void write_mesh(FILE *out, const void *room) {
-    const sl_room *r = room;
-    fprintf(out, "mtllib room.mtl\n");
-    for (size_t i = 0; i < r->vertex_count; i++)
-        fprintf(out, "v %.9g %.9g %.9g\n", r->vertex[i][0], r->vertex[i][1], r->vertex[i][2]);
-    for (size_t i = 0; i < r->triangle_count; i++) {
-        if (i == 0 || r->triangle[i].material != r->triangle[i - 1].material)
-            fprintf(out, "usemtl %s\n", r->material[r->triangle[i].material].name);
-        fprintf(out, "f %zu %zu %zu\n", r->triangle[i].corner[0] + 1, r->triangle[i].corner[1] + 1,
-                r->triangle[i].corner[2] + 1);
-    }
-}
-
-static void write_materials(FILE *out, const void *room) {
-    const sl_room *r = room;
-    for (int m = 0; m < SL_ROOM_MATERIALS; m++) {
-        const sl_room_material *a = &r->material[m];
-        fprintf(out, "newmtl %s\n", a->name);
-        if (a->mirror > 0.0)
-            fprintf(out, "illum 3\nKd 0 0 0\nKs %.9g %.9g %.9g\n", a->mirror, a->mirror, a->mirror);
-        else
-            fprintf(out, "Kd %.9g %.9g %.9g\nKs %.9g %.9g %.9g\nNs %.9g\n", a->diffuse[0], a->diffuse[1],
-                    a->diffuse[2], a->specular, a->specular, a->specular, a->exponent);
-        fprintf(out, "Ke %.9g %.9g %.9g\n", a->emission[0], a->emission[1], a->emission[2]);
-    }
-}
-
-static void write_scene(FILE *out, const void *room) {
-    const sl_room *r = room;
-    fprintf(out, "{\"softlux\": 1, \"meshes\": [{\"file\": \"room.obj\"}],\n");
-    if (r->lights[0]) fprintf(out, " \"lights\": [%s],\n", r->lights);
-    fprintf(
-        out,
-        " \"camera\": {\"eye\": [%.9g, %.9g, %.9g], \"target\": [%.9g, %.9g, %.9g], \"fov_deg\": %.9g},\n",
-        r->eye[0], r->eye[1], r->eye[2], r->target[0], r->target[1], r->target[2], r->fov_deg);
-    fprintf(out, " \"film\": {\"width\": %d, \"height\": %d}}\n", r->width, r->height);
-}
-
-/* Loads the room by files of a folder that is not kept. */
-static sl_status load_room(const sl_room *r, sl_scene **scene, sl_error *error) {
-    static const struct {
-        const char *name;
-        sl_printer *write;
-    } files[] = {{"room.obj", write_mesh}, {"room.mtl", write_materials}, {"room.json", write_scene}};
-    enum { FILES = sizeof files / sizeof files[0] };
-    char folder[] = "/tmp/softlux-numerics-XXXXXX", path[FILES][64] = {{0}};
-    if (r->failed) return sl_fail_memory(error, "a room");
-    if (!mkdtemp(folder)) return sl_fail(error, SL_ERROR_OUTPUT, "cannot make a folder in /tmp");
+static sl_status add_mesh(sl_scene_builder *b, const sl_room *r, sl_error *error) {
+    uint32_t number = 0;
     sl_status status = SL_OK;
-    for (int i = 0; i < FILES && status == SL_OK; i++) {
-        snprintf(path[i], sizeof path[i], "%s/%s", folder, files[i].name);
-        status = sl_print_file(path[i], files[i].write, r, error);
+    for (int m = SL_ROOM_WHITE; m < SL_ROOM_MATERIALS && status == SL_OK; m++) {
+        sl_material_data material = r->material[m];
+        material.size = sizeof material;
+        status = sl_scene_builder_material(b, &material, &number, error);
     }
-    if (status == SL_OK) status = sl_scene_load(path[FILES - 1], scene, error);
-    for (int i = 0; i < FILES; i++) unlink(path[i]);
-    rmdir(folder);
+    const sl_mesh_data mesh = {.size = sizeof mesh,
+                               .vertex_count = r->vertex_count,
+                               .positions = r->vertex[0],
+                               .triangle_count = r->triangle_count,
+                               .indices = r->corner[0],
+                               .materials = r->surface};
+    if (status == SL_OK) status = sl_scene_builder_mesh(b, &mesh, &number, error);
+    const sl_instance_data instance = {.size = sizeof instance, .mesh = number};
+    return status == SL_OK ? sl_scene_builder_instance(b, &instance, error) : status;
+}
+
+static sl_status build_room(const sl_room *r, const sl_light_data *light, sl_scene **scene, sl_error *error) {
+    const float eye[3] = {(float)r->eye[0], (float)r->eye[1], (float)r->eye[2]}, up[3] = {0.0f, 1.0f, 0.0f},
+                target[3] = {(float)r->target[0], (float)r->target[1], (float)r->target[2]};
+    sl_scene_builder *b = NULL;
+    sl_status status = sl_scene_builder_create(&b, error);
+    if (status == SL_OK) status = add_mesh(b, r, error);
+    if (status == SL_OK && light->size) status = sl_scene_builder_light(b, light, error);
+    if (status == SL_OK)
+        status = sl_scene_builder_camera(b, eye, target, up, (float)(r->fov_deg * SL_PI / 180.0), error);
+    if (status == SL_OK) status = sl_scene_builder_film(b, r->width, r->height, error);
+    if (status == SL_OK) status = sl_scene_builder_build(b, scene, error);
+    sl_scene_builder_destroy(b);
     return status;
 }
 
 /* ---- what is done to it ---- */
 
+static void exchange(uint32_t *a, uint32_t *b) {
+    const uint32_t kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
 static void reordered(sl_room *r) {
-    for (size_t i = 0; i < r->triangle_count / 2; i++) {
-        sl_room_triangle *other = &r->triangle[r->triangle_count - 1 - i], one = r->triangle[i];
-        r->triangle[i] = *other;
-        *other = one;
+    for (uint32_t i = 0; i < r->triangle_count / 2; i++) {
+        const uint32_t other = r->triangle_count - 1 - i;
+        for (int k = 0; k < 3; k++) exchange(&r->corner[i][k], &r->corner[other][k]);
+        exchange(&r->surface[i], &r->surface[other]);
     }
 }
 
 static void twice(sl_room *r) {
-    for (size_t i = 0, count = r->triangle_count; i < count; i++) {
+    for (uint32_t i = 0, count = r->triangle_count; i < count; i++) {
         /* a lamp twice is twice as bright to some, and hidden to others */
-        if (r->triangle[i].material == SL_ROOM_LAMP) continue;
-        const size_t *c = r->triangle[i].corner;
-        add_triangle(r, c[0], c[1], c[2], r->triangle[i].material);
+        if (r->surface[i] == SL_ROOM_LAMP) continue;
+        const uint32_t *c = r->corner[i];
+        add_triangle(r, c[0], c[1], c[2], r->surface[i]);
     }
 }
 
 /* The back wall's lower half is cut in three, the upper one in two: corners of one lie on edges of the other.
  */
 static void t_junctions(sl_room *r) {
-    for (size_t i = 0; i < r->triangle_count; i++) { /* takes the back wall out */
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < r->triangle_count; i++) { /* takes the back wall out */
         bool back = true;
-        for (int k = 0; k < 3; k++) back &= r->vertex[r->triangle[i].corner[k]][2] == -2.5;
-        if (!back) continue;
-        for (size_t k = i + 1; k < r->triangle_count; k++) r->triangle[k - 1] = r->triangle[k];
-        r->triangle_count--, i--;
+        for (int k = 0; k < 3; k++) back &= r->vertex[r->corner[i][k]][2] == -2.5f;
+        if (back) continue;
+        memcpy(r->corner[kept], r->corner[i], sizeof r->corner[i]);
+        r->surface[kept++] = r->surface[i];
     }
+    r->triangle_count = kept;
     const double low[4][3] = {{-2, 0, -2.5}, {2, 0, -2.5}, {2, 1.5, -2.5}, {-2, 1.5, -2.5}},
                  high[4][3] = {{-2, 1.5, -2.5}, {2, 1.5, -2.5}, {2, 3, -2.5}, {-2, 3, -2.5}};
     add_quad(r, low, SL_ROOM_WHITE, &(sl_room_cut){3, 1, 0.0});
@@ -244,14 +219,14 @@ static void t_junctions(sl_room *r) {
 
 /* Surfaces reflect on both sides; the lamp stays as it is. */
 static void inverted(sl_room *r) {
-    for (size_t i = 0; i < r->triangle_count; i++) {
-        if (r->triangle[i].material != SL_ROOM_LAMP) turn(&r->triangle[i]);
+    for (uint32_t i = 0; i < r->triangle_count; i++) {
+        if (r->surface[i] != SL_ROOM_LAMP) turn(r, i);
     }
 }
 
 /* Three faces on each edge of the box: fins that stand inside it, where nothing is seen of them. */
 static void not_manifold(sl_room *r) {
-    size_t a = add_vertex(r, -1.2, 0.0, -1.6), b = add_vertex(r, -0.2, 1.3, -0.6),
+    uint32_t a = add_vertex(r, -1.2, 0.0, -1.6), b = add_vertex(r, -0.2, 1.3, -0.6),
            c = add_vertex(r, -1.2, 1.3, -1.6), d = add_vertex(r, -0.2, 0.0, -0.6);
     add_triangle(r, a, d, b, SL_ROOM_BOX);
     add_triangle(r, a, b, c, SL_ROOM_BOX);
@@ -262,7 +237,7 @@ static void not_manifold(sl_room *r) {
 static void tiny_among_large(sl_room *r) {
     for (int i = 0; i < 40; i++) {
         double x = 0.2 + 0.03 * i, s = 4e-6;
-        size_t a = add_vertex(r, x, 0.5, -1.0), b = add_vertex(r, x + s, 0.5, -1.0),
+        uint32_t a = add_vertex(r, x, 0.5, -1.0), b = add_vertex(r, x + s, 0.5, -1.0),
                c = add_vertex(r, x, 0.5 + s, -1.0);
         add_triangle(r, a, b, c, SL_ROOM_RED);
     }
@@ -293,7 +268,7 @@ static void far_planets(sl_room *r) {
 static void grain(sl_room *r) {
     for (int i = 0; i < 200; i++) {
         double x = 0.8 + 5e-6 * (i % 20), y = 0.5 + 5e-6 * (i / 20), s = 4e-6;
-        size_t a = add_vertex(r, x, y, -1.0), b = add_vertex(r, x + s, y, -1.0),
+        uint32_t a = add_vertex(r, x, y, -1.0), b = add_vertex(r, x + s, y, -1.0),
                c = add_vertex(r, x, y + s, -1.0);
         add_triangle(r, a, b, c, SL_ROOM_RED);
     }
@@ -311,13 +286,13 @@ static void a_thousand_lamps(sl_room *r) {
 }
 
 static void mirrors(sl_room *r) {
-    r->material[SL_ROOM_BOX].mirror = r->material[SL_ROOM_GREEN].mirror = 1.0;
+    static const sl_material_data mirror = {.mirror = {1.0f, 1.0f, 1.0f}};
+    r->material[SL_ROOM_BOX] = r->material[SL_ROOM_GREEN] = mirror;
 }
 
-#define LAMP(corner, edge1, edge2, radiance) \
-    "{\"type\": \"quad\", \"corner\": " corner ", \"edge1\": " edge1 ", \"edge2\": " edge2 \
-    ", \"radiance\": " radiance "}"
-#define POINT(position) "{\"type\": \"point\", \"position\": " position ", \"intensity\": 1}"
+#define LIGHT(...) {.size = sizeof(sl_light_data), __VA_ARGS__}
+#define POINT(x, y, z) \
+    LIGHT(.type = SL_LIGHT_POINT, .position = {x, y, z}, .strength = {1.0f, 1.0f, 1.0f})
 
 const sl_hard_case sl_hard_cases[] = {
     {"scaled by 1e-4", SL_EXPECT_SAME, 0.01, 0, 0, .scale = 1e-4},
@@ -338,25 +313,27 @@ const sl_hard_case sl_hard_cases[] = {
     {"triangles of 1e3", SL_EXPECT_SAME, 0.03, 0, 0, .make = large_among_small},
     {"triangles of 1e6", SL_EXPECT_SAME, 0.03, 0, 0, .make = huge_among_small},
     {"far planets", SL_EXPECT_SAME, 0.03, 0, 0, .make = far_planets},
-    {"light on the floor", SL_EXPECT_TRUE, 0.05, 0, 2, .lights = POINT("[0.8, 0, 0]")},
+    {"light on the floor", SL_EXPECT_TRUE, 0.05, 0, 2, .light = POINT(0.8, 0, 0)},
     /* A light that nobody sees takes its share of light samples all the same, and of the light that exposures
        are reckoned by. */
-    {"light inside the box", SL_EXPECT_RESAMPLED, 0.02, 4, 4, .lights = POINT("[-0.7, 0.6, -1.1]")},
-    {"light behind the wall", SL_EXPECT_RESAMPLED, 0.02, 4, 4, .lights = POINT("[0, 1, -2.51]")},
+    {"light inside the box", SL_EXPECT_RESAMPLED, 0.02, 4, 4, .light = POINT(-0.7, 0.6, -1.1)},
+    {"light behind the wall", SL_EXPECT_RESAMPLED, 0.02, 4, 4, .light = POINT(0, 1, -2.51)},
     /* Two surfaces in one place: which of them is seen, rounding decides. */
     {"lamp in the floor", SL_EXPECT_SOUND, 0, 0, 0,
-     .lights = LAMP("[0.5, 0, 0]", "[0, 0, 0.5]", "[0.5, 0, 0]", "5")},
+     .light = LIGHT(.type = SL_LIGHT_QUAD, .position = {0.5, 0, 0}, .edge1 = {0, 0, 0.5},
+                    .edge2 = {0.5, 0, 0}, .strength = {5, 5, 5})},
     {"tiny lamp", SL_EXPECT_TRUE, 0.05, 0, 2,
-     .lights = LAMP("[1, 2, 0]", "[1e-5, 0, 0]", "[0, 0, 1e-5]", "1e10")},
+     .light = LIGHT(.type = SL_LIGHT_QUAD, .position = {1, 2, 0}, .edge1 = {1e-5, 0, 0},
+                    .edge2 = {0, 0, 1e-5}, .strength = {1e10f, 1e10f, 1e10f})},
     /* Its light reaches a strip of the floor alone, an edge of light a pixel or two wide. */
     {"huge lamp", SL_EXPECT_TRUE, 0.12, 0, 12,
-     .lights = LAMP("[-1e4, 2e4, -1e4]", "[2e4, 0, 0]", "[0, 0, 2e4]", "0.3")},
+     .light = LIGHT(.type = SL_LIGHT_QUAD, .position = {-1e4, 2e4, -1e4}, .edge1 = {2e4, 0, 0},
+                    .edge2 = {0, 0, 2e4}, .strength = {0.3f, 0.3f, 0.3f})},
     {"a thousand lamps", SL_EXPECT_TRUE, 0.06, 0, 3, .make = a_thousand_lamps},
     {"radiance times 1e-20", SL_EXPECT_SCALED, 0.0001, 0, 0, .emission = 1e-20},
     {"radiance times 1e20", SL_EXPECT_SCALED, 0.0001, 0, 0, .emission = 1e20},
     {"reflectance 0", SL_EXPECT_TRUE, 0.01, 0, 0, .reflects = {0.0, 0.0, 1.0}},
     {"reflectance 1", SL_EXPECT_TRUE, 0.06, 0, 4, .reflects = {1.0, 0.0, 1.0}},
-    {"reflectance above 1", SL_EXPECT_TRUE, 0.06, 0, 4, .reflects = {1.7, 0.5, 5.0}},
     {"exponent 1", SL_EXPECT_TRUE, 0.05, 0, 2, .reflects = {0.3, 0.4, 1.0}},
     {"exponent 1e5", SL_EXPECT_TRUE, 0.05, 0, 5, .reflects = {0.3, 0.4, 1e5}},
     {"mirrors", SL_EXPECT_TRUE, 0.05, 0, 2, .make = mirrors},
@@ -377,12 +354,12 @@ const size_t sl_hard_case_count = sizeof sl_hard_cases / sizeof sl_hard_cases[0]
 static void make_case(const sl_hard_case *c, sl_room *r) {
     begin_room(r, c->cut.columns ? &c->cut : &plain_cut);
     if (c->make) c->make(r);
-    if (c->lights) snprintf(r->lights, sizeof r->lights, "%s", c->lights);
-    for (int i = 0; c->emission > 0.0 && i < 3; i++) r->material[SL_ROOM_LAMP].emission[i] *= c->emission;
+    for (int i = 0; c->emission > 0.0 && i < 3; i++)
+        r->material[SL_ROOM_LAMP].emission[i] *= (float)c->emission;
     for (int m = SL_ROOM_WHITE; c->reflects[2] > 0.0 && m < SL_ROOM_LAMP; m++) {
-        for (int i = 0; i < 3; i++) r->material[m].diffuse[i] = c->reflects[0];
-        r->material[m].specular = c->reflects[1];
-        r->material[m].exponent = c->reflects[2];
+        for (int i = 0; i < 3; i++) r->material[m].diffuse[i] = (float)c->reflects[0];
+        for (int i = 0; i < 3; i++) r->material[m].specular[i] = (float)c->reflects[1];
+        r->material[m].exponent = (float)c->reflects[2];
     }
     if (c->eye[1] != 0.0 || c->eye[0] != 0.0) {
         memcpy(r->eye, c->eye, sizeof r->eye);
@@ -395,12 +372,10 @@ static void make_case(const sl_hard_case *c, sl_room *r) {
 
 sl_status sl_hard_case_load(const sl_hard_case *hard, sl_scene **scene, sl_error *error) {
     static const sl_hard_case plain = {0};
-    sl_room room;
-    make_case(hard ? hard : &plain, &room);
-    sl_status status = load_room(&room, scene, error);
-    sl_free(room.vertex);
-    sl_free(room.triangle);
-    return status;
+    static sl_room room; /* large */
+    const sl_hard_case *c = hard ? hard : &plain;
+    make_case(c, &room);
+    return build_room(&room, &c->light, scene, error);
 }
 
 const sl_known_limit sl_known_limits[] = {

@@ -34,7 +34,7 @@ typedef struct sl_hard_case {
     void (*make)(sl_room *room); /* triangles and materials */
     double scale, by[3];         /* the room is that large, and elsewhere */
     sl_room_cut cut;             /* of its walls */
-    const char *lights;          /* JSON */
+    sl_light_data light;         /* one more; size 0: none */
     double emission;             /* times that of the lamp */
     double reflects[3];          /* all surfaces: diffuse, specular, exponent */
     double eye[3], target[3], fov_deg;

@@ -8,6 +8,14 @@
 
 #include <cjson/cJSON.h>
 
+/* ---- the text about a method (narratives.json): its paper, and for each pass that the method announces a
+ * title, two or three sentences, the equation, and the function that computes it ---- */
+
+/* Returns the narrative of a method, which the caller deletes; NULL: there is none. */
+cJSON *sl_narrative_of(const char *method);
+
+/* ---- what passes announce ---- */
+
 enum { SL_STEPS_MAX = 64 };
 
 typedef struct sl_step {

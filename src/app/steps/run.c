@@ -5,7 +5,6 @@
 #include "app/page.h"
 #include "app/picture.h"
 #include "app/steps/explanations.h"
-#include "app/steps/narrative.h"
 #include "app/steps/record.h"
 #include "base/error.h"
 

@@ -6,14 +6,9 @@
 #include "app/options.h"
 #include "app/page.h"
 #include "app/steps/run.h"
-#include "base/error.h"
-#include "image/output_file.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 typedef struct steps_command {
     const char *scene, *folder, *beside;
@@ -57,13 +52,6 @@ static void choose_size(const sl_scene *scene, sl_settings *settings) {
     settings->height = (WIDTH * height + width / 2) / width;
     if (settings->height < 1) settings->height = 1;
     if (settings->height > 2 * WIDTH) settings->height = 2 * WIDTH;
-}
-
-static sl_status make_folder(const char *folder, sl_error *error) {
-    char page[4096];
-    snprintf(page, sizeof page, "%s/index.html", folder);
-    if (mkdir(folder, 0777) == 0 || errno == EEXIST) return sl_output_check(page, error);
-    return sl_fail(error, SL_ERROR_OUTPUT, "cannot make the folder %s: %s", folder, strerror(errno));
 }
 
 /* page.css and page.js, as the linker has put them in. */
@@ -112,7 +100,7 @@ int sl_command_steps(int argc, char **argv) {
     if (status == SL_OK) status = sl_spare_scene_in(scene, "output", s.folder, "index.html", &error);
     if (status == SL_OK && s.at_seconds != 0.0) status = sl_scene_set_time(scene, s.at_seconds, NULL, &error);
     if (status == SL_OK) sl_tell_warnings(scene, s.quiet);
-    if (status == SL_OK) status = make_folder(s.folder, &error);
+    if (status == SL_OK) status = sl_make_folder(s.folder, "index.html", &error);
     if (status == SL_OK) status = make_page(&s, scene, &error);
     sl_scene_destroy(scene);
     return status == SL_OK ? 0 : sl_complain(&error);
