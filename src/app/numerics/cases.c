@@ -1,7 +1,6 @@
 #include "app/numerics/cases.h"
 
 #include "base/error.h"
-#include "base/math.h"
 
 #include <string.h>
 
@@ -11,6 +10,7 @@
 enum { SL_ROOM_WHITE = 1, SL_ROOM_RED, SL_ROOM_GREEN, SL_ROOM_BOX, SL_ROOM_LAMP, SL_ROOM_MATERIALS };
 
 enum { MOST = 8192 }; /* vertices, triangles */
+static const double degree = 0.017453292519943295;
 
 struct sl_room {
     float vertex[MOST][3];
@@ -167,7 +167,7 @@ static sl_status build_room(const sl_room *r, const sl_light_data *light, sl_sce
     if (status == SL_OK) status = add_mesh(b, r, error);
     if (status == SL_OK && light->size) status = sl_scene_builder_light(b, light, error);
     if (status == SL_OK)
-        status = sl_scene_builder_camera(b, eye, target, up, (float)(r->fov_deg * SL_PI / 180.0), error);
+        status = sl_scene_builder_camera(b, eye, target, up, (float)(r->fov_deg * degree), error);
     if (status == SL_OK) status = sl_scene_builder_film(b, r->width, r->height, error);
     if (status == SL_OK) status = sl_scene_builder_build(b, scene, error);
     sl_scene_builder_destroy(b);
