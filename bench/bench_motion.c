@@ -3,25 +3,23 @@
  *     build/bench/bench_motion [--method NAME] [--budget TIMES] [--only SCENE] [--csv FOLDER] [--brief]
  *
  * Thirty seconds at 25 frames a second of the scene's time: eight of motion, three of rest, eight, three,
- * five, three. A frame's budget is counted work, by one table of costs a counter, so that the same frames are shown
- * on every machine; one times the budget is what two cores do in 40 ms. Methods are driven as a live show
- * drives them: a method that is drawn beside updates follows each move at once, others move on when they have
- * shown where things were, and what was shown last stays.
+ * five, three. A frame's budget is counted work, by one table of costs a counter, so that the same frames are
+ * shown on every machine; one times the budget is what two cores do in 40 ms. Methods are driven as a live
+ * show drives them: a method that is drawn beside updates follows each move at once, others move on when they
+ * have shown where things were, and what was shown last stays.
  *
  * Errors are those of pixels over their whole squares, on surfaces (pixels that show a lamp or the sky are
- * left out), against all light, path traced twice over: the mean of (x - p)(x - q) is the
- * squared error without the noise of either half. Flicker is the root mean square of what a pixel shown changes
- * by from a frame to the next, over that of the truth. */
+ * left out), against all light, path traced twice over: the mean of (x - p)(x - q) is the squared error
+ * without the noise of either half. Flicker is the root mean square of what a pixel shown changes by from a
+ * frame to the next, over that of the truth. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "app/bench/trials.h"
-#include "base/math.h"
 #include "base/random.h"
 #include "cache/audit/trace_probes.h"
 #include "common.h"
-#include "scene/animation.h"
 #include "scene/copy.h"
 
 enum { RATE = 25, FRAMES = 30 * RATE, STEP = 5, SIZE = 512, PROBES = 4096, SAMPLES = 24, CONTESTANTS = 24 };
