@@ -6,7 +6,6 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "trace/bidirectional/bidirectional.h"
-#include "trace/path_lamps.h"
 
 #include <math.h>
 

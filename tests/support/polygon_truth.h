@@ -3,7 +3,7 @@
 #define SL_TESTS_POLYGON_TRUTH_H
 
 #include "base/math.h"
-#include "cache/hemisphere/hemisphere_tables.h"
+#include "cache/hemisphere/gather_tables.h"
 
 /* An edge from a to b seen from the origin: its line's foot h, its unit direction, and the integrals of s^k /
  * (h^2 + s^2)^2 along it (k = 1: j1, k = 0: j2). False where there is no edge, or the origin lies on its

@@ -3,8 +3,7 @@
 #ifndef SL_CACHE_AUDIT_TRACE_PROBES_H
 #define SL_CACHE_AUDIT_TRACE_PROBES_H
 
-#include "trace/halves.h"
-#include "trace/path_lamps.h"
+#include "trace/path_walk.h"
 
 /* A pixel that is traced. */
 typedef struct sl_probe {

@@ -7,7 +7,7 @@
 #include "cache/frame/rims.h"
 #include "raster/textures/mip.h"
 #include "raster/views/outlines.h"
-#include "trace/pixel_filter.h"
+#include "trace/film.h"
 #include "trace/sequence.h"
 
 #include <math.h>

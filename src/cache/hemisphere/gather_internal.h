@@ -1,6 +1,6 @@
 /* Shared by the parts of a gather, whose steps are
  *
- *     see      raster_gather.c or ray_gather.c: which triangle, where, in every cell
+ *     see      gather_see.c: which triangle, where, in every cell
  *     shade    hit_shading.c: outgoing radiance of what is seen, lit directly, and by more bounces
  *     sum      gather_kernels.c and gather.c: irradiance, gradients, mean distance
  *     project  projection.c: coefficients of radiance, where asked for

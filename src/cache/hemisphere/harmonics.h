@@ -1,10 +1,8 @@
 /* Hemispherical harmonics H_lm and what radiance caching needs of them (Gautron, Krivanek, Pattanaik,
  * Bouatouch 2004: "A Novel Hemispherical Basis for Accurate and Efficient Rendering"; Krivanek et al. 2005:
- * "Radiance Caching for Efficient Global Illumination Computation"). Read in this order:
- *
- *   basis.c   the functions, orthonormal over the hemisphere
- *   lobes.c   Phong lobes: how much an order leaves out, and a pixel's lobe as coefficients in a record's
- *             frame, without rotating coefficients as the papers do
+ * "Radiance Caching for Efficient Global Illumination Computation"): the functions, orthonormal over the
+ * hemisphere, and Phong lobes: how much of them an order leaves out, and a pixel's lobe as coefficients in a
+ * record's frame, without rotating coefficients as the papers do.
  *
  * Order n means bands l = 0 .. n-1, n^2 functions. Coefficients stand in this order everywhere: first those
  * that go with cos(m phi), m = 0 .. l, band after band, n(n+1)/2 of them ("even"); then those that go with
@@ -35,7 +33,7 @@ static inline size_t sl_hsh_odd(int order, int l, int m) {
     return sl_hsh_odd_start(order) + (size_t)l * ((size_t)l - 1) / 2 + (size_t)(-m - 1);
 }
 
-/* ---- the functions (basis.c) ---- */
+/* ---- the functions ---- */
 
 /* The numbers of the recurrence: P_l^m = first[m][l] x P_(l-1)^m -
  * second[m][l] P_(l-2)^m, P_m^m = diagonal[m] s P_(m-1)^(m-1). */
@@ -51,7 +49,7 @@ void sl_hsh_recurrence_of(int order, sl_hsh_recurrence *recurrence);
  * that is not a number as the zenith. */
 void sl_hsh_evaluate_by(const sl_hsh_recurrence *recurrence, sl_vec3d direction, double *values);
 
-/* ---- Phong lobes (lobes.c) ---- */
+/* ---- Phong lobes ---- */
 
 /* Returns the relative L2 error of the lobe that order n makes, at an outgoing angle of 45 degrees; and the
  * least order that keeps it within a bound (at most SL_HSH_ORDER_MAX, which may not suffice: ask for its

@@ -2,9 +2,9 @@
  * and adds them up on the hardware, times a weight texture; nothing is lit, and emitters are black (their
  * light is direct light), but the environment is not.
  *
- *   known_colours.c           one gather
+ *   known_colours.c           one gather, and an environment that is a picture
  *   known_colours_kernels.c   a picture's pixels: colours between the vertices of a lattice, times weights
- *   gather_sky.c              ... and where they show an environment that is a picture */
+ */
 #ifndef SL_CACHE_KNOWN_COLOURS_H
 #define SL_CACHE_KNOWN_COLOURS_H
 
@@ -66,7 +66,5 @@ SL_KERNELS(void, sl_colour_pixels_shade, (const sl_colour_pixels *pixels));
 sl_status sl_gather_sky_create(const sl_environment *environment, double pixel, sl_texture_image **sky,
                                sl_error *error);
 size_t sl_gather_sky_memory_bytes(const sl_texture_image *sky);
-/* Gives radiance, plain and weighted, of pixels that show nothing. */
-void sl_gather_sky_add(const sl_texture_image *sky, const sl_colour_pixels *pixels);
 
 #endif

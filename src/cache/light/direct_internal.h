@@ -7,7 +7,7 @@
  *     direct_glossy.c   glossy lobes
  *     direct_lamps.c    emitters as a glossy lobe sees them
  *     direct_filter.c   the visible share, smoothed where it is noise
- *     direct_kernels.c  the loops over a block of pixels
+ *     light_kernels.c   the loops over a block of points
  */
 #ifndef SL_CACHE_DIRECT_INTERNAL_H
 #define SL_CACHE_DIRECT_INTERNAL_H

@@ -3,7 +3,7 @@
 #define SL_CACHE_DIRECT_LAMPS_H
 
 #include "cache/light/direct_internal.h"
-#include "cache/light/spherical_triangle.h"
+#include "cache/light/near_light.h"
 #include "trace/bsdf.h"
 
 /* A side of an emitter, above the horizon. */

@@ -11,8 +11,7 @@
  *   light_sample.c     what kind of light, whether it can be seen at all, how many pixels it takes
  *   look_at.c          the paper's frustum, solid angles of pixels, ratio to the closed form
  *   closed_forms.c     polygons clipped to the horizon (Lambert), tiny lights as points
- *   shadow_ray.c       rays: lights without extent, and the estimator SL_LIGHT_RAYS
- *   lit_lobe.c         what a glossy lobe reflects
+ *   shadow_ray.c       rays: lights without extent, the estimator SL_LIGHT_RAYS, what a glossy lobe reflects
  */
 #ifndef SL_CACHE_LIGHT_SAMPLE_LIGHT_SAMPLE_H
 #define SL_CACHE_LIGHT_SAMPLE_LIGHT_SAMPLE_H

@@ -102,10 +102,6 @@ sl_light_sums sl_light_reduce(const sl_light_query *query, int size);
 bool sl_light_middle_hidden(const sl_light_query *query);
 /* F by rays: their weights in units of F, those of numbers times their count. */
 sl_light_sums sl_light_rays(const sl_light_query *query);
-/* lit_lobe.c. What the lobe reflects from a place `d` away on a light of radiance 1, normal m and that area,
- * by the balance heuristic: f cos / density. */
-double sl_lit_lobe_term(const sl_lit_lobe *lobe, const sl_lit_point *point, sl_vec3 d, sl_vec3 m,
-                        double area);
 /* F of a light without extent. */
 double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampled_light *light,
                                const sl_lit_point *point, sl_counters *counters);

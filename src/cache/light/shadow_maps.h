@@ -10,7 +10,7 @@
  *   shadow_maps.c        making the maps; lighting points, a block at a time
  *   depth_cube.c         the pictures around a light
  *   depth_cube_kernels.c what a cube says of a point
- *   polygon_kernels.c    Lambert's formula
+ *   light_kernels.c      Lambert's formula
  */
 #ifndef SL_CACHE_SHADOW_MAPS_H
 #define SL_CACHE_SHADOW_MAPS_H

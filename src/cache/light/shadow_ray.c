@@ -182,6 +182,20 @@ static unsigned numbers_of(const sl_light_query *query, uint64_t jitter, int k, 
     return count;
 }
 
+/* Returns what the lobe reflects from a place `d` away on a light of radiance 1, normal m and that area, by
+ * the balance heuristic: f cos / density. */
+static double lobe_term(const sl_lit_lobe *lobe, const sl_lit_point *point, sl_vec3 d, sl_vec3 m,
+                        double area) {
+    sl_vec3d way = sl_to_double(d);
+    double squared = sl_dotd(way, way), distance = sqrt(squared);
+    sl_vec3 to_light = sl_to_float(sl_scaled(way, 1.0 / distance));
+    double facing = fabs((double)sl_dot(m, to_light)), arriving = (double)sl_dot(point->normal, to_light);
+    if (!(facing > 0.0 && arriving > 0.0 && squared > 0.0)) return 0.0;
+    double density =
+        lobe->points * squared / (area * facing) + lobe->draws * (double)sl_bsdf_pdf(&lobe->bsdf, to_light);
+    return (double)sl_bsdf_value(&lobe->bsdf, to_light, SL_LOBE_GLOSSY).r * arriving / density;
+}
+
 sl_light_sums sl_light_rays(const sl_light_query *query) {
     const sl_light_sampling *sampling = query->sampling;
     const sl_light_shape_info *shape = &sampling->shape[query->light];
@@ -214,7 +228,7 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
             if (!(rays.weight[i] > 0.0f)) continue;
             sl_vec3 d = sl_v3(rays.x[i], rays.y[i], rays.z[i]),
                     m = sl_v3(rays.normal_x[i], rays.normal_y[i], rays.normal_z[i]);
-            double lobe = query->lobe ? sl_lit_lobe_term(query->lobe, point, d, m, surface->area) : 0.0;
+            double lobe = query->lobe ? lobe_term(query->lobe, point, d, m, surface->area) : 0.0;
             add_ray(&p,
                     sl_v3((float)((double)d.x + back.x), (float)((double)d.y + back.y),
                           (float)((double)d.z + back.z)),
@@ -223,4 +237,42 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
     }
     flush(&p);
     return p.sums;
+}
+
+/* ---- what a glossy lobe reflects of area lights ---- */
+
+/* Returns L of the area light that a ray meets on a side that shines, times what the lobe reflects of it. */
+static sl_rgb met_light(const sl_light_sampling *s, const sl_lit_point *point, const sl_lit_lobe *lobe,
+                        sl_vec3 direction, uint32_t triangle, float distance) {
+    uint32_t l = triangle != SL_NO_INDEX ? s->lights->light_of_triangle[triangle] : SL_NO_INDEX;
+    if (l == SL_NO_INDEX) return sl_grey(0.0f);
+    const sl_sampled_light *light = &s->lights->light[l];
+    sl_vec3 normal = sl_scene_geometric_normal(s->scene, triangle);
+    if (!light->two_sided && !(sl_dot(normal, direction) < 0.0f)) return sl_grey(0.0f);
+    double term =
+        lobe_term(lobe, point, sl_scale(direction, distance), normal, s->shape[l].surface.area);
+    return sl_rgb_scale(light->radiance, (float)term);
+}
+
+sl_rgb sl_lobe_draws(const sl_light_sampling *s, const sl_lit_point *point, const sl_lit_lobe *lobe,
+                     const sl_light_numbers *numbers, sl_counters *counters) {
+    sl_rgb sum = sl_grey(0.0f);
+    sl_vec3 eye = sl_light_lifted(s, point);
+    for (uint32_t i = 0; i < numbers->count;) {
+        sl_ray16 rays;
+        sl_hit16 hits;
+        sl_vec3 direction[SL_PACKET];
+        unsigned count = 0;
+        for (; i < numbers->count && count < SL_PACKET; i++) {
+            float u[3];
+            sl_sequence_point(numbers->sequence, numbers->key, 0, numbers->first + i, u);
+            if (!sl_bsdf_sample(&lobe->bsdf, 0.0f, u[0], u[1], &direction[count])) continue;
+            sl_ray16_set(&rays, count, eye, direction[count], 0.0f, INFINITY, point->triangle);
+            count++;
+        }
+        if (count > 0) sl_trace(s->tracer, &rays, count, true, &hits, counters);
+        for (unsigned k = 0; k < count; k++)
+            sum = sl_rgb_add(sum, met_light(s, point, lobe, direction[k], hits.triangle[k], hits.t[k]));
+    }
+    return sum;
 }

@@ -3,7 +3,6 @@
 #ifndef SL_TRACE_BIDIRECTIONAL_H
 #define SL_TRACE_BIDIRECTIONAL_H
 
-#include "trace/halves.h"
 #include "trace/path_walk.h"
 
 /* ---- the film: path_tracer.c makes it of pairs of subpaths ------------------------------------- */

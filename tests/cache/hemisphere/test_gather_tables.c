@@ -8,7 +8,6 @@
 
 #include "base/math.h"
 #include "cache/hemisphere/gather_tables.h"
-#include "cache/hemisphere/hemisphere_tables.h"
 #include "polygon_truth.h"
 
 static void assert_near(double a, double b, double eps) {

@@ -1,7 +1,7 @@
 /* Hemispherical harmonics: orthonormal, as in the paper, and safe at the zenith, at the horizon and off the
  * hemisphere. The basis is compiled here once more with a higher largest order than the library's. */
 #define SL_HSH_ORDER_MAX 20
-#include "cache/hemisphere/basis.c"
+#include "cache/hemisphere/harmonics.c"
 
 #include <setjmp.h>
 #include <stdarg.h>
