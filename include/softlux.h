@@ -665,7 +665,29 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
 /** Follows the scene: what of it has changed since the method last saw it the method finds out itself, all
  * edits since then together; `changes`, SL_CHANGED_ bits, are taken to have changed besides (0: none). The
  * method keeps what is still right and goes on with updates from there. After a failure it wants another edit
- * before anything else, and then does all anew. USAGE: other bits. */
+ * before anything else, and then does all anew. USAGE: other bits.
+ *
+ * Kept, by what has changed (all methods keep hierarchies over surfaces that have not moved):
+ *
+ *                    camera              power, colours        places of lights     surfaces, sky
+ *   splatting        records             -                     -                    -
+ *   direct-radiance  direct radiance     -                     -                    -
+ *   light-octree     photons, leaves     -                     -                    -
+ *   multi-mesh       irradiance, coarse  samples of direct     -                    -
+ *                    mesh, diffuse and   light, each light's
+ *                    indirect meshes     mesh
+ *   shading-cache    shading             patches; their        as power             as power, but for
+ *                                        shading shows until                        a sky that comes
+ *                                        it is renewed                              or goes
+ *   path, bidirectional   -              -                     -                    -
+ *
+ * Of multi-mesh's direct light nothing is sampled again after power or colours have changed, but for lights
+ * of the coarse mesh that matter more or less than before beside the others; thresholds that are new may
+ * split meshes further, whose samples are all that SL_COUNT_LIGHT_SAMPLES counts then. Indirect light is
+ * gathered again. With 16 lights or more by the ratio estimator, whose samples depend on what other lights
+ * give, and with the option "memory" it keeps nothing. SL_CHANGED_KINDS, lights of a kind that there was
+ * none of, and a light that is lit or put out in multi-mesh: all is made anew. The paper of splatting keeps
+ * records of a scene that stands still, as this does. */
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
 /** Tells whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
 SL_API bool sl_method_keeps_cache(const sl_method *method);

@@ -350,7 +350,8 @@ sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error
 
 /* Tells the class of its scene. Light that has changed is light, whatever has changed it. */
 static sl_status edit_state(sl_method *m, unsigned changes, sl_error *error) {
-    const unsigned told = SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS;
+    const unsigned told =
+        SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS | m->class->tells_apart;
     const bool kinds = changes & SL_CHANGED_KINDS;
     if (changes & ~told) changes |= SL_CHANGED_LIGHTS;
     if (!m->state || kinds || (changes & SL_CHANGED_LIGHTS && is_lit_otherwise(m)))

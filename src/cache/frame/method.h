@@ -76,7 +76,10 @@ typedef struct sl_method_class {
     void (*destroy)(void *state);
     sl_status (*update)(void *state, sl_progress *progress, sl_error *error);
     sl_status (*resolve)(void *state, sl_image **image, sl_error *error);
+    /* The scene has changed: SL_CHANGED_CAMERA, _OBJECTS, _LIGHTS, and of the others those in tells_apart; what
+     * else changes light is told as SL_CHANGED_LIGHTS. */
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
+    unsigned tells_apart;
     /* The method's cache on disk, for another run; NULL where it keeps none. A load that fails changes
      * nothing. */
     sl_status (*save)(const void *state, const char *path, sl_error *error);

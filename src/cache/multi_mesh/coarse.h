@@ -75,11 +75,18 @@ uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i,
  * are enough, noise and all; and of many lights those that could give most are asked, in that order (Ward
  * 1994), until the others together could add but little: these are taken to be as visible as the former were.
  * Nothing is kept for the picture's own meshes, nor are these refined for it. */
+/* F of one light at a vertex, for when colours alone are others; by how it was sampled, or 0: it was not. */
+typedef struct sl_coarse_share {
+    float share;
+    uint32_t by;
+} sl_coarse_share;
+
 /* U_dd of each vertex; NaN where it lies inside other geometry. A pure function of the vertex and the scene.
- * Counts SL_COUNT_LIGHT_SAMPLES. */
+ * kept: by vertex and light; what was sampled in the same way is not sampled again. NULL: all is. Counts
+ * SL_COUNT_LIGHT_SAMPLES. */
 sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
-                               const sl_coarse_vertex *vertex, sl_rgb *radiance, sl_counters *counters,
-                               sl_error *error);
+                               const sl_coarse_vertex *vertex, sl_coarse_share *kept, sl_rgb *radiance,
+                               sl_counters *counters, sl_error *error);
 
 /* Returns E_i in W/m^2 at a point of a face, or in free space: what it sees of the coarse mesh's colours,
  * with which the gather was made; 0 where position or normals are no numbers. */

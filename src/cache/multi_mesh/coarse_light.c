@@ -47,16 +47,33 @@ static size_t rank_lights(const sl_sampled_lights *lights, const sl_lit_point *p
 /* n of n x n rays, by the part of all that lights could give that this one could. */
 static int rays_to(double part) { return part > 0.3 ? 12 : part > 0.1 ? 8 : 4; }
 
+/* Where a vertex is asked for light, and what of it is known there. */
+typedef struct asked_place {
+    const sl_lit_point *point;
+    uint32_t nudge;            /* how often it was moved to be there */
+    sl_coarse_share *kept;     /* by light, or NULL */
+} asked_place;
+
+enum { NUDGES = 4 };
+
+static float sample_by(const sl_irradiance_settings *c, const asked_place *at, uint32_t light, int rays,
+                       sl_counters *counters) {
+    const uint32_t by = NUDGES * (uint32_t)rays + at->nudge;
+    if (at->kept && at->kept[light].by == by) return at->kept[light].share;
+    const float share = sl_light_sample_by_rays(c->sampling, light, at->point, rays, counters);
+    if (at->kept) at->kept[light] = (sl_coarse_share){share, by};
+    return share;
+}
+
 /* F of all lights. Whether any light that could arrive does. */
-static bool light_point(const sl_irradiance_settings *c, const sl_lit_point *point, light_worker *w,
+static bool light_point(const sl_irradiance_settings *c, const asked_place *at, light_worker *w,
                         sl_counters *counters) {
     double all, asked = 0.0, seen = 0.0;
-    size_t count = rank_lights(c->lights, point, w, &all), i = 0;
+    size_t count = rank_lights(c->lights, at->point, w, &all), i = 0;
     for (; i < count && (i == 0 || asked < (1.0 - UNASKED) * all); i++) {
         uint32_t l = w->order[i];
         double most = (double)w->share[l];
-        w->share[l] =
-            sl_light_sample_by_rays(c->sampling, l, point, rays_to(w->most[l] / all), counters);
+        w->share[l] = sample_by(c, at, l, rays_to(w->most[l] / all), counters);
         asked += w->most[l];
         seen += w->most[l] * (double)w->share[l] / most;
     }
@@ -79,12 +96,15 @@ static sl_mesh_point point_of(const sl_irradiance_settings *c, const sl_coarse_v
 
 /* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further
  * inside its face. */
-static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vertex *v, light_worker *w,
-                           sl_counters *counters) {
-    static const double nudge[] = {0.0, 0.01, 0.05, 0.2};
-    for (size_t i = 0; i < sizeof nudge / sizeof nudge[0]; i++) {
+static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vertex *v, sl_coarse_share *kept,
+                           light_worker *w, sl_counters *counters) {
+    static const double nudge[NUDGES] = {0.0, 0.01, 0.05, 0.2};
+    uint32_t first = 0; /* where it was found last time */
+    for (size_t l = 0; kept && l < c->lights->count; l++)
+        first = kept[l].by % NUDGES > first ? kept[l].by % NUDGES : first;
+    for (uint32_t i = first; i < NUDGES; i++) {
         sl_mesh_point at = point_of(c, v, nudge[i]);
-        if (!light_point(c, &at.lit, w, counters) &&
+        if (!light_point(c, &(asked_place){&at.lit, i, kept}, w, counters) &&
             sl_point_in_solid(c->primitives, c->tracer, NULL, &at.lit, counters))
             continue;
         return sl_direct_diffuse(c->lights, w->share);
@@ -96,18 +116,20 @@ typedef struct lighting {
     const sl_irradiance_settings *light;
     light_worker *worker;
     const sl_coarse_vertex *vertex;
+    sl_coarse_share *kept;
 } lighting;
 
 static void light_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
     const lighting *job = context;
-    *(sl_rgb *)result = light_vertex(job->light, &job->vertex[i], &job->worker[worker], counters);
+    sl_coarse_share *kept = job->kept ? job->kept + i * job->light->lights->count : NULL;
+    *(sl_rgb *)result = light_vertex(job->light, &job->vertex[i], kept, &job->worker[worker], counters);
 }
 
 sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
-                               const sl_coarse_vertex *vertex, sl_rgb *radiance, sl_counters *counters,
-                               sl_error *error) {
+                               const sl_coarse_vertex *vertex, sl_coarse_share *kept, sl_rgb *radiance,
+                               sl_counters *counters, sl_error *error) {
     size_t lights = light->lights->count, all = lights * light->threads;
-    lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), vertex};
+    lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), vertex, kept};
     const sl_batch batch = {count, light_one, &job, radiance, sizeof *radiance};
     double *most = sl_allocate(all, sizeof *most);
     float *share = sl_allocate(all, sizeof *share);
@@ -237,9 +259,14 @@ static int round_pixels(const sl_multi_mesh_state *s, uint32_t rounds_left) {
 
 static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
     if (!s->plan.lights) return SL_OK;
+    if (!s->coarse_shares && !s->light.few_rays &&
+        !(s->coarse_shares = sl_allocate(s->coarse->vertex_count * s->lights->count, sizeof(sl_coarse_share))))
+        return sl_fail_memory(error, "the coarse mesh's light");
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
-    return sl_coarse_light_take(&s->light, count, s->coarse->vertex + s->coarse_done,
-                                s->coarse_direct + s->coarse_done, &s->counters, error);
+    return sl_coarse_light_take(
+        &s->light, count, s->coarse->vertex + s->coarse_done,
+        s->coarse_shares ? s->coarse_shares + s->coarse_done * s->lights->count : NULL,
+        s->coarse_direct + s->coarse_done, &s->counters, error);
 }
 
 /* U_dd, and E_i / pi where it is known, is what gathers see. */

@@ -3,7 +3,8 @@
  *
  *   plan.c             which passes a scene needs
  *   multi_mesh.c       the paper: the passes of a picture, update by update
- *   world.c, state.c   what a picture is made from; made, edited, measured
+ *   world.c, state.c   what a picture is made from; made, measured
+ *   edit.c             what of that stays when the scene changes
  *   displayed.h        a mesh as the eye uses it: priorities, tests, drawing (progressive sampling, pass 3)
  *   direct.c           direct diffuse and specular radiance from them
  *   coarse.h           the coarse mesh of the whole scene, which indirect gathers see
@@ -49,6 +50,7 @@ typedef struct sl_multi_mesh_state {
     int gather_pixels;              /* a side of it */
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
     size_t coarse_done;             /* vertices of the coarse mesh that are there, */
+    sl_coarse_share *coarse_shares; /* F by vertex and light; NULL: few_rays, or none yet */
     sl_rgb *coarse_direct;          /* U_dd of lamps at the coarse mesh's vertices, and ... */
     /* ... E_i of the environment or of later bounces; NULL: not yet, or the coarse mesh is whole */
     sl_rgb *coarse_indirect;
@@ -118,6 +120,18 @@ const char *sl_multi_mesh_filled(const void *state);
 
 sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error);
 void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);
+/* Displayed levels follow the light that is in the scene, never a picture's content. */
+void sl_multi_mesh_set_perception(sl_multi_mesh_state *s);
+sl_irradiance_settings sl_multi_mesh_irradiance_settings(const sl_multi_mesh_state *s);
+/* Makes the parts that the eye sees, without any value. */
+sl_status sl_multi_mesh_make_parts(sl_multi_mesh_state *s, sl_error *error);
+void sl_multi_mesh_forget_parts(sl_multi_mesh_state *s);
+/* Makes the coarse mesh, its light not yet asked for. */
+sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, sl_error *error);
+
+/* ---- edit.c ---- */
+
+sl_status sl_multi_mesh_edit(void *state, unsigned changes, sl_error *error);
 
 /* A vertex of a displayed mesh that is to be sampled. */
 typedef struct sl_wanted_vertex {

@@ -1,4 +1,4 @@
-/* The state of a picture: how it is made, edited, measured, and what it takes. */
+/* The state of a picture: how it is made, measured, and what it takes. */
 #include "cache/frame/budget.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
@@ -51,25 +51,6 @@ static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *set
             s->planes[i][k] = s->plane_memory + (3 * i + k) * sl_multi_mesh_pixels(s);
     *state = s;
     return SL_OK;
-}
-
-/* The eye: specular radiance starts again, all else stays. Lights and objects: all starts again. */
-static sl_status multi_mesh_edit(void *state, unsigned changes, sl_error *error) {
-    sl_multi_mesh_state *s = state;
-    sl_status status = SL_OK;
-    s->phase = SL_PHASE_VIEW;
-    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) {
-        sl_multi_mesh_forget_view(s);
-        sl_multi_mesh_forget_world(s);
-        s->full = false;
-        s->done_count = 0;
-        s->plan = sl_multi_mesh_plan_make(s->scene, &s->settings); /* light may fall where none fell */
-        status = sl_multi_mesh_make_world(s, error);
-        if (status != SL_OK) sl_multi_mesh_forget_world(s);
-    } else if (s->part[SL_DIRECT_SPECULAR]) {
-        sl_displayed_restart(s->part[SL_DIRECT_SPECULAR]);
-    }
-    return status;
 }
 
 /* ---- views ---- */
@@ -250,6 +231,7 @@ static size_t multi_mesh_bytes(const void *state) {
     if (s->sampling) bytes += sl_light_sampling_memory_bytes(s->sampling);
     if (s->irradiance) bytes += sl_irradiance_meshes_bytes(s->irradiance);
     if (s->coarse) bytes += sl_coarse_memory_bytes(s->coarse);
+    if (s->coarse_shares) bytes += s->coarse->vertex_count * s->lights->count * sizeof *s->coarse_shares;
     if (s->gather) bytes += sl_gather_memory_bytes(s->gather);
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);
@@ -273,7 +255,8 @@ const sl_method_class sl_multi_mesh_method = {
     .destroy = multi_mesh_destroy,
     .update = sl_multi_mesh_update,
     .resolve = sl_multi_mesh_resolve,
-    .edit = multi_mesh_edit,
+    .edit = sl_multi_mesh_edit,
+    .tells_apart = SL_CHANGED_POWER | SL_CHANGED_MATERIALS,
     .counters = multi_mesh_counters,
     .memory_bytes = multi_mesh_bytes,
     .need = sl_multi_mesh_need,

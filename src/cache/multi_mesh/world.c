@@ -47,11 +47,16 @@ static sl_rgb shown_radiance(const void *context, sl_component part, uint32_t fa
 
 /* ---- what there is, and its end ---- */
 
-void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
+void sl_multi_mesh_forget_parts(sl_multi_mesh_state *s) {
     for (int i = 0; i < SL_COMPONENTS; i++) {
         sl_displayed_destroy(s->part[i]);
         s->part[i] = NULL;
     }
+}
+
+void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
+    sl_multi_mesh_forget_parts(s);
+    sl_free(s->coarse_shares);
     sl_free(s->coarse_direct);
     sl_free(s->coarse_indirect);
     sl_multi_mesh_forget_gather(s);
@@ -62,6 +67,7 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     sl_primitives_destroy(s->primitives);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
+    s->coarse_shares = NULL;
     s->coarse_direct = s->coarse_indirect = NULL;
     s->coarse = NULL;
     s->irradiance = NULL;
@@ -86,7 +92,7 @@ static sl_status make_sampling(sl_multi_mesh_state *s, sl_error *error) {
     return status;
 }
 
-static sl_irradiance_settings irradiance_settings(const sl_multi_mesh_state *s) {
+sl_irradiance_settings sl_multi_mesh_irradiance_settings(const sl_multi_mesh_state *s) {
     return (sl_irradiance_settings){.scene = s->scene,
                                     .primitives = s->primitives,
                                     .tracer = s->tracer,
@@ -103,7 +109,7 @@ static sl_irradiance_settings irradiance_settings(const sl_multi_mesh_state *s) 
 static sl_status make_lights(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = make_sampling(s, error);
     if (status != SL_OK) return status;
-    s->light = irradiance_settings(s);
+    s->light = sl_multi_mesh_irradiance_settings(s);
     return sl_irradiance_meshes_create(&s->light, &s->irradiance, error);
 }
 
@@ -149,29 +155,28 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     return sl_displayed_create(s->primitives, &settings, &s->part[part], error);
 }
 
-/* Makes the coarse mesh, its light not yet asked for. */
-static sl_status make_coarse(sl_multi_mesh_state *s, sl_error *error) {
+sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings),
                                  s->settings.multi_mesh.coarse_depth};
+    sl_status status = SL_OK;
     s->coarse_done = 0;
     s->coarse_whole = false;
-    sl_status status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->coarse, error);
+    if (!s->coarse) status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->coarse, error);
     if (status != SL_OK) return status;
+    sl_free(s->coarse_direct);
     s->coarse_direct = sl_allocate(s->coarse->vertex_count, sizeof *s->coarse_direct);
     return s->coarse_direct ? SL_OK : sl_fail_memory(error, "the coarse mesh");
 }
 
-static sl_status make_pictures(sl_multi_mesh_state *s, sl_error *error) {
+sl_status sl_multi_mesh_make_parts(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    if (s->plan.indirect) status = make_coarse(s, error);
-    if (status == SL_OK && s->plan.direct_diffuse) status = make_part(s, SL_DIRECT_DIFFUSE, error);
+    if (s->plan.direct_diffuse) status = make_part(s, SL_DIRECT_DIFFUSE, error);
     if (status == SL_OK && s->plan.direct_specular) status = make_part(s, SL_DIRECT_SPECULAR, error);
     if (status == SL_OK && s->plan.indirect) status = make_part(s, SL_INDIRECT, error);
     return status;
 }
 
-/* Displayed levels follow the light that is in the scene, never a picture's content. */
-static void set_perception(sl_multi_mesh_state *s) {
+void sl_multi_mesh_set_perception(sl_multi_mesh_state *s) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     s->ambient = sl_ambient_irradiance(s->scene);
     s->perception.threshold_scale = (float)m->threshold_scale;
@@ -182,11 +187,12 @@ static void set_perception(sl_multi_mesh_state *s) {
 
 sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
-    set_perception(s);
+    sl_multi_mesh_set_perception(s);
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
     if (status == SL_OK && s->plan.lights)
         status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     if (status == SL_OK) status = sl_primitives_of_triangles(s->scene, &s->primitives, error);
     if (status == SL_OK && s->plan.lights) status = make_lights(s, error);
-    return status == SL_OK ? make_pictures(s, error) : status;
+    if (status == SL_OK && s->plan.indirect) status = sl_multi_mesh_make_coarse(s, error);
+    return status == SL_OK ? sl_multi_mesh_make_parts(s, error) : status;
 }

@@ -313,6 +313,43 @@ sl_status sl_irradiance_at(sl_irradiance_meshes *m, size_t count, const sl_face_
 
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *m, bool sparing) { m->sparing = sparing; }
 
+/* ---- thresholds and colours that are new ---- */
+
+/* A closed edge's halves were closed with it; where it differs now they are to be tested themselves. */
+static void hand_down_edges(sl_patches *mesh, const sl_patch *parent) {
+    for (int child = 0; child < 3; child++)
+        for (int c = 0; c < 3; c++)
+            if (c != child)
+                sl_set_edge(&mesh->patch[parent->child + (uint32_t)child], c,
+                            sl_edge_of(parent, c) == SL_EDGE_CLOSED ? SL_EDGE_CLOSED : SL_EDGE_UNTESTED);
+}
+
+static void judge_below(sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place) {
+    sl_patches *mesh = m->mesh[light];
+    sl_patch *node = &mesh->patch[place->patch];
+    const light_edge edge = {m, light};
+    for (int i = 0; i < 3; i++) {
+        sl_edge_state state = sl_mesh_test_edge(mesh, place, i, &(sl_edge_test){differs, &edge});
+        if (state != SL_EDGE_UNTESTED) sl_set_edge(node, i, state);
+    }
+    if (node->child == SL_NO_INDEX) return;
+    hand_down_edges(mesh, node);
+    for (int c = 0; c < 4; c++) {
+        sl_patch_place child = sl_patch_child_place(mesh, place, c);
+        judge_below(m, light, &child);
+    }
+}
+
+void sl_irradiance_meshes_judge(sl_irradiance_meshes *m, const sl_irradiance_settings *settings) {
+    m->settings = *settings;
+    for (uint32_t l = 0; l < settings->lights->count; l++) {
+        for (size_t r = 0; r < m->mesh[l]->root_count; r++) {
+            sl_patch_place root = sl_patch_root_place(m->mesh[l], m->mesh[l]->root[r].root);
+            judge_below(m, l, &root);
+        }
+    }
+}
+
 /* ---- life ---- */
 
 sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes,

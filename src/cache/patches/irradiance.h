@@ -39,6 +39,10 @@ typedef struct sl_irradiance_settings {
 typedef struct sl_irradiance_meshes sl_irradiance_meshes;
 sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes,
                                       sl_error *error);
+/* Colours of lights and surfaces, or thresholds, are others: all samples stay, and edges are judged by them
+ * anew. Lights, their places and geometry are as they were, and so are all settings but perception and
+ * ambient; not with few_rays, whose samples depend on what other lights give. */
+void sl_irradiance_meshes_judge(sl_irradiance_meshes *meshes, const sl_irradiance_settings *settings);
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *meshes);
 size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *meshes);
 /* Returns a light's mesh. Values are F (light_sample.h). */
