@@ -12,50 +12,6 @@
 #include <emmintrin.h>
 #endif
 
-/* Bit l: a[l] > limit. */
-static inline uint32_t sl_bits16_greater(const float *a, float limit) {
-#if defined __AVX512F__
-    return (uint32_t)_mm512_cmp_ps_mask(_mm512_loadu_ps(a), _mm512_set1_ps(limit), _CMP_GT_OQ);
-#elif defined __AVX2__
-    __m256 b = _mm256_set1_ps(limit);
-    int low = _mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a), b, _CMP_GT_OQ));
-    return (uint32_t)low | (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a + 8), b, _CMP_GT_OQ))
-                               << 8;
-#elif defined __SSE2__
-    uint32_t bits = 0;
-    __m128 b = _mm_set1_ps(limit);
-    for (int l = 0; l < 4; l++)
-        bits |= (uint32_t)_mm_movemask_ps(_mm_cmpgt_ps(_mm_loadu_ps(a + 4 * l), b)) << (4 * l);
-    return bits;
-#else
-    uint32_t bits = 0;
-    for (int l = 0; l < 16; l++) bits |= (uint32_t)(a[l] > limit) << l;
-    return bits;
-#endif
-}
-
-/* Bit l: a[l] <= limit. */
-static inline uint32_t sl_bits16_at_most(const float *a, float limit) {
-#if defined __AVX512F__
-    return (uint32_t)_mm512_cmp_ps_mask(_mm512_loadu_ps(a), _mm512_set1_ps(limit), _CMP_LE_OQ);
-#elif defined __AVX2__
-    __m256 b = _mm256_set1_ps(limit);
-    int low = _mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a), b, _CMP_LE_OQ));
-    return (uint32_t)low | (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(_mm256_loadu_ps(a + 8), b, _CMP_LE_OQ))
-                               << 8;
-#elif defined __SSE2__
-    uint32_t bits = 0;
-    __m128 b = _mm_set1_ps(limit);
-    for (int l = 0; l < 4; l++)
-        bits |= (uint32_t)_mm_movemask_ps(_mm_cmple_ps(_mm_loadu_ps(a + 4 * l), b)) << (4 * l);
-    return bits;
-#else
-    uint32_t bits = 0;
-    for (int l = 0; l < 16; l++) bits |= (uint32_t)(a[l] <= limit) << l;
-    return bits;
-#endif
-}
-
 /* Bit l: a[l] < 0. */
 static inline uint32_t sl_bits16_negative(const int32_t *a) {
 #if defined __AVX512DQ__
@@ -78,6 +34,22 @@ static inline uint32_t sl_bits16_negative(const int32_t *a) {
     for (int l = 0; l < 16; l++) bits |= (uint32_t)(a[l] < 0) << l;
     return bits;
 #endif
+}
+
+/* Bit l: a[l] > limit. The comparison is a loop that vectorizes; collecting its bits is not one. */
+static inline uint32_t sl_bits16_greater(const float *a, float limit) {
+    int32_t holds[16];
+#pragma omp simd
+    for (int l = 0; l < 16; l++) holds[l] = -(a[l] > limit);
+    return sl_bits16_negative(holds);
+}
+
+/* Bit l: a[l] <= limit. */
+static inline uint32_t sl_bits16_at_most(const float *a, float limit) {
+    int32_t holds[16];
+#pragma omp simd
+    for (int l = 0; l < 16; l++) holds[l] = -(a[l] <= limit);
+    return sl_bits16_negative(holds);
 }
 
 /* Returns how many are set. */

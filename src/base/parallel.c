@@ -11,6 +11,10 @@
 #include <omp.h>
 #endif
 
+#include "base/batch.h"
+#include "base/memory.h"
+#include "base/thread.h"
+
 enum { THREADS_MAX = 256 };
 
 unsigned sl_thread_count(unsigned threads) {
@@ -159,3 +163,55 @@ void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *contex
     if (threads <= 1 || inside_another()) run_alone(count, task, context);
     else run_on_threads(threads, count, task, context);
 }
+
+/* ---- batches --------------------------------------------------------------------------------- */
+
+typedef struct {
+    const sl_batch *batch;
+    sl_counters *counters; /* by worker */
+} batch_run;
+
+static void run_item(void *context, size_t index, unsigned worker) {
+    const batch_run *run = context;
+    const sl_batch *batch = run->batch;
+    void *result = batch->results ? (char *)batch->results + index * batch->result_bytes : NULL;
+    batch->work(batch->context, index, worker, result, &run->counters[worker]);
+}
+
+/* Counters are whole numbers: their sum does not depend on the order. */
+void sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters) {
+    unsigned workers = batch->count < threads ? (unsigned)batch->count : threads;
+    sl_counters *by_worker = workers > 1 ? sl_allocate(workers, sizeof *by_worker) : NULL;
+    batch_run run = {batch, by_worker ? by_worker : counters};
+    sl_parallel_for(by_worker ? workers : 1, batch->count, run_item, &run);
+    for (unsigned w = 0; by_worker && w < workers; w++) sl_counters_add(counters, &by_worker[w]);
+    sl_free(by_worker);
+}
+
+/* ---- a thread beside the caller's ------------------------------------------------------------ */
+
+bool sl_monitor_open(sl_monitor *m) {
+    if (pthread_mutex_init(&m->lock, NULL) != 0) return false;
+    if (pthread_cond_init(&m->changed, NULL) == 0) return true;
+    pthread_mutex_destroy(&m->lock);
+    return false;
+}
+
+void sl_monitor_close(sl_monitor *m) {
+    pthread_cond_destroy(&m->changed);
+    pthread_mutex_destroy(&m->lock);
+}
+
+static void *run(void *argument) {
+    const sl_thread *thread = argument;
+    thread->run(thread->context);
+    return NULL;
+}
+
+bool sl_thread_start(sl_thread *thread, void (*run_this)(void *context), void *context) {
+    thread->run = run_this;
+    thread->context = context;
+    return pthread_create(&thread->handle, NULL, run, thread) == 0;
+}
+
+void sl_thread_join(sl_thread *thread) { pthread_join(thread->handle, NULL); }

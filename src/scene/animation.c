@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "scene/derive.h"
@@ -280,48 +279,43 @@ sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *chan
     return SL_OK;
 }
 
-/* The track of every object, or SL_NO_INDEX; release with sl_free(). */
-static uint32_t *tracks_of_objects(const sl_animation *a, size_t object_count) {
-    uint32_t *tracks = sl_allocate(object_count, sizeof *tracks);
-    if (!tracks) return NULL;
-    memset(tracks, 0xff, object_count * sizeof *tracks); /* SL_NO_INDEX */
+/* Gives every vertex the track of its object, or SL_NO_INDEX: of several the last one. */
+static bool follow_tracks(const sl_scene *s, const sl_animation *a) {
+    uint32_t *of_object = sl_allocate_unset(s->object_count, sizeof *of_object);
+    if (!of_object) return false;
+    memset(of_object, 0xff, s->object_count * sizeof *of_object); /* SL_NO_INDEX */
+    memset(a->track_of_vertex, 0xff, s->vertex_count * sizeof *a->track_of_vertex);
     for (size_t i = 0; i < a->track_count; i++) {
         const sl_track *track = &a->tracks[i];
-        if (track->kind != SL_TRACK_OBJECTS) continue;
-        for (size_t k = track->first; k < track->first + (size_t)track->count && k < object_count; k++)
-            tracks[k] = (uint32_t)i;
+        const size_t end = track->kind == SL_TRACK_OBJECTS ? track->first + (size_t)track->count : 0;
+        for (size_t k = track->first; k < end && k < s->object_count; k++) of_object[k] = (uint32_t)i;
     }
-    return tracks;
+    for (size_t k = 0; k < 3 * s->triangle_count; k++)
+        a->track_of_vertex[s->vertex[k % 3][k / 3]] = of_object[s->object_index[k / 3]];
+    for (size_t i = 0; i < s->bicubic_count; i++) { /* all its vertices, also those of no triangle */
+        const sl_bicubic *b = &s->bicubics[i];
+        const uint32_t side = (uint32_t)b->steps + 1, track = of_object[s->object_index[b->first_triangle]];
+        for (uint32_t v = 0; v < side * side; v++) a->track_of_vertex[b->first_vertex + v] = track;
+    }
+    sl_free(of_object);
+    return true;
 }
 
 /* Takes the scene as it stands for the rest state. */
 static sl_status rest(const sl_scene *scene, sl_animation *a, sl_error *error) {
-    a->track_of_vertex = sl_allocate(scene->vertex_count, sizeof *a->track_of_vertex);
-    a->rest_position = sl_allocate(scene->vertex_count, sizeof *a->rest_position);
-    a->rest_normal = sl_allocate(scene->vertex_count, sizeof *a->rest_normal);
-    a->rest_control = sl_allocate(16 * scene->bicubic_count, sizeof *a->rest_control);
-    uint32_t *tracks = tracks_of_objects(a, scene->object_count);
-    if (!a->track_of_vertex || !a->rest_position || !a->rest_normal || !a->rest_control || !tracks) {
-        sl_free(tracks);
+    a->track_of_vertex = sl_allocate_unset(scene->vertex_count, sizeof *a->track_of_vertex);
+    a->rest_position = sl_allocate_unset(scene->vertex_count, sizeof *a->rest_position);
+    a->rest_normal = sl_allocate_unset(scene->vertex_count, sizeof *a->rest_normal);
+    a->rest_control = sl_allocate_unset(16 * scene->bicubic_count, sizeof *a->rest_control);
+    if (!a->track_of_vertex || !a->rest_position || !a->rest_normal || !a->rest_control ||
+        !follow_tracks(scene, a))
         return sl_fail_memory(error, "the animation");
-    }
     for (size_t v = 0; v < scene->vertex_count; v++) {
-        a->track_of_vertex[v] = SL_NO_INDEX;
         a->rest_position[v] = sl_scene_position(scene, (uint32_t)v);
         a->rest_normal[v] = sl_scene_normal(scene, (uint32_t)v);
     }
-    for (size_t t = 0; t < scene->triangle_count; t++) {
-        uint32_t track = tracks[scene->object_index[t]];
-        for (int c = 0; c < 3; c++) a->track_of_vertex[scene->vertex[c][t]] = track;
-    }
-    /* all its vertices, also those that no triangle uses */
-    for (size_t i = 0; i < scene->bicubic_count; i++) {
-        const sl_bicubic *b = &scene->bicubics[i];
-        uint32_t side = (uint32_t)b->steps + 1, track = tracks[scene->object_index[b->first_triangle]];
-        for (uint32_t v = 0; v < side * side; v++) a->track_of_vertex[b->first_vertex + v] = track;
-        for (int k = 0; k < 16; k++) a->rest_control[16 * i + (size_t)k] = b->point[k / 4][k % 4];
-    }
-    sl_free(tracks);
+    for (size_t k = 0; k < 16 * scene->bicubic_count; k++)
+        a->rest_control[k] = scene->bicubics[k / 16].point[k % 16 / 4][k % 4];
     return SL_OK;
 }
 
@@ -336,107 +330,64 @@ sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error)
 
 /* ---- objects that are placed ----------------------------------------------------------------- */
 
-typedef struct placing {
-    sl_scene *scene;
-    sl_animation *animation;
-    const sl_placement *placement;
-    size_t count;
-    uint32_t *of_object; /* its placement, or SL_NO_INDEX */
-    uint32_t *track;     /* of each placement */
-    motion *motions;     /* of each track */
-} placing;
-
-/* Returns an object that would leave all numbers; SL_NO_INDEX: none would. */
-static uint32_t find_placed_beyond(const placing *p) {
-    const sl_scene *s = p->scene;
-    uint32_t bad = SL_NO_INDEX;
-    for (size_t k = 0; k < 3 * s->triangle_count; k++) {
-        const uint32_t of = p->of_object[s->object_index[k / 3]], v = s->vertex[k % 3][k / 3];
-        if (of != SL_NO_INDEX &&
-            !sl_is_finite(moved(&p->placement[of].placement, p->animation->rest_position[v])))
-            bad = p->placement[of].object;
-    }
-    for (size_t k = 0; k < 16 * s->bicubic_count; k++) {
-        const uint32_t of = p->of_object[s->object_index[s->bicubics[k / 16].first_triangle]];
-        if (of != SL_NO_INDEX &&
-            !sl_is_finite(moved(&p->placement[of].placement, p->animation->rest_control[k])))
-            bad = p->placement[of].object;
-    }
-    return bad;
+/* Gives an object the track by which it was placed before, or one of its own, for which there is room. */
+static void place_track(sl_animation *a, const sl_placement *p, motion *motions) {
+    size_t i = 0;
+    while (i < a->track_count && !(a->tracks[i].is_placed && a->tracks[i].first == p->object)) i++;
+    a->track_count += i == a->track_count;
+    a->tracks[i] = (sl_track){.kind = SL_TRACK_OBJECTS,
+                              .first = p->object,
+                              .count = 1,
+                              .is_placed = true,
+                              .placement = p->placement};
+    motions[i] = (motion){true, p->placement, sl_affine_normal_map(&p->placement)};
 }
 
-/* Gives each placement the track that its object was placed by before, or one of its own. There is room. */
-static void choose_tracks(const placing *p) {
-    sl_animation *a = p->animation;
-    for (size_t i = 0; i < a->track_count; i++) {
-        const uint32_t of = a->tracks[i].is_placed ? p->of_object[a->tracks[i].first] : SL_NO_INDEX;
-        if (of != SL_NO_INDEX) p->track[of] = (uint32_t)i;
-    }
-    for (size_t i = 0; i < p->count; i++) {
-        if (p->track[i] == SL_NO_INDEX) p->track[i] = (uint32_t)a->track_count++;
-        const sl_affine placement = p->placement[i].placement;
-        a->tracks[p->track[i]] = (sl_track){.kind = SL_TRACK_OBJECTS,
-                                            .first = p->placement[i].object,
-                                            .count = 1,
-                                            .is_placed = true,
-                                            .placement = placement};
-        p->motions[p->track[i]] = (motion){true, placement, sl_affine_normal_map(&placement)};
-    }
+/* Moves what the motions move, or nothing, where that would leave all numbers. */
+static sl_status move_placed(sl_scene *s, sl_animation *with, const motion *motions, unsigned *changes,
+                             sl_error *error) {
+    sl_animation *const before = s->animation;
+    s->animation = with;
+    const uint32_t bad = find_beyond(s, motions);
+    if (bad == SL_NO_INDEX) *changes |= move(s, motions);
+    s->animation = before;
+    if (bad == SL_NO_INDEX) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT, "object '%s': expected 'transform' to leave it finite",
+                   s->object_names[with->tracks[bad].first]);
 }
 
-static void follow_tracks(const placing *p) {
-    const sl_scene *s = p->scene;
-    uint32_t *track = p->animation->track_of_vertex;
-    for (size_t k = 0; k < 3 * s->triangle_count; k++) {
-        const uint32_t of = p->of_object[s->object_index[k / 3]];
-        if (of != SL_NO_INDEX) track[s->vertex[k % 3][k / 3]] = p->track[of];
-    }
-    for (size_t i = 0; i < s->bicubic_count; i++) {
-        const sl_bicubic *b = &s->bicubics[i];
-        const uint32_t of = p->of_object[s->object_index[b->first_triangle]], side = (uint32_t)b->steps + 1;
-        for (uint32_t v = 0; v < side * side && of != SL_NO_INDEX; v++)
-            track[b->first_vertex + v] = p->track[of];
-    }
-}
-
-static sl_status place(placing *p, unsigned *changes, sl_error *error) {
-    sl_animation *a = p->animation;
-    const size_t objects = p->scene->object_count;
-    p->of_object = sl_allocate_unset(objects, sizeof *p->of_object);
-    p->track = sl_allocate_unset(p->count, sizeof *p->track);
-    p->motions = sl_allocate(a->track_count + p->count, sizeof *p->motions);
-    if (!p->of_object || !p->track || !p->motions ||
-        !sl_regrow(&a->tracks, a->track_count, a->track_count + p->count, sizeof *a->tracks))
-        return sl_fail_memory(error, "the motion of objects");
-    a->track_room = a->track_count + p->count;
-    memset(p->of_object, 0xff, objects * sizeof *p->of_object); /* SL_NO_INDEX */
-    memset(p->track, 0xff, p->count * sizeof *p->track);
-    for (size_t i = 0; i < p->count; i++) p->of_object[p->placement[i].object] = (uint32_t)i;
-    const uint32_t bad = find_placed_beyond(p);
-    if (bad != SL_NO_INDEX)
-        return sl_fail(error, SL_ERROR_INPUT, "object '%s': expected 'transform' to leave it finite",
-                       p->scene->object_names[bad]);
-    choose_tracks(p);
-    follow_tracks(p);
-    p->scene->animation = a;
-    *changes |= move(p->scene, p->motions);
-    return SL_OK;
+static sl_status place(sl_scene *s, sl_animation *a, size_t count, const sl_placement *placement,
+                       unsigned *changes, sl_error *error) {
+    sl_animation with = *a;
+    with.track_room = a->track_count + count;
+    with.tracks = sl_allocate(with.track_room, sizeof *with.tracks);
+    with.track_of_vertex = sl_allocate_unset(s->vertex_count, sizeof *with.track_of_vertex);
+    motion *motions = sl_allocate(with.track_room, sizeof *motions);
+    const bool there = with.tracks && with.track_of_vertex && motions;
+    if (there && a->track_count) memcpy(with.tracks, a->tracks, a->track_count * sizeof *a->tracks);
+    for (size_t i = 0; i < count && there; i++) place_track(&with, &placement[i], motions);
+    const sl_status status = there && follow_tracks(s, &with)
+                                 ? move_placed(s, &with, motions, changes, error)
+                                 : sl_fail_memory(error, "the motion of objects");
+    sl_free(motions);
+    sl_free(status == SL_OK ? a->tracks : with.tracks);
+    sl_free(status == SL_OK ? a->track_of_vertex : with.track_of_vertex);
+    if (status == SL_OK) *a = with;
+    return status;
 }
 
 sl_status sl_animation_place(sl_scene *scene, size_t count, const sl_placement *placement, unsigned *changes,
                              sl_error *error) {
-    placing p = {.scene = scene, .placement = placement, .count = count, .animation = scene->animation};
+    sl_animation *a = scene->animation;
     sl_status status = SL_OK;
     if (count == 0) return SL_OK;
-    if (!p.animation) {
-        p.animation = sl_allocate(1, sizeof *p.animation);
-        status = p.animation ? rest(scene, p.animation, error) : sl_fail_memory(error, "the animation");
+    if (!a) {
+        a = sl_allocate(1, sizeof *a);
+        status = a ? rest(scene, a, error) : sl_fail_memory(error, "the animation");
     }
-    if (status == SL_OK) status = place(&p, changes, error);
-    if (p.animation != scene->animation) sl_animation_destroy(p.animation);
-    sl_free(p.of_object);
-    sl_free(p.track);
-    sl_free(p.motions);
+    if (status == SL_OK) status = place(scene, a, count, placement, changes, error);
+    if (status == SL_OK) scene->animation = a;
+    else if (a != scene->animation) sl_animation_destroy(a);
     return status;
 }
 

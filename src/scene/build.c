@@ -256,7 +256,7 @@ static sl_status check_sky(sl_scene *s, sl_error *error) {
 }
 
 static sl_status light_if_dark(const sl_model *m, sl_scene *s, bool shut_out, sl_error *error) {
-    const bool any = s->light_count || s->emitter_count || s->environment.present;
+    const bool any = s->emitter_count || s->environment.present || sl_scene_has_lit_light(s);
     if (any && !shut_out) return SL_OK;
     if (!m->stays_dark) return sl_scene_light_by_default(s, error);
     if (!any) sl_scene_warn(s, "no light: the picture will be black");

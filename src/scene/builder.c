@@ -16,16 +16,8 @@ typedef struct given_mesh {
     sl_mesh_data data; /* whose arrays are its own, unless they are borrowed */
 } given_mesh;
 
-/* A light that gives nothing, which models leave out: edits may turn it on. */
-typedef struct dark_light {
-    size_t index; /* among all lights without extent */
-    sl_light light;
-} dark_light;
-
 struct sl_scene_builder {
     sl_model model;
-    dark_light *dark;
-    size_t dark_count, dark_room;
     given_mesh *meshes;
     size_t mesh_count, mesh_room, light_count;
     uint32_t grey; /* 1 + the material of what names none; 0: there is none yet */
@@ -286,11 +278,7 @@ sl_status sl_scene_builder_light(sl_scene_builder *b, const sl_light_data *data,
         status = sl_model_add_quad(&b->model, "", name, &d, &turn, &index, error);
     } else {
         const sl_light light = sl_light_from(&d, &turn);
-        const dark_light dark = {b->model.scene.light_count + b->dark_count, light};
-        if (!sl_light_is_lit(&light) && !sl_make_room(&b->dark, b->dark_count, &b->dark_room, sizeof dark))
-            return sl_fail_memory(error, "the lights");
         status = sl_model_add_light(&b->model, &light, &index, error);
-        if (status == SL_OK && index == SL_NO_INDEX) b->dark[b->dark_count++] = dark;
     }
     b->light_count += status == SL_OK;
     return status;
@@ -373,16 +361,16 @@ sl_status sl_scene_builder_film(sl_scene_builder *b, int width, int height, sl_e
 sl_status sl_scene_builder_create(sl_scene_builder **builder, sl_error *error) {
     if (!builder) return sl_fail_null(error, "a place for a builder");
     *builder = sl_allocate(1, sizeof **builder);
-    return *builder ? SL_OK : sl_fail_memory(error, "a builder");
+    if (!*builder) return sl_fail_memory(error, "a builder");
+    (*builder)->model.keeps_dark_lights = true;
+    return SL_OK;
 }
 
 static void release_all(sl_scene_builder *b) {
     for (size_t i = 0; i < b->mesh_count; i++) release_mesh(&b->meshes[i]);
     sl_free(b->meshes);
-    sl_free(b->dark);
     b->meshes = NULL;
-    b->dark = NULL;
-    b->mesh_count = b->dark_count = 0;
+    b->mesh_count = 0;
     sl_model_clear(&b->model);
 }
 
@@ -391,30 +379,12 @@ void sl_scene_builder_destroy(sl_scene_builder *builder) {
     sl_free(builder);
 }
 
-/* Puts the lights that give nothing where they were among the others. */
-static bool insert_dark(const sl_scene_builder *b, sl_scene *s) {
-    if (!b->dark_count) return true;
-    if (!sl_regrow(&s->lights, s->light_count, s->light_count + b->dark_count, sizeof *s->lights))
-        return false;
-    for (size_t i = 0; i < b->dark_count; i++) {
-        sl_light *at = &s->lights[b->dark[i].index];
-        memmove(at + 1, at, (s->light_count++ - b->dark[i].index) * sizeof *at);
-        *at = b->dark[i].light;
-    }
-    return true;
-}
-
 sl_status sl_scene_builder_build(sl_scene_builder *b, sl_scene **scene, sl_error *error) {
     if (scene) *scene = NULL;
     sl_status status = check_usable(b, scene, "a builder and a place for its scene", error);
     if (status != SL_OK) return status;
     b->built = true;
     status = sl_model_build(&b->model, scene, error);
-    if (status == SL_OK && !insert_dark(b, *scene)) {
-        sl_scene_destroy(*scene);
-        *scene = NULL;
-        status = sl_fail_memory(error, "the lights");
-    }
     release_all(b);
     return status;
 }

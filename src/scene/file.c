@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
+#include "scene/derive.h"
 
 bool sl_file_exists(const char *path) {
     struct stat about;
@@ -69,19 +70,21 @@ static size_t find_place(const sl_names *n, const char *name) {
 bool sl_names_find(sl_names *n, const char *name, uint32_t *number) {
     const size_t place = find_place(n, name);
     if (place == n->count || strcmp(n->name[n->sorted[place]], name) != 0) {
+        char *copy = NULL;
         if (!sl_make_room(&n->name, n->count, &n->name_room, sizeof *n->name) ||
-            !sl_make_room(&n->sorted, n->count, &n->sorted_room, sizeof *n->sorted))
+            !sl_make_room(&n->sorted, n->count, &n->sorted_room, sizeof *n->sorted) ||
+            !(copy = sl_string_copy(name)))
             return false;
         memmove(n->sorted + place + 1, n->sorted + place, (n->count - place) * sizeof *n->sorted);
         n->sorted[place] = (uint32_t)n->count;
-        n->name[n->count++] = name;
+        n->name[n->count++] = copy;
     }
     *number = n->sorted[place];
     return true;
 }
 
 void sl_names_release(sl_names *n) {
-    sl_free(n->name);
+    sl_strings_free(n->name, n->count);
     sl_free(n->sorted);
     *n = (sl_names){0};
 }

@@ -23,9 +23,9 @@ char *sl_file_folder(const char *path);
 /* Tells whether a file lies below a folder given by its real path, symbolic links followed. Where there is no
  * such file, or the folder is NULL: true. */
 bool sl_file_is_below(const char *folder, const char *path);
-/* Names that are told apart by the order in which they were added; zeroed: none. They are not copied. */
+/* Names that are told apart by the order in which they were added; zeroed: none. */
 typedef struct sl_names {
-    const char **name;
+    char **name;
     uint32_t *sorted; /* their numbers */
     size_t count, name_room, sorted_room;
 } sl_names;

@@ -29,6 +29,13 @@ bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, fl
     return sl_rgb_max(*irradiance) > 0.0f && sl_rgb_is_finite(*irradiance);
 }
 
+bool sl_scene_has_lit_light(const sl_scene *scene) {
+    for (size_t i = 0; i < scene->light_count; i++) {
+        if (sl_light_is_lit(&scene->lights[i])) return true;
+    }
+    return false;
+}
+
 /* ---- by default ------------------------------------------------------------------------------ */
 
 /* A warm sun and a blue sky tell what is lit from what is not, and grey things from what is behind them. */
@@ -82,33 +89,34 @@ static sl_vec3 below_ceiling(const sl_scene *s, const sl_sight *from_eye) {
     return isfinite(up.distance[0]) ? sl_mad(middle, 2.0f / 3.0f * up.distance[0], sl_v3(0, 1, 0)) : middle;
 }
 
-static void add_lamp(sl_scene *s, const sl_sight *from_eye) {
+static bool add_lamp(sl_scene *s, const sl_sight *from_eye) {
     sl_sight around;
     sl_vec3 place = below_ceiling(s, from_eye);
     sl_sight_sphere(&around, place);
     sl_sight_cast(&around, s);
     float reach = (float)sl_sight_counted(&around, s).mean_distance;
     float intensity = lamp_irradiance * reach * reach;
-    if (!(intensity > 0.0f) || !isfinite(intensity) || !sl_is_finite(place)) return;
+    if (!(intensity > 0.0f) || !isfinite(intensity) || !sl_is_finite(place)) return false;
     s->lights[s->light_count++] =
         (sl_light){.type = SL_LIGHT_POINT, .position = place, .intensity = sl_grey(intensity)};
     sl_scene_warn(s,
                   "no light: the camera stands between walls, and a lamp is added below the ceiling (%.4g "
                   "W/sr, at %.4g %.4g %.4g)",
                   (double)intensity, (double)place.x, (double)place.y, (double)place.z);
+    return true;
 }
 
 sl_status sl_scene_light_by_default(sl_scene *scene, sl_error *error) {
     enum { MOST = 2 }; /* the sun and a lamp */
     sl_sight sight;
-    const bool dark = scene->light_count + scene->emitter_count == 0;
+    const bool dark = !scene->emitter_count && !sl_scene_has_lit_light(scene);
     if (!sl_regrow(&scene->lights, scene->light_count, scene->light_count + MOST, sizeof *scene->lights))
         return sl_fail_memory(error, "the scene's lights");
     sl_sight_sphere(&sight, scene->camera.eye);
     sl_sight_cast(&sight, scene);
     int leave = SL_SIGHT_RAYS - sl_sight_counted(&sight, scene).hit;
-    if (dark && leave <= FEW_LEAVE) add_lamp(scene, &sight);
-    if (leave > 0 || scene->light_count + scene->emitter_count == 0)
+    const bool has_lamp = dark && leave <= FEW_LEAVE && add_lamp(scene, &sight);
+    if (leave > 0 || (dark && !has_lamp))
         add_sun_and_sky(scene, dark ? "no light" : "no light but behind walls");
     return SL_OK;
 }

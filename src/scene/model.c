@@ -147,7 +147,7 @@ sl_status sl_model_add_light(sl_model *m, const sl_light *light, uint32_t *index
     sl_scene *s = &m->scene;
     const sl_rgb i = light->intensity;
     *index = SL_NO_INDEX;
-    if (i.r == 0.0f && i.g == 0.0f && i.b == 0.0f) {
+    if (!m->keeps_dark_lights && i.r == 0.0f && i.g == 0.0f && i.b == 0.0f) {
         m->dark_lights++;
         return SL_OK;
     }

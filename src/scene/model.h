@@ -19,7 +19,8 @@ typedef struct sl_model {
     /* Vertices of one object that agree in position, normal and texture coordinates become one, unless this
      * says no. */
     bool keeps_vertices;
-    size_t dark_lights; /* that were left out */
+    bool keeps_dark_lights; /* edits may turn them on */
+    size_t dark_lights;     /* that were left out */
     bool stays_dark;    /* without any light: no default light is added */
     bool has_camera;
     sl_camera camera;
@@ -59,7 +60,7 @@ sl_status sl_model_add_bicubic(sl_model *model, const sl_bicubic *surface, uint3
 /* Copies; the name too. */
 sl_status sl_model_add_material(sl_model *model, const sl_material *material, uint32_t *index,
                                 sl_error *error);
-/* A light that gives none is counted and left out: *index is SL_NO_INDEX then. */
+/* A light that gives none is counted and left out, unless such are kept: *index is SL_NO_INDEX then. */
 sl_status sl_model_add_light(sl_model *model, const sl_light *light, uint32_t *index, sl_error *error);
 sl_status sl_model_add_object(sl_model *model, const char *name, uint32_t *index, sl_error *error);
 /* The texels become the model's, whatever comes of it; a texture of that name that is there already stays in

@@ -43,8 +43,6 @@ void sl_obj_materials_finish(sl_obj_materials *m) {
 }
 
 void sl_obj_materials_release(sl_obj_materials *m) {
-    for (size_t i = 0; i < m->text_count; i++) sl_free(m->text[i]);
-    sl_free(m->text);
     sl_free(m->material);
     sl_names_release(&m->names);
 }
@@ -276,12 +274,7 @@ sl_status sl_obj_materials_read(sl_obj_materials *m, const char *path, sl_error 
     reader r = {.materials = m, .current = SL_NO_INDEX};
     char *text, *line;
     sl_status status = sl_lines_open(path, &text, &r.lines, error);
-    if (status != SL_OK) return status;
-    if (!sl_make_room(&m->text, m->text_count, &m->text_room, sizeof *m->text)) {
-        sl_free(text);
-        return sl_fail_memory(error, path);
-    }
-    m->text[m->text_count++] = text;
     while (status == SL_OK && (line = sl_lines_next(&r.lines))) status = read_statement(&r, line);
+    sl_free(text);
     return status;
 }

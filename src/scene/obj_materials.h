@@ -20,8 +20,6 @@ typedef struct sl_obj_materials {
     sl_names names; /* number n is the model's material first + n */
     sl_obj_material *material;
     size_t count, material_room;
-    char **text; /* of the libraries: names are in it */
-    size_t text_count, text_room;
 } sl_obj_materials;
 
 /* Finds the index of a material, or adds a grey one; without a name that of faces that name none. `line`: of

@@ -292,6 +292,9 @@ static inline float sl_spot_falloff(float cosine, float inner, float outer) {
 bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance,
                          sl_rgb *irradiance);
 
+/* Tells whether one of the lights without extent is lit. */
+bool sl_scene_has_lit_light(const sl_scene *scene);
+
 /* Of all that light depends on, whoever looks: geometry, materials, textures, lights, environment. */
 uint64_t sl_scene_light_hash(const sl_scene *scene);
 /* sl_scene_hash(), from that. */

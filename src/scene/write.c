@@ -28,7 +28,7 @@ typedef struct text {
 typedef struct writer {
     const sl_scene *scene;
     char *base;              /* the path without ".json" */
-    char **materials, **objects; /* names that files can have, each of another */
+    sl_names materials, objects; /* that files can have, by index, each of another */
     text json;
     size_t meshes;           /* mesh files so far */
     sl_error *error;
@@ -78,47 +78,39 @@ static sl_status write_text(const writer *w, text *t, const char *suffix) {
 
 /* ---- names ----------------------------------------------------------------------------------- */
 
+enum { NAME_ROOM = 201 };
+
 /* Replaces what ends, continues or quotes a line or a string by "_", and a blank at an end. */
-static char *plain_name(const char *given) {
-    char name[201];
-    snprintf(name, sizeof name, "%s", given);
+static void make_plain(char name[NAME_ROOM]) {
     const size_t length = strlen(name);
     for (size_t i = 0; i < length; i++) {
         const bool at_end = i == 0 || i + 1 == length;
         if ((unsigned char)name[i] < ' ' || strchr("\\\"#\x7f", name[i]) || (at_end && name[i] == ' '))
             name[i] = '_';
     }
-    return sl_string_copy(name);
 }
 
-/* Returns a name of its own: one by number, where it is in the list already or empty. */
-static char *add_name(sl_names *names, const char *given, const char *kind, size_t number) {
-    char numbered[64];
-    char *name = plain_name(given);
-    for (;; number++) {
-        const size_t before = names->count;
-        uint32_t place = 0;
-        if (!name || (*name && !sl_names_find(names, name, &place))) break;
-        if (*name && place == before) return name;
-        sl_free(name);
-        snprintf(numbered, sizeof numbered, "%s-%zu", kind, number);
-        name = sl_string_copy(numbered);
+/* Adds a name of its own: one by number, where it is in the list already or empty. */
+static bool add_name(sl_names *names, const char *given, const char *kind, size_t number) {
+    const size_t before = names->count;
+    char name[NAME_ROOM];
+    uint32_t place;
+    snprintf(name, sizeof name, "%s", given);
+    make_plain(name);
+    for (; names->count == before; number++) {
+        if (*name && !sl_names_find(names, name, &place)) return false;
+        snprintf(name, sizeof name, "%s-%zu", kind, number);
     }
-    sl_free(name);
-    return NULL;
+    return true;
 }
 
 static sl_status make_names(writer *w) {
     const sl_scene *s = w->scene;
-    sl_names materials = {0}, objects = {0};
-    bool made = (w->materials = sl_allocate(s->material_count, sizeof *w->materials)) &&
-                (w->objects = sl_allocate(s->object_count, sizeof *w->objects));
+    bool made = true;
     for (size_t i = 0; i < s->material_count && made; i++)
-        made = (w->materials[i] = add_name(&materials, s->materials[i].name, "material", i));
+        made = add_name(&w->materials, s->materials[i].name, "material", i);
     for (size_t i = 0; i < s->object_count && made; i++)
-        made = (w->objects[i] = add_name(&objects, s->object_names[i], "object", i));
-    sl_names_release(&materials);
-    sl_names_release(&objects);
+        made = add_name(&w->objects, s->object_names[i], "object", i);
     return made ? SL_OK : sl_fail_memory(w->error, "the names of materials and objects");
 }
 
@@ -211,9 +203,9 @@ static sl_status write_triangles(writer *w, size_t first, size_t end, bool libra
     put_vertices(&out, s, low, high);
     for (size_t t = first; t < end; t++) {
         const uint32_t object = s->object_index[t], material = s->material_index[t];
-        if (t == first || object != s->object_index[t - 1]) put(&out, "o %s\n", w->objects[object]);
+        if (t == first || object != s->object_index[t - 1]) put(&out, "o %s\n", w->objects.name[object]);
         if (library && (t == first || material != s->material_index[t - 1]))
-            put(&out, "usemtl %s\n", w->materials[material]);
+            put(&out, "usemtl %s\n", w->materials.name[material]);
         put(&out, "f");
         for (int c = 0; c < 3; c++) {
             const uint32_t v = s->vertex[c][t] - low + 1;
@@ -274,11 +266,11 @@ static void put_run(writer *w, const run *r, const char *suffix) {
     put_file(w, suffix);
     if (r->surfaces) {
         put(&w->json, ", \"name\": ");
-        put_string(&w->json, w->objects[s->object_index[r->first]]);
+        put_string(&w->json, w->objects.name[s->object_index[r->first]]);
     }
     if (!r->library) {
         put(&w->json, ", \"material\": ");
-        put_string(&w->json, w->materials[s->material_index[r->first]]);
+        put_string(&w->json, w->materials.name[s->material_index[r->first]]);
     }
     put(&w->json, "}");
 }
@@ -307,7 +299,7 @@ static sl_status write_meshes(writer *w, bool *has_library) {
 /* Names the materials, whose values are in the JSON file, to the bit. */
 static sl_status write_library(writer *w) {
     text out = {0};
-    for (size_t i = 0; i < w->scene->material_count; i++) put(&out, "newmtl %s\n", w->materials[i]);
+    for (size_t i = 0; i < w->scene->material_count; i++) put(&out, "newmtl %s\n", w->materials.name[i]);
     return write_text(w, &out, ".mtl");
 }
 
@@ -364,7 +356,7 @@ static void put_materials(writer *w, bool has_library) {
     for (size_t i = 0; i < w->scene->material_count; i++) {
         if (!has_library && !is_used(w->scene, i)) continue;
         put(&w->json, "%s    ", between);
-        put_string(&w->json, w->materials[i]);
+        put_string(&w->json, w->materials.name[i]);
         put_material(w, &w->scene->materials[i]);
         between = ",\n";
     }
@@ -479,8 +471,8 @@ sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_error *erro
     sl_status status = write_all(&w);
     sl_free(w.json.bytes);
     sl_c_locale_end(before);
-    sl_strings_free(w.materials, scene->material_count);
-    sl_strings_free(w.objects, scene->object_count);
+    sl_names_release(&w.materials);
+    sl_names_release(&w.objects);
     sl_free(w.base);
     return status;
 }
