@@ -9,8 +9,8 @@ enum { PILES = 256, FEW = 24, CODE_BYTES = 8, BYTES = CODE_BYTES + 4 };
 
 /* The byte of that rank: the code's, highest first, then the item's. */
 static unsigned byte_of(const sl_coded *c, int rank) {
-    return rank < CODE_BYTES ? c->code >> (56 - 8 * rank) & 255
-                             : c->item >> (24 - 8 * (rank - CODE_BYTES)) & 255;
+    if (rank < CODE_BYTES) return (unsigned)(c->code >> (56 - 8 * rank)) & 255u;
+    return c->item >> (24 - 8 * (rank - CODE_BYTES)) & 255u;
 }
 
 static bool precedes(const sl_coded *a, const sl_coded *b) {

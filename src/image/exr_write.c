@@ -7,7 +7,6 @@
 
 #include <openexr.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct exr_sink {
@@ -35,19 +34,6 @@ static int64_t sink_write(exr_const_context_t context, void *user, const void *f
 }
 
 /* ---- the header ------------------------------------------------------------------------------ */
-
-/* OpenEXR wants channels in the order of their names. */
-static int compare_names(const void *a, const void *b) {
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
-static const char **sort_names(const sl_image *image) {
-    const char **names = sl_allocate((size_t)image->channels, sizeof *names);
-    for (int c = 0; names && c < image->channels; c++) names[c] = image->channel_name[c];
-    /* names are distinct, so the order is total */
-    if (names) qsort(names, (size_t)image->channels, sizeof *names, compare_names);
-    return names;
-}
 
 static exr_result_t add_channels(exr_context_t context, const char *const *names, int count) {
     exr_result_t result = EXR_ERR_SUCCESS;
@@ -181,7 +167,7 @@ sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *er
     start.write_fn = sink_write;
     start.zip_level = 4; /* said, so that the bytes do not change with the library's defaults */
     exr_context_t context = NULL;
-    const char **names = sort_names(image);
+    const char **names = sl_image_sorted_names(image); /* as OpenEXR wants them */
     exr_result_t result = names ? exr_start_write(&context, file->name, EXR_WRITE_FILE_DIRECTLY, &start)
                                 : EXR_ERR_OUT_OF_MEMORY;
     if (result == EXR_ERR_SUCCESS) result = write_header(context, image, names);

@@ -32,6 +32,10 @@ sl_status sl_decode_texels(const char *path, const void *memory, size_t bytes, i
 /* sl_image_read() of a file that is in memory already. */
 sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *error);
 
+/* Returns the channels' names in their order, which are the image's; release the list with sl_free(). NULL
+ * without memory. */
+const char **sl_image_sorted_names(const sl_image *image);
+
 bool sl_exr_recognise(const sl_bytes *bytes);
 sl_status sl_exr_read(const sl_bytes *bytes, bool sky, sl_image **image, sl_error *error);
 sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error);

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "image/formats.h"
 #include "image/unset.h"
 
 #include <stdint.h>
@@ -39,12 +40,17 @@ static int compare_names(const void *a, const void *b) {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
+const char **sl_image_sorted_names(const sl_image *image) {
+    const char **names = sl_allocate((size_t)image->channels, sizeof *names);
+    for (int c = 0; names && c < image->channels; c++) names[c] = image->channel_name[c];
+    if (names) qsort(names, (size_t)image->channels, sizeof *names, compare_names);
+    return names;
+}
+
 /* Sorted, since there may be tens of thousands. */
 static sl_status check_distinct(const sl_image *image, sl_error *error) {
-    const char *twice = NULL, **sorted = sl_allocate((size_t)image->channels, sizeof *sorted);
+    const char *twice = NULL, **sorted = sl_image_sorted_names(image);
     if (!sorted) return sl_fail_memory(error, "an image");
-    for (int c = 0; c < image->channels; c++) sorted[c] = image->channel_name[c];
-    qsort(sorted, (size_t)image->channels, sizeof *sorted, compare_names);
     for (int c = 1; c < image->channels && !twice; c++)
         twice = strcmp(sorted[c - 1], sorted[c]) == 0 ? sorted[c] : NULL;
     sl_free(sorted);

@@ -3,12 +3,10 @@
 
 #include <errno.h>
 #include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
 #include "scene/derive.h"
@@ -34,14 +32,8 @@ char *sl_file_beside(const char *beside, const char *name) {
 }
 
 char *sl_file_folder(const char *path) {
-    const char *slash = strrchr(path, '/');
-    size_t length = slash ? (size_t)(slash - path) : 0;
-    char *name = sl_allocate(length + 2, 1), *folder = NULL;
-    if (!name) return NULL;
-    memcpy(name, path, length);
-    if (length == 0) name[0] = slash ? '/' : '.';
-    char *real = realpath(name, NULL);
-    if (real && (folder = sl_allocate(strlen(real) + 1, 1))) memcpy(folder, real, strlen(real));
+    char *name = sl_file_beside(path, "."), *real = name ? realpath(name, NULL) : NULL,
+         *folder = real ? sl_string_copy(real) : NULL;
     free(real);
     sl_free(name);
     return folder;
