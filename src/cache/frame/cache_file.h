@@ -1,15 +1,15 @@
-/* A cache on disk. The file is little endian whatever the machine:
+/* A cache on disk:
  *
- *     "SLCACHE\n"            8 bytes
- *     format                 u32
- *     library version        16 bytes of text, padded with zeros
+ *     "SLCACHE2"             8 bytes
+ *     library version        24 bytes of text, padded with zeros
  *     size of the file       u64, all of it
  *     scene                  u64, sl_scene_light_hash()
- *     settings               u32 count, then that many u64 (floating-point numbers as their bits)
+ *     settings               u64 count, then that many doubles
  *     what the method writes
  *     checksum               u64, of all before
  *
- * It appears whole or not at all, and is read whole or not at all. */
+ * Numbers are little endian, as those of every machine that softlux runs on. It appears whole or not at all,
+ * and is read whole or not at all. */
 #ifndef SL_FRAME_CACHE_FILE_H
 #define SL_FRAME_CACHE_FILE_H
 
@@ -27,45 +27,28 @@ typedef struct sl_cache_header {
     const sl_cache_setting *settings;
 } sl_cache_header;
 
-/* ---- writing: into memory, then to the disk at once ---- */
+/* Numbers of 32 bits, or structs of such. */
+typedef struct sl_cache_part {
+    const void *data;
+    size_t bytes;
+} sl_cache_part;
 
-typedef struct sl_cache_writer {
-    uint8_t *bytes;
-    size_t size, capacity;
-    bool failed; /* out of memory: everything after that is dropped, and sl_cache_write_end() says so */
-} sl_cache_writer;
+sl_status sl_cache_file_write(const char *path, const sl_cache_header *header, const sl_cache_part *parts,
+                              size_t part_count, sl_error *error);
 
-void sl_cache_write_start(sl_cache_writer *writer, const sl_cache_header *header);
-void sl_cache_write_u32(sl_cache_writer *writer, uint32_t value);
-void sl_cache_write_u64(sl_cache_writer *writer, uint64_t value);
-/* Floats, or integers of 32 bits, or a struct of such. */
-void sl_cache_write_words(sl_cache_writer *writer, const void *words, size_t count);
-sl_status sl_cache_write_end(sl_cache_writer *writer, const char *path, sl_error *error);
+/* What the method wrote, from `at` on. */
+typedef struct sl_cache_content {
+    uint8_t *file;
+    size_t at, end;
+} sl_cache_content;
 
-/* ---- reading ---- */
-
-typedef struct sl_cache_reader {
-    const char *path;
-    uint8_t *bytes;
-    size_t size, at;
-    bool overrun; /* more was read than there is: the content is nonsense, whatever the checksum says */
-} sl_cache_reader;
-
-/* Reads the file and checks everything that does not depend on the method. On failure nothing is to be freed.
- */
-sl_status sl_cache_read_start(sl_cache_reader *reader, const char *path, const sl_cache_header *header,
-                              sl_error *error);
-/* 0 past the end. */
-uint32_t sl_cache_read_u32(sl_cache_reader *reader);
-uint64_t sl_cache_read_u64(sl_cache_reader *reader);
-void sl_cache_read_words(sl_cache_reader *reader, void *words, size_t count);
-/* A number of things of at least `bytes_each` bytes; 0, and overrun, where the file is too short to hold
- * them. */
-size_t sl_cache_read_count(sl_cache_reader *reader, size_t bytes_each);
-/* Has everything been read, and no more? */
-bool sl_cache_read_complete(const sl_cache_reader *reader);
-void sl_cache_read_end(sl_cache_reader *reader);
-/* "PATH: is damaged ..." */
-sl_status sl_cache_damaged(const sl_cache_reader *reader, sl_error *error);
+/* Reads the file and checks everything that does not depend on the method. On failure nothing is to be freed,
+ * else content->file by sl_free(). */
+sl_status sl_cache_file_read(const char *path, const sl_cache_header *header, sl_cache_content *content,
+                             sl_error *error);
+/* Returns the next `count` things of `size` bytes; NULL: there are not so many. */
+const void *sl_cache_next(sl_cache_content *content, size_t count, size_t size);
+/* "PATH: is damaged ...": its content is nonsense, whatever the checksum says. */
+sl_status sl_cache_damaged(const char *path, sl_error *error);
 
 #endif

@@ -9,9 +9,12 @@
 #include "cache/frame/cache_file.h"
 #include "cache/splatting/state.h"
 
-/* Records are written word by word. */
-_Static_assert(sizeof(sl_record) % 4 == 0, "a record consists of 32-bit words");
-enum { RECORD_WORDS = sizeof(sl_record) / 4, SETTINGS = 15 };
+enum { SETTINGS = 15 };
+
+/* What a class's records begin with. */
+typedef struct class_head {
+    uint32_t count, clamped, coefficients;
+} class_head;
 
 static sl_cache_header header_of(const sl_splat_state *s, sl_cache_setting settings[SETTINGS]) {
     const sl_settings *g = &s->settings;
@@ -38,27 +41,21 @@ static sl_cache_header header_of(const sl_splat_state *s, sl_cache_setting setti
 
 /* ---- save ---- */
 
-static void write_cache(sl_cache_writer *w, const sl_splat_state *s, sl_receiver_class class) {
-    const sl_record_cache *cache = &s->cache[class];
-    size_t count = cache->list.count,
-           coefficients = cache->list.coefficients ? sl_splat_coefficients(s, class) : 0;
-    sl_cache_write_u64(w, coefficients);
-    sl_cache_write_u64(w, cache->clamped);
-    sl_cache_write_u64(w, count);
-    for (size_t i = 0; i < count; i++) {
-        sl_cache_write_words(w, &cache->list.records[i], RECORD_WORDS);
-        if (coefficients) sl_cache_write_words(w, cache->list.coefficients + i * coefficients, coefficients);
-    }
-}
-
 sl_status sl_splat_save(const void *state, const char *path, sl_error *error) {
     const sl_splat_state *s = state;
     sl_cache_setting settings[SETTINGS];
-    sl_cache_header header = header_of(s, settings);
-    sl_cache_writer writer;
-    sl_cache_write_start(&writer, &header);
-    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) write_cache(&writer, s, (sl_receiver_class)c);
-    return sl_cache_write_end(&writer, path, error);
+    const sl_cache_header header = header_of(s, settings);
+    class_head heads[SL_RECEIVER_CLASSES];
+    sl_cache_part parts[3 * SL_RECEIVER_CLASSES];
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        const sl_record_list *list = &s->cache[c].list;
+        const size_t floats = list->coefficients ? sl_splat_coefficients(s, (sl_receiver_class)c) : 0;
+        heads[c] = (class_head){(uint32_t)list->count, (uint32_t)s->cache[c].clamped, (uint32_t)floats};
+        parts[3 * c] = (sl_cache_part){&heads[c], sizeof heads[c]};
+        parts[3 * c + 1] = (sl_cache_part){list->records, list->count * sizeof *list->records};
+        parts[3 * c + 2] = (sl_cache_part){list->coefficients, list->count * floats * sizeof(float)};
+    }
+    return sl_cache_file_write(path, &header, parts, 3 * SL_RECEIVER_CLASSES, error);
 }
 
 /* ---- load ---- */
@@ -75,56 +72,59 @@ static bool is_sane(const sl_record *r) {
            r->stretch > 0.0f && sl_rgb_is_finite(r->irradiance);
 }
 
-static sl_status read_cache(sl_cache_reader *r, const sl_splat_state *s, sl_receiver_class class, loaded *l,
-                            sl_error *error) {
-    size_t wanted = sl_splat_coefficients(s, class);
-    uint64_t floats = sl_cache_read_u64(r), clamped = sl_cache_read_u64(r);
-    size_t count = sl_cache_read_count(r, 4 * (RECORD_WORDS + wanted));
-    if (r->overrun || clamped > count || (count > 0 && floats != wanted)) return sl_cache_damaged(r, error);
-    float *coefficients = wanted && count ? sl_allocate(wanted, sizeof *coefficients) : NULL;
-    sl_status status =
-        coefficients || !wanted || !count ? SL_OK : sl_fail_memory(error, "the records of a cache file");
+/* Of records without coefficients floats is NULL. */
+static sl_status append(const sl_record *records, const float *floats, size_t wanted, size_t count,
+                        const char *path, loaded *l, sl_error *error) {
+    sl_status status = SL_OK;
     for (size_t i = 0; status == SL_OK && i < count; i++) {
-        sl_record record;
-        sl_cache_read_words(r, &record, RECORD_WORDS);
-        if (wanted) sl_cache_read_words(r, coefficients, wanted);
-        if (r->overrun || !is_sane(&record)) status = sl_cache_damaged(r, error);
-        else status = sl_record_list_append(&l->list, &record, coefficients, wanted, error);
+        if (!is_sane(&records[i])) return sl_cache_damaged(path, error);
+        status = sl_record_list_append(&l->list, &records[i], floats ? floats + i * wanted : NULL, wanted,
+                                       error);
     }
-    sl_free(coefficients);
-    l->clamped = (size_t)clamped;
     return status;
 }
 
-static sl_status read_all(sl_cache_reader *r, const sl_splat_state *s, loaded *classes, sl_error *error) {
+static sl_status read_cache(sl_cache_content *content, size_t wanted, const char *path, loaded *l,
+                            sl_error *error) {
+    const class_head *head = sl_cache_next(content, 1, sizeof *head);
+    if (!head || head->clamped > head->count || (head->count > 0 && head->coefficients != wanted))
+        return sl_cache_damaged(path, error);
+    const sl_record *records = sl_cache_next(content, head->count, sizeof *records);
+    const float *floats = wanted ? sl_cache_next(content, head->count, wanted * sizeof *floats) : NULL;
+    if (!records || (wanted && !floats)) return sl_cache_damaged(path, error);
+    l->clamped = head->clamped;
+    return append(records, floats, wanted, head->count, path, l, error);
+}
+
+static sl_status read_all(sl_cache_content *content, const sl_splat_state *s, const char *path,
+                          loaded *classes, sl_error *error) {
     sl_status status = SL_OK;
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++)
-        status = read_cache(r, s, (sl_receiver_class)c, &classes[c], error);
-    if (status == SL_OK && !sl_cache_read_complete(r)) status = sl_cache_damaged(r, error);
-    return status;
+        status = read_cache(content, sl_splat_coefficients(s, (sl_receiver_class)c), path, &classes[c], error);
+    return status == SL_OK && content->at != content->end ? sl_cache_damaged(path, error) : status;
 }
 
 sl_status sl_splat_load(void *state, const char *path, sl_error *error) {
     sl_splat_state *s = state;
     sl_cache_setting settings[SETTINGS];
-    sl_cache_header header = header_of(s, settings);
-    sl_cache_reader reader;
+    const sl_cache_header header = header_of(s, settings);
+    sl_cache_content content;
     loaded classes[SL_RECEIVER_CLASSES] = {{{0}, 0}};
     if (!s->raster)
         return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
-    sl_status status = sl_cache_read_start(&reader, path, &header, error);
+    sl_status status = sl_cache_file_read(path, &header, &content, error);
     if (status != SL_OK) return status;
-    status = read_all(&reader, s, classes, error);
-    sl_cache_read_end(&reader);
-    if (status != SL_OK) {
-        for (int c = 0; c < SL_RECEIVER_CLASSES; c++) sl_record_list_free(&classes[c].list);
-        return status;
-    }
-    s->full = false; /* the others were */
+    status = read_all(&content, s, path, classes, error);
+    sl_free(content.file);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
+        if (status != SL_OK) {
+            sl_record_list_free(&classes[c].list);
+            continue;
+        }
         sl_record_list_free(&s->cache[c].list);
         s->cache[c].list = classes[c].list;
         s->cache[c].clamped = classes[c].clamped;
     }
-    return SL_OK;
+    if (status == SL_OK) s->full = false; /* the others were */
+    return status;
 }
