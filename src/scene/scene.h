@@ -4,6 +4,7 @@
 #define SL_SCENE_SCENE_H
 
 #include <math.h>
+#include <string.h>
 
 #include "base/vec.h"
 #include "scene/transport.h"
@@ -110,12 +111,26 @@ typedef struct sl_sub_frame {
     float right, up;       /* of the centre, in pixels */
     sl_sub_frame_purpose purpose;
     unsigned turn, share;  /* light samples of a pixel are shared out among so many, and take turns; 0: one */
-    const uint8_t *wanted; /* pixels, rows from the bottom: nothing is drawn in others. NULL: all */
+    /* 1: pixels that are drawn, 0: those that are not, and keep what they had; rows from the bottom. NULL:
+     * all are drawn */
+    const uint8_t *wanted;
     /* by texture: of those that are filtered (raster/textures/mip.h); NULL: none is */
     const struct sl_mip *mips;
 } sl_sub_frame;
-static inline bool sl_sub_frame_shows(const sl_sub_frame *at, size_t pixel) {
-    return !at->wanted || at->wanted[pixel];
+
+/* Pixels [first, end). */
+typedef struct sl_pixel_run {
+    size_t first, end;
+} sl_pixel_run;
+
+/* Returns the first run of pixels of [first, end) that the sub-frame shows; none: an empty one. */
+static inline sl_pixel_run sl_sub_frame_run(const sl_sub_frame *at, size_t first, size_t end) {
+    const uint8_t *wanted = at->wanted;
+    if (!wanted) return (sl_pixel_run){first, end};
+    const uint8_t *from = memchr(wanted + first, 1, end - first);
+    if (!from) return (sl_pixel_run){end, end};
+    const uint8_t *to = memchr(from, 0, (size_t)(wanted + end - from));
+    return (sl_pixel_run){(size_t)(from - wanted), to ? (size_t)(to - wanted) : end};
 }
 
 enum { SL_CHANGES = 7, SL_CHANGED_ALL = (1 << SL_CHANGES) - 1 }; /* bits of SL_CHANGED_ */

@@ -297,20 +297,31 @@ static sl_status look_at_rims(sl_film *f, const sl_raster *raster, sl_error *err
     return sl_rims_look(f->scene, raster, f->width, f->height, f->rim, f->rim_emission, &f->counters, error);
 }
 
+/* Adds pixels of one row. */
+static void add_run(sl_film *f, const sl_image *picture, sl_pixel_run run) {
+    const size_t pixels = pixels_of(f), at = image_place(f, run.first), count = run.end - run.first;
+    const uint8_t *edge = f->edge + run.first;
+    for (size_t c = 0; c < (size_t)picture->channels; c++) {
+        const float *sample = picture->planes + c * pixels + at;
+        float *sum = f->sums->planes + c * pixels + at;
+        for (size_t i = 0; i < count; i++)
+            sum[i] = sample[i] + (f->drawn == PILOT && edge[i] ? 0.0f : sum[i]);
+    }
+}
+
 /* Adds the pixels that are wanted. At edges, where more samples follow in any case, the pilot's are left out:
  * what they saw has told how many. */
 static void add_samples(sl_film *f, const sl_image *picture) {
     const size_t pixels = pixels_of(f);
     uint64_t added = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        if (f->drawn >= PILOT && !f->wanted[i]) continue;
-        const size_t at = image_place(f, i);
-        const bool anew = f->drawn == PILOT && f->edge[i];
-        for (size_t c = 0; c < (size_t)picture->channels; c++) {
-            float *sum = &f->sums->planes[c * pixels + at];
-            *sum = picture->planes[c * pixels + at] + (anew ? 0.0f : *sum);
+    const sl_sub_frame drawn = {.wanted = f->drawn >= PILOT ? f->wanted : NULL};
+    for (size_t row = 0; row < pixels; row += (size_t)f->width) {
+        const size_t end = row + (size_t)f->width;
+        for (sl_pixel_run r = sl_sub_frame_run(&drawn, row, end); r.first < r.end;
+             r = sl_sub_frame_run(&drawn, r.end, end)) {
+            add_run(f, picture, r);
+            added += r.end - r.first;
         }
-        added++;
     }
     sl_count(&f->counters, SL_COUNT_SAMPLES, added);
 }

@@ -149,12 +149,14 @@ static void look_anew(sl_method *m, bool objects_moved) {
 
 /* Hands what the class has finished to the film, and goes on to its next sub-frame; *whole: there is none. */
 static sl_status expose(sl_method *m, bool *whole, sl_error *error) {
-    sl_image *picture = NULL;
+    sl_image *picture = m->sub_frame;
     sl_sub_frame next;
     const bool shows = !m->class->asks || m->seen.sub_frame.purpose == SL_SUB_FRAME_SHOWS;
     sl_status status = shows ? m->class->resolve(m->state, &picture, error) : SL_OK;
-    if (status == SL_OK) status = sl_film_add(m->film, m->class->raster(m->state), picture, error);
-    sl_image_destroy(picture);
+    if (picture != m->sub_frame) sl_image_destroy(m->sub_frame);
+    m->sub_frame = picture;
+    if (status == SL_OK)
+        status = sl_film_add(m->film, m->class->raster(m->state), shows ? picture : NULL, error);
     *whole = status == SL_OK && !sl_film_next(m->film, &next);
     if (status != SL_OK || *whole) return status;
     look(m, next);
@@ -178,8 +180,10 @@ static sl_status update_film(sl_method *m, sl_progress *now, sl_error *error) {
 static void destroy_state(sl_method *m) {
     if (m->state) m->class->destroy(m->state);
     sl_film_destroy(m->film);
+    sl_image_destroy(m->sub_frame);
     m->state = NULL;
     m->film = NULL;
+    m->sub_frame = NULL;
 }
 
 static sl_status create_state(sl_method *m, sl_error *error) {

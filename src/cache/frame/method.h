@@ -75,6 +75,8 @@ typedef struct sl_method_class {
                         void **state, sl_error *error);
     void (*destroy)(void *state);
     sl_status (*update)(void *state, sl_progress *progress, sl_error *error);
+    /* *image: NULL; or the picture of an earlier sub-frame, of which what this one does not show may stay.
+     * What is given then is that one, or another. */
     sl_status (*resolve)(void *state, sl_image **image, sl_error *error);
     /* The scene has changed: SL_CHANGED_CAMERA, _OBJECTS, _LIGHTS, and of the others those in tells_apart; what
      * else changes light is told as SL_CHANGED_LIGHTS. */
@@ -119,6 +121,7 @@ struct sl_method {
     sl_features planned; /* of the scene that the state was created for */
     sl_counters *before; /* of states that are gone; behind them all with this one's. NULL: there are none */
     sl_film *film; /* NULL: pixels are what their centres show */
+    sl_image *sub_frame; /* the last one's picture; NULL: there is none */
     sl_settings settings; /* complete */
     char name[32], transport_name[64];
     uint64_t memory_bytes; /* as asked for */

@@ -94,38 +94,53 @@ static float likeness(float difference, float variance) {
     return t > 0.0f ? t * t : 0.0f;
 }
 
-/* Returns whether any pixel of the column scatters, within the window's rows. */
-static bool column_scatters(const window *w, int column) {
-    const sl_gbuffer *g = w->gbuffer;
-    for (int v = -RADIUS; v <= RADIUS; v++) {
-        int row = w->row + v;
-        if (row < 0 || row >= g->height || column >= g->width) continue;
-        if (w->sums->scatter[(size_t)row * (size_t)g->width + (size_t)column - w->sums->first] > 0.0f)
-            return true;
+sl_row_scan sl_row_scan_start(const sl_direct_sums *sums, const float *plane, const sl_gbuffer *g, int row,
+                              int radius) {
+    const int first = row > radius ? row - radius : 0,
+              end = row + radius < g->height ? row + radius + 1 : g->height;
+    return (sl_row_scan){.plane = plane + ((size_t)first * (size_t)g->width - sums->first),
+                         .width = g->width, .rows = end - first, .radius = radius, .last = -radius - 1};
+}
+
+static bool column_has_any(const sl_row_scan *s, int column) {
+    for (int row = 0; row < s->rows; row++) {
+        if (s->plane[(size_t)row * (size_t)s->width + (size_t)column] > 0.0f) return true;
     }
     return false;
 }
 
-void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, float *share[3]) {
-    window w = {sums, gbuffer, row};
-    int scatters = -RADIUS - 1, next = 0; /* the last column so far that does, and the next to look at */
-    for (int x = 0; x < gbuffer->width; x++) {
-        size_t k = (size_t)row * (size_t)gbuffer->width + (size_t)x - sums->first;
-        const bool sampled = sums->samples[k] > 0.0f;
-        for (int c = 0; c < 3; c++) share[c][x] = sampled ? ratio(sums, c, k) : 0.0f;
-        if (!sampled) continue;
-        for (next = next > x - RADIUS ? next : x - RADIUS; next <= x + RADIUS; next++)
-            if (next >= 0 && column_scatters(&w, next)) scatters = next;
-        if (scatters < x - RADIUS || !(sums->all[0][k] + sums->all[1][k] + sums->all[2][k] > 0.0f)) continue;
-        neighbours n;
-        find_neighbours(&w, x, &n);
-        float own = visible_share(sums, k), weights = 0.0f, sum[3] = {0.0f, 0.0f, 0.0f};
-        if (!(n.scatter > 1e-8f)) continue;
-        for (size_t j = 0; j < n.count; j++) {
-            float weight = likeness(n.share[j] - own, 2.0f * n.scatter) * sums->samples[n.pixel[j]];
-            weights += weight;
-            for (int c = 0; c < 3; c++) sum[c] += weight * ratio(sums, c, n.pixel[j]);
-        }
-        for (int c = 0; c < 3 && weights > 0.0f; c++) share[c][x] = sum[c] / weights;
+bool sl_row_scan_near(sl_row_scan *s, int x) {
+    if (s->next < x - s->radius) s->next = x - s->radius;
+    for (; s->next <= x + s->radius && s->next < s->width; s->next++)
+        if (column_has_any(s, s->next)) s->last = s->next;
+    return s->last >= x - s->radius;
+}
+
+/* Replaces the pixel's own share, column x of the row, by the mean. */
+static void smooth(const window *w, int x, size_t i, float *const share[3]) {
+    const sl_direct_sums *s = w->sums;
+    neighbours n;
+    find_neighbours(w, x, &n);
+    float own = visible_share(s, i - s->first), weights = 0.0f, sum[3] = {0.0f, 0.0f, 0.0f};
+    if (!(n.scatter > 1e-8f)) return;
+    for (size_t j = 0; j < n.count; j++) {
+        float weight = likeness(n.share[j] - own, 2.0f * n.scatter) * s->samples[n.pixel[j]];
+        weights += weight;
+        for (int c = 0; c < 3; c++) sum[c] += weight * ratio(s, c, n.pixel[j]);
+    }
+    for (int c = 0; c < 3 && weights > 0.0f; c++) share[c][i] = sum[c] / weights;
+}
+
+void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
+                          float *const share[3]) {
+    const window w = {s, gbuffer, row};
+    sl_row_scan scatter = sl_row_scan_start(s, s->scatter, gbuffer, row, RADIUS);
+    for (size_t i = run.first; i < run.end; i++) {
+        const size_t k = i - s->first;
+        const int x = (int)(i - (size_t)row * (size_t)gbuffer->width);
+        const bool sampled = s->samples[k] > 0.0f;
+        for (int c = 0; c < 3; c++) share[c][i] = sampled ? ratio(s, c, k) : 0.0f;
+        if (!sampled || !(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f)) continue;
+        if (sl_row_scan_near(&scatter, x)) smooth(&w, x, i, share);
     }
 }

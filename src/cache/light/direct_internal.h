@@ -66,7 +66,7 @@ typedef struct sl_direct_sums {
     /* 1: some, but not all, of the first samples were seen, or none lies where light comes from */
     float *partly;
     float *scatter;         /* variance of the visible share, as the two halves of the samples tell it */
-    void *block;            /* holds all of the above */
+    float *block;           /* holds all of the above */
 } sl_direct_sums;
 
 /* Samples of a pixel: numbers [first, end). The first pass begins at 0, refinement goes on from there. */
@@ -119,8 +119,23 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
                       uint32_t samples, sl_direct_scratch *scratch, sl_counters *counters);
 /* Scatter of sums [first, first + count). */
 void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t count);
-/* The visible share of a row's pixels, smoothed: three planes of a row. */
-void sl_direct_filter_row(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, float *share[3]);
+/* The visible share of pixels of one row, smoothed: in three planes as large as the G-buffer. */
+void sl_direct_filter_run(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
+                          float *const share[3]);
+
+/* ---- what is near, pixel by pixel along a row ---- */
+
+typedef struct sl_row_scan {
+    const float *plane;      /* from the window's first row on */
+    int width, rows, radius; /* of the plane; of the window; half its width */
+    int next, last;          /* column to look at; the last one in which the plane was > 0 */
+} sl_row_scan;
+
+/* plane: one of the sums. */
+sl_row_scan sl_row_scan_start(const sl_direct_sums *sums, const float *plane, const sl_gbuffer *gbuffer,
+                              int row, int radius);
+/* Tells whether the plane is > 0 within `radius` columns and rows; x ascends from call to call. */
+bool sl_row_scan_near(sl_row_scan *scan, int x);
 
 /* The lobe of a pixel that reflects light, towards whom it is seen by. */
 sl_bsdf sl_pixel_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel);

@@ -17,6 +17,8 @@
 #include "cache/light/direct_internal.h"
 #include "cache/frame/picture_value.h"
 
+#include <string.h>
+
 enum {
     PILOT_MIN = 4,
     PILOT_MIN_SHARED = 2, /* of each of a pixel's sub-frames */
@@ -145,6 +147,29 @@ void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_ai
     sl_direct_trace(direct, block, count, lanes, aims, visible, counters);
 }
 
+/* ---- sums ---- */
+
+enum { PLANES = 20 };
+
+/* Not set: the first pass clears them row by row. */
+static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
+    float **const planes[PLANES] = {&sums->exact[0],  &sums->exact[1],  &sums->exact[2],  &sums->seen[0],
+                              &sums->seen[1],   &sums->seen[2],   &sums->all[0],    &sums->all[1],
+                              &sums->all[2],    &sums->plain[0],  &sums->plain[1],  &sums->plain[2],
+                              &sums->glossy[0], &sums->glossy[1], &sums->glossy[2], &sums->odd_seen,
+                              &sums->odd_all,   &sums->samples,   &sums->partly,    &sums->scatter};
+    sums->first = first;
+    sums->count = count;
+    sums->block = sl_allocate_unset(count, PLANES * sizeof *sums->block);
+    for (size_t k = 0; sums->block && k < PLANES; k++) *planes[k] = sums->block + k * count;
+    return sums->block != NULL;
+}
+
+static void clear_row(const sl_direct_sums *sums, size_t pixel, size_t width) {
+    for (size_t k = 0; k < PLANES; k++)
+        memset(sums->block + k * sums->count + pixel - sums->first, 0, width * sizeof *sums->block);
+}
+
 /* ---- passes ---- */
 
 typedef struct {
@@ -159,6 +184,10 @@ typedef struct {
 } pass;
 
 static sl_counters *counters_of(const pass *p, int y) { return &p->counters[y - p->first]; }
+
+static sl_pixel_run shown(const pass *p, size_t first, size_t end) {
+    return sl_sub_frame_run(&p->direct->scene->sub_frame, first, end);
+}
 
 static void light_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
     const sl_direct *direct = p->direct;
@@ -178,34 +207,29 @@ static void light_block(const pass *p, const sl_lit_block *block, unsigned worke
     if (direct->settings.sun) sl_direct_sampled(direct, block, true, p->sums, counters);
 }
 
-static bool near_penumbra(const pass *p, int x, int y) {
-    int width = p->gbuffer->width, height = p->gbuffer->height;
-    for (int v = y - PENUMBRA_MARGIN; v <= y + PENUMBRA_MARGIN; v++) {
-        for (int u = x - PENUMBRA_MARGIN; u <= x + PENUMBRA_MARGIN; u++) {
-            if (u < 0 || v < 0 || u >= width || v >= height) continue;
-            if (p->sums->partly[(size_t)v * (size_t)width + (size_t)u - p->sums->first] > 0.0f) return true;
-        }
-    }
-    return false;
-}
-
-static bool takes_part(const pass *p, int x, int y, size_t i) {
+static bool takes_part(const pass *p, sl_row_scan *penumbrae, int x, size_t i) {
     if (!p->refine) return sl_pixel_reflects(p->gbuffer, p->direct->scene, i);
-    return p->sums->samples[i - p->sums->first] > 0.0f && near_penumbra(p, x, y);
+    return p->sums->samples[i - p->sums->first] > 0.0f && sl_row_scan_near(penumbrae, x);
 }
 
 static void sample_row(void *context, size_t index, unsigned worker) {
     const pass *p = context;
     const sl_gbuffer *g = p->gbuffer;
-    int y = p->row + (int)index;
-    sl_lit_block block = {.count = 0};
-    for (int x = 0; x < g->width; x++) {
-        size_t i = (size_t)y * (size_t)g->width + (size_t)x;
-        if (!sl_sub_frame_shows(&p->direct->scene->sub_frame, i) || !takes_part(p, x, y, i)) continue;
-        sl_lit_block_add(p->direct, g, i, &block);
-        if (block.count < SL_LIGHT_BLOCK) continue;
-        light_block(p, &block, worker, counters_of(p, y));
-        block.count = 0;
+    const int y = p->row + (int)index;
+    const size_t width = (size_t)g->width, row = (size_t)y * width;
+    sl_row_scan penumbrae = {.rows = 0};
+    sl_lit_block block;
+    block.count = 0;
+    if (p->refine) penumbrae = sl_row_scan_start(p->sums, p->sums->partly, g, y, PENUMBRA_MARGIN);
+    else clear_row(p->sums, row, width);
+    for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
+        for (size_t i = r.first; i < r.end; i++) {
+            if (!takes_part(p, &penumbrae, (int)(i - row), i)) continue;
+            sl_lit_block_add(p->direct, g, i, &block);
+            if (block.count < SL_LIGHT_BLOCK) continue;
+            light_block(p, &block, worker, counters_of(p, y));
+            block.count = 0;
+        }
     }
     light_block(p, &block, worker, counters_of(p, y));
 }
@@ -217,16 +241,12 @@ static void scatter_row(void *context, size_t index, unsigned worker) {
     sl_direct_find_scatter(p->sums, ((size_t)p->row + index) * width - p->sums->first, width);
 }
 
-static void finish_row(void *context, size_t index, unsigned worker) {
-    const pass *p = context;
+/* Pixels [first, end) of row y, whose visible shares are in the planes of radiance. */
+static void finish_run(const pass *p, int y, size_t first, size_t end, unsigned worker) {
     const sl_gbuffer *g = p->gbuffer;
     const sl_direct *direct = p->direct;
-    int y = p->row + (int)index;
-    size_t width = (size_t)g->width, row = (size_t)y * width;
     const float *diffuse[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
-    float *share[3] = {p->out[0] + row, p->out[1] + row, p->out[2] + row};
-    sl_direct_filter_row(p->sums, g, y, share);
-    for (size_t i = row; i < row + width; i++) {
+    for (size_t i = first; i < end; i++) {
         size_t k = i - p->sums->first;
         if (g->material[i] == SL_NO_INDEX) {
             for (int c = 0; c < 3; c++) p->out[c][i] = 0.0f;
@@ -247,23 +267,20 @@ static void finish_row(void *context, size_t index, unsigned worker) {
             p->out[c][i] = sl_picture_value(reflected + p->sums->glossy[c][k] + lobes[c]);
         }
     }
+}
+
+static void finish_row(void *context, size_t index, unsigned worker) {
+    const pass *p = context;
+    const int y = p->row + (int)index;
+    const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
+    for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
+        sl_direct_filter_run(p->sums, p->gbuffer, y, r, p->out);
+        finish_run(p, y, r.first, r.end, worker);
+    }
     sl_count(counters_of(p, y), SL_COUNT_FRAGMENTS_SHADED, width);
 }
 
 /* ---- a strip ---- */
-
-static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
-    enum { PLANES = 20 };
-    float **const planes[PLANES] = {&sums->exact[0],  &sums->exact[1],  &sums->exact[2],  &sums->seen[0],
-                              &sums->seen[1],   &sums->seen[2],   &sums->all[0],    &sums->all[1],
-                              &sums->all[2],    &sums->plain[0],  &sums->plain[1],  &sums->plain[2],
-                              &sums->glossy[0], &sums->glossy[1], &sums->glossy[2], &sums->odd_seen,
-                              &sums->odd_all,   &sums->samples,   &sums->partly,    &sums->scatter};
-    sums->first = first;
-    sums->count = count;
-    sums->block = sl_allocate_planes(count, PLANES, planes);
-    return sums->block != NULL;
-}
 
 static int larger(int a, int b) { return a > b ? a : b; }
 static int smaller(int a, int b) { return a < b ? a : b; }

@@ -78,8 +78,11 @@ int sl_seen_triangle_part(const sl_seen_triangle *seen, double *u1) {
 /* Nearer than such a share of the distance of its farthest corner from its middle. */
 #define NEAR_EXTENT 0.5f
 
+static float smaller(float a, float b) { return a < b ? a : b; }
+static float larger(float a, float b) { return a > b ? a : b; }
+
 static float gap(float a, float b, float c, float p) {
-    float low = fminf(a, fminf(b, c)), high = fmaxf(a, fmaxf(b, c));
+    const float low = smaller(a, smaller(b, c)), high = larger(a, larger(b, c));
     return p < low ? low - p : p > high ? p - high : 0.0f;
 }
 

@@ -35,25 +35,23 @@ static sl_rgb emission_at(const sl_composition *c, size_t i, int x, int row) {
                                    sl_view_direction(c->view, (double)x + 0.5, y));
 }
 
-/* Begins the sums with it. */
-static void emit(const sl_composition *c, int row) {
-    const sl_gbuffer *g = c->gbuffer;
-    const size_t width = (size_t)g->width;
+static bool shines(const sl_scene *scene) { return scene->environment.present || scene->emitter_count > 0; }
+
+/* Begins the sums of columns [from, to) with it. */
+static void emit(const sl_composition *c, int row, size_t from, size_t to) {
+    const size_t first = (size_t)row * (size_t)c->gbuffer->width;
     float *sum[3];
-    for (int k = 0; k < 3; k++) memset(sum[k] = row_of(c, k, row), 0, width * sizeof **sum);
-    if (c->scene->environment.present || c->scene->emitter_count > 0) {
-        const size_t before = (size_t)c->first_row * width;
-        for (size_t x = 0, i = (size_t)row * width; x < width; x++, i++) {
-            if (is_dark(c->scene, g->material[i])) continue;
-            if (!sl_sub_frame_shows(&c->scene->sub_frame, before + i)) continue;
-            const sl_rgb light = emission_at(c, i, (int)x, row);
-            sum[0][x] = sl_picture_value(light.r);
-            sum[1][x] = sl_picture_value(light.g);
-            sum[2][x] = sl_picture_value(light.b);
-        }
+    for (int k = 0; k < 3; k++)
+        memset((sum[k] = row_of(c, k, row)) + from, 0, (to - from) * sizeof **sum);
+    for (size_t x = from; x < to && shines(c->scene); x++) {
+        if (is_dark(c->scene, c->gbuffer->material[first + x])) continue;
+        const sl_rgb light = emission_at(c, first + x, (int)x, row);
+        sum[0][x] = sl_picture_value(light.r);
+        sum[1][x] = sl_picture_value(light.g);
+        sum[2][x] = sl_picture_value(light.b);
     }
     for (int k = 0; has_layers(c) && k < 3; k++)
-        memcpy(row_of(c, SL_COMPOSED_EMISSION + k, row), sum[k], width * sizeof **sum);
+        memcpy(row_of(c, SL_COMPOSED_EMISSION + k, row) + from, sum[k] + from, (to - from) * sizeof **sum);
 }
 
 /* ---- light ---- */
@@ -72,17 +70,27 @@ static void add_layer(size_t width, const float *restrict radiance, float *restr
     }
 }
 
-void sl_compose_row(const sl_composition *c, int row) {
-    const size_t width = (size_t)c->gbuffer->width, from = (size_t)row * width;
-    emit(c, row);
+static void compose_run(const sl_composition *c, int row, size_t from, size_t to) {
+    const size_t first = (size_t)row * (size_t)c->gbuffer->width + from, count = to - from;
+    emit(c, row, from, to);
     for (int l = 0; l < SL_COMPOSED_LAYERS && c->layer[l].channel; l++) {
         for (int k = 0; k < 3; k++) {
-            const float *radiance = c->layer[l].radiance[k] + from;
+            const float *radiance = c->layer[l].radiance[k] + first;
+            float *sum = row_of(c, k, row) + from;
             if (has_layers(c))
-                add_layer(width, radiance, row_of(c, c->layer[l].channel + k, row), row_of(c, k, row));
-            else add(width, radiance, row_of(c, k, row));
+                add_layer(count, radiance, row_of(c, c->layer[l].channel + k, row) + from, sum);
+            else add(count, radiance, sum);
         }
     }
+}
+
+void sl_compose_row(const sl_composition *c, int row) {
+    const sl_sub_frame *at = &c->scene->sub_frame;
+    const size_t width = (size_t)c->gbuffer->width, first = (size_t)(c->first_row + row) * width,
+                 end = first + width;
+    for (sl_pixel_run r = sl_sub_frame_run(at, first, end); r.first < r.end;
+         r = sl_sub_frame_run(at, r.end, end))
+        compose_run(c, row, r.first - first, r.end - first);
 }
 
 /* ---- mirrors ---- */

@@ -14,7 +14,7 @@
 /* ---- which pixels ---- */
 
 static bool shows_mirror(const sl_scene *scene, const sl_gbuffer *g, size_t pixel) {
-    return g->material[pixel] != SL_NO_INDEX && sl_material_is_mirror(&scene->materials[g->material[pixel]]);
+    return g->id[pixel] != SL_NO_INDEX && sl_material_is_mirror(&scene->materials[g->material[pixel]]);
 }
 
 sl_rgb sl_reflections_throughput(const sl_reflections *r, size_t pixel) {

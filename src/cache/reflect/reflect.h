@@ -64,8 +64,8 @@ typedef struct sl_composition {
     sl_image *image;
 } sl_composition;
 
-/* Composes one row of the G-buffer, which counts from the bottom as on the hardware; images have row 0 at the
- * top. Then come the pixels that show mirrors. */
+/* Composes what the sub-frame shows of one row of the G-buffer, which counts from the bottom as on the
+ * hardware; images have row 0 at the top. Then come the pixels that show mirrors. */
 void sl_compose_row(const sl_composition *composition, int row);
 void sl_compose_mirrors(const sl_composition *composition);
 /* All of it. */

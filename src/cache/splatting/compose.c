@@ -21,6 +21,12 @@ typedef struct {
     sl_image *image;
 } composing;
 
+static size_t width_of(const composing *c) { return (size_t)c->state->settings.width; }
+
+static sl_pixel_run shown(const composing *c, size_t first, size_t end) {
+    return sl_sub_frame_run(&c->state->scene->sub_frame, first, end);
+}
+
 /* ---- means ---- */
 
 static size_t mean_count(const sl_splat_state *s) { return s->splats.glossy[0] ? MEANS : 3; }
@@ -30,10 +36,12 @@ static void average_row(void *context, size_t row, unsigned worker) {
     const composing *c = context;
     const sl_splat_buffer *b = &c->state->splats;
     const float *sums[MEANS] = {b->r, b->g, b->b, b->glossy[0], b->glossy[1], b->glossy[2]};
-    const size_t width = (size_t)c->state->settings.width, pixels = sl_splat_pixels(c->state);
-    for (size_t k = 0; k < mean_count(c->state); k++) {
-        for (size_t i = row * width; i < (row + 1) * width; i++)
-            c->mean[k * pixels + i] = b->weight[i] > 0.0f ? sums[k][i] / b->weight[i] : 0.0f;
+    const size_t pixels = sl_splat_pixels(c->state), end = (row + 1) * width_of(c);
+    for (sl_pixel_run r = shown(c, row * width_of(c), end); r.first < r.end; r = shown(c, r.end, end)) {
+        for (size_t k = 0; k < mean_count(c->state); k++) {
+            for (size_t i = r.first; i < r.end; i++)
+                c->mean[k * pixels + i] = b->weight[i] > 0.0f ? sums[k][i] / b->weight[i] : 0.0f;
+        }
     }
 }
 
@@ -79,10 +87,10 @@ static void reflect_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const composing *c = context;
     const sl_splat_buffer *b = &c->state->splats;
-    const size_t width = (size_t)c->state->settings.width, pixels = sl_splat_pixels(c->state),
-                 from = row * width, to = pixels - from - width; /* images have row 0 at the top */
-    for (size_t i = from; i < from + width; i++) {
-        if (sl_sub_frame_shows(&c->state->scene->sub_frame, i)) reflect(c, i);
+    const size_t width = width_of(c), pixels = sl_splat_pixels(c->state), from = row * width,
+                 to = pixels - from - width; /* images have row 0 at the top */
+    for (sl_pixel_run r = shown(c, from, from + width); r.first < r.end; r = shown(c, r.end, from + width)) {
+        for (size_t i = r.first; i < r.end; i++) reflect(c, i);
     }
     memcpy(c->image->planes + WEIGHT * pixels + to, b->weight + from, width * sizeof *b->weight);
     memcpy(c->image->planes + RECORDS * pixels + to, b->count + from, width * sizeof *b->count);
@@ -107,7 +115,7 @@ static void compose(const composing *c) {
 
 sl_status sl_splat_compose(const sl_splat_state *s, sl_image *image, sl_error *error) {
     const size_t rows = (size_t)s->settings.height;
-    composing c = {s, sl_allocate(mean_count(s) * sl_splat_pixels(s), sizeof *c.mean), image};
+    composing c = {s, sl_allocate_unset(mean_count(s) * sl_splat_pixels(s), sizeof *c.mean), image};
     if (!c.mean) return sl_fail_memory(error, "the picture");
     sl_parallel_for(s->settings.threads, rows, average_row, &c);
     sl_status status = fill(s, c.mean, error);

@@ -41,6 +41,14 @@ static double minimum_reach(const sl_splat_state *s, double footprint_per_depth)
     return reach > 1e-3 * size ? reach : 1e-3 * size;
 }
 
+/* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a vanishing
+ * weight. What sub-frames behind the first see is near to what has been covered so, and a part of a pixel:
+ * there a tenth of that is enough. */
+static float covered_weight(const sl_splat_state *s, float accuracy) {
+    const bool asks_again = s->scene->sub_frame.purpose == SL_SUB_FRAME_ASKS;
+    return 1.0f / ((asks_again ? 90.0f : 9.0f) * accuracy);
+}
+
 static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
     float a = (float)accuracy_of(s, cache), scale = s->scene->scale;
@@ -57,10 +65,8 @@ static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .gbuffer = g,
         .receivers = {g->width, g->height, g->position_x, g->position_y, g->position_z, g->normal_x,
                       g->normal_y, g->normal_z, cache->receives},
-        /* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a
-           vanishing weight. */
         .weights = {a, 1.0f / a, 1e-5f * scale},
-        .covered_weight = 1.0f / (9.0f * a),
+        .covered_weight = covered_weight(s, a),
         .radii = {.accuracy = (double)a,
                   .minimum_pixels = s->settings.records_per_frame ? 0.0 : s->plan.minimum_pixels,
                   .minimum_reach = minimum_reach(s, footprint_per_depth),

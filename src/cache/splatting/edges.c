@@ -123,22 +123,27 @@ static bool is_sound(const sl_gbuffer *g, size_t i) {
 }
 
 /* A normal that is not finite would ask for ever. */
+static void classify(sl_splat_state *s, size_t i) {
+    if (s->gbuffer->material[i] == SL_NO_INDEX) return;
+    sl_receiver_class class = class_of(s, i);
+    if (!is_sound(s->gbuffer, i)) {
+        sl_count(&s->counters, SL_COUNT_NONFINITE, 1);
+    } else if (class < SL_RECEIVER_CLASSES && s->cache[class].receives) {
+        s->cache[class].receives[i] = 1;
+        s->cache[class].receivers++;
+    }
+}
+
 void sl_splat_classify(sl_splat_state *s) {
+    const sl_sub_frame *at = &s->scene->sub_frame;
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         s->cache[c].receivers = 0;
         if (s->cache[c].receives)
             memset(s->cache[c].receives, 0, sl_splat_pixels(s) * sizeof *s->cache[c].receives);
     }
-    for (size_t i = 0; i < sl_splat_pixels(s); i++) {
-        if (s->gbuffer->material[i] == SL_NO_INDEX) continue;
-        sl_receiver_class class = class_of(s, i);
-        if (!is_sound(s->gbuffer, i)) {
-            sl_count(&s->counters, SL_COUNT_NONFINITE, 1);
-        } else if (class < SL_RECEIVER_CLASSES && s->cache[class].receives) {
-            s->cache[class].receives[i] = 1;
-            s->cache[class].receivers++;
-        }
-    }
+    const size_t end = sl_splat_pixels(s);
+    for (sl_pixel_run r = sl_sub_frame_run(at, 0, end); r.first < r.end; r = sl_sub_frame_run(at, r.end, end))
+        for (size_t i = r.first; i < r.end; i++) classify(s, i);
 }
 
 /* ---- progress ---- */

@@ -65,8 +65,9 @@ sl_status sl_fill_uncovered(int width, int height, const float *weight, const ui
                             float *g, float *b, sl_error *error) {
     level finest = {width, height, NULL};
     const size_t pixels = pixels_of(&finest);
-    size_t holes = 0;
-    for (size_t i = 0; i < pixels; i++) holes += receives[i] && !(weight[i] > 0.0f);
+    uint32_t holes = 0;
+#pragma omp simd reduction(| : holes)
+    for (size_t i = 0; i < pixels; i++) holes |= weight[i] > 0.0f ? 0 : receives[i];
     if (!holes) return SL_OK;
     finest.sum = sl_allocate(pixels, sizeof *finest.sum);
     if (!finest.sum) return sl_fail_memory(error, "filling uncovered pixels");

@@ -198,14 +198,12 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     sl_splat_announce_gather(s, &s->cache[SL_RECEIVES_IRRADIANCE]);
     sl_splat_announce_records(s);
     int layers = s->plan.radiance ? SL_LAYERS_GLOSSY : SL_LAYERS;
-    status = sl_image_create(s->settings.width, s->settings.height, layers, sl_layer_names, image, error);
+    if (!*image)
+        status =
+            sl_image_create(s->settings.width, s->settings.height, layers, sl_layer_names, image, error);
     if (status != SL_OK || s->phase == SL_PHASE_GBUFFER) return status; /* nothing is drawn yet */
     status = sl_splat_compose(s, *image, error);
-    if (status != SL_OK) {
-        sl_image_destroy(*image);
-        *image = NULL;
-        return status;
-    }
+    if (status != SL_OK) return status;
     announce(s, "indirect light", "Algorithm 2, step 6", 3, sl_image_channel(*image, "indirect.R"), false);
     if (s->plan.radiance)
         announce(s, "indirect glossy light", "Algorithm 2, step 6", 3, sl_image_channel(*image, "glossy.R"),
@@ -243,10 +241,11 @@ static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
     sl_splat_state *s = state;
     size_t pixels = sl_splat_pixels(s);
     const size_t planes = s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3;
-    for (size_t i = 0; i < pixels; i++) {
-        if (!sl_sub_frame_shows(&s->scene->sub_frame, i)) continue;
-        for (size_t k = 0; k < planes; k++) s->planes[k * pixels + i] = 0.0f;
-    }
+    const sl_sub_frame *at = &s->scene->sub_frame;
+    for (sl_pixel_run r = sl_sub_frame_run(at, 0, pixels); r.first < r.end;
+         r = sl_sub_frame_run(at, r.end, pixels))
+        for (size_t k = 0; k < planes; k++)
+            memset(s->planes + k * pixels + r.first, 0, (r.end - r.first) * sizeof *s->planes);
     memset(s->owned, 0, pixels);
     s->phase = SL_PHASE_GBUFFER;
     sl_status status = SL_OK;
