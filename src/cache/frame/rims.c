@@ -4,8 +4,6 @@
 #include "base/math.h"
 #include "base/memory.h"
 
-#include <math.h>
-
 /* pixels of a block, both ways; samples of a close-up, both ways */
 enum { BLOCK = 8, SIDE = 352 };
 
@@ -43,8 +41,8 @@ static close_up close_up_of(const sl_scene *scene, int width, int height, int x0
 static size_t pixel_of(const close_up *c, int i, int j) {
     const double a = c->centre_a + c->half * ((2.0 * i + 1.0) / SIDE - 1.0),
                  b = c->centre_b + c->half * ((2.0 * j + 1.0) / SIDE - 1.0);
-    const double x = floor((a * turn_cosine - b * turn_sine - c->left) / c->pixel),
-                 y = floor((a * turn_sine + b * turn_cosine - c->bottom) / c->pixel);
+    const double x = (a * turn_cosine - b * turn_sine - c->left) / c->pixel,
+                 y = (a * turn_sine + b * turn_cosine - c->bottom) / c->pixel;
     const bool within = x >= c->x0 && y >= c->y0 && x < c->x0 + BLOCK && y < c->y0 + BLOCK && x < c->width &&
                         y < c->height;
     return within ? (size_t)y * (size_t)c->width + (size_t)x : SIZE_MAX;

@@ -237,8 +237,9 @@ static void sample_row(void *context, size_t index, unsigned worker) {
 static void scatter_row(void *context, size_t index, unsigned worker) {
     (void)worker;
     const pass *p = context;
-    size_t width = (size_t)p->gbuffer->width;
-    sl_direct_find_scatter(p->sums, ((size_t)p->row + index) * width - p->sums->first, width);
+    const size_t width = (size_t)p->gbuffer->width, row = ((size_t)p->row + index) * width;
+    for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width))
+        sl_direct_find_scatter(p->sums, r.first - p->sums->first, r.end - r.first);
 }
 
 /* Pixels [first, end) of row y, whose visible shares are in the planes of radiance. */

@@ -126,6 +126,8 @@ typedef struct sl_splat_buffer {
     float *glossy[3];
 } sl_splat_buffer;
 
+enum { SL_SPLAT_GROUP = 16 };
+
 /* One tile of all these planes, as the fragment program works on it; SL_SPLAT_TILE pixels a row. A pixel that
  * does not receive is nowhere: its position is NaN, which no test of a distance accepts. */
 typedef struct sl_tile_planes {
@@ -135,6 +137,7 @@ typedef struct sl_tile_planes {
     float weight[SL_SPLAT_TILE_PIXELS], r[SL_SPLAT_TILE_PIXELS], g[SL_SPLAT_TILE_PIXELS],
         b[SL_SPLAT_TILE_PIXELS], count[SL_SPLAT_TILE_PIXELS];
     float glossy[3][SL_SPLAT_TILE_PIXELS];
+    bool receives[SL_SPLAT_TILE_PIXELS / SL_SPLAT_GROUP]; /* any of so many pixels of a row */
 } sl_tile_planes;
 
 /* Fetches the receivers of a region that starts in column region.x0 - x, row region.y0 - y of the tile. */

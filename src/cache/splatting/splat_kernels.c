@@ -2,15 +2,15 @@
  * Coverage on the CPU and splats on the hardware share sl_record_weight_at(), so that their sums of weights
  * have the same bits.
  *
- * Sixteen pixels of a row are looked at together. A splat's rectangle is mostly air: two thirds of its pixels
- * lie too far from the record, on another wall or turned away. So distance comes first, then the weight, and
+ * Sixteen pixels of a row are looked at together, if any of them receives. A splat's rectangle is mostly air:
+ * two thirds of its pixels lie too far from the record, on another wall or turned away. So distance comes first, then the weight, and
  * only where that is positive the rest. The groups of a column follow each other, as a column enters and
  * leaves a disc once: branches that the processor can foretell. */
 #include "cache/splatting/record_weight.h"
 
 #include "base/bits16.h"
 
-enum { GROUP = 16 };
+enum { GROUP = SL_SPLAT_GROUP };
 
 /* ---- groups ---- */
 
@@ -82,7 +82,8 @@ uint64_t SL_KERNEL(sl_splat_record)(const sl_record *record, const sl_weight_rul
     for (int x = rect.x0 & -GROUP; x < rect.x1; x += GROUP) {
         for (int y = rect.y0; y < rect.y1; y++) {
             const int i = y * SL_SPLAT_TILE + x;
-            const uint32_t positive = weigh(&k, tile, i, x, rect.x0, rect.x1, w);
+            const uint32_t positive =
+                tile->receives[i / GROUP] ? weigh(&k, tile, i, x, rect.x0, rect.x1, w) : 0;
             for (int l = 0; weights && l < GROUP; l++) weights[i + l] = positive ? w[l] : 0.0f;
             if (!positive) continue;
             blended += sl_bits16_count(positive);
@@ -106,6 +107,17 @@ float SL_KERNEL(sl_splat_weight)(const sl_record *record, const sl_weight_rules 
     return sl_record_weight_at(&k, squared, px, py, pz, p->normal_x[i], p->normal_y[i], p->normal_z[i]);
 }
 
+/* Tells of each group of a row's `columns` pixels, from place `to` of the tile on, whether any receives. */
+static inline void find_groups(const uint32_t *restrict receives, int to, int columns, bool *groups) {
+    for (int first = to; first < to + columns;) {
+        const int next = (first / GROUP + 1) * GROUP, end = next < to + columns ? next : to + columns;
+        uint32_t any = 0;
+        for (int i = first; i < end; i++) any |= receives[i - to];
+        groups[first / GROUP] = any != 0;
+        first = end;
+    }
+}
+
 void SL_KERNEL(sl_splat_fetch)(const sl_splat_receivers *p, int x, int y, sl_splat_rect region,
                              sl_tile_planes *tile) {
     const int columns = region.x1 - region.x0;
@@ -117,6 +129,7 @@ void SL_KERNEL(sl_splat_fetch)(const sl_splat_receivers *p, int x, int y, sl_spl
                               *restrict pz = p->position_z + from;
         const float *restrict nx = p->normal_x + from, *restrict ny = p->normal_y + from,
                               *restrict nz = p->normal_z + from;
+        find_groups(receives, to, columns, tile->receives);
 #pragma omp simd
         for (int l = 0; l < columns; l++) {
             tile->position_x[to + l] = receives[l] ? px[l] : NAN;
