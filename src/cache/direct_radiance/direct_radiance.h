@@ -52,7 +52,6 @@ void sl_radiance_transport(const sl_settings *settings, sl_transport *transport)
 void sl_radiance_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
 sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settings);
-extern const sl_reduction sl_radiance_reductions[];
 
 /* Passes 6 and 7: light on receivers. Direct light by (5) and (9) with shadow cubes; indirect light by (10),
  * the sum over the photons. */

@@ -227,7 +227,6 @@ const sl_method_class sl_direct_radiance_method = {
     .counters = radiance_counters,
     .memory_bytes = radiance_memory_bytes,
     .need = sl_radiance_need,
-    .reductions = sl_radiance_reductions,
     .explanation = radiance_explanation,
     .transport = sl_radiance_transport,
     .plan = sl_radiance_plan_write,

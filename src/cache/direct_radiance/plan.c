@@ -168,13 +168,3 @@ sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settin
                             .picture = sl_need_of_pixels(
                                 settings, A_PIXEL + 4.0 * layers + (f.mirror_triangles ? OF_MIRRORS : 0))};
 }
-
-const sl_reduction sl_radiance_reductions[] = {
-    {"sample photons a side of a map's face", offsetof(sl_settings, radiance_map.samples), SL_REDUCE_INT,
-     2.0},
-    {"texels a side of a map's face", offsetof(sl_settings, radiance_map.map_size), SL_REDUCE_INT, 4.0},
-    {"texels a side of a depth cube", offsetof(sl_settings, radiance_map.shadow_size), SL_REDUCE_INT, 64.0},
-    {"points a side of an area light", offsetof(sl_settings, radiance_map.emitter_samples), SL_REDUCE_INT,
-     1.0},
-    {"no layers", offsetof(sl_settings, radiance_map.without_layers), SL_REDUCE_FLAG, 0.0},
-    {NULL, 0, SL_REDUCE_INT, 0.0}};

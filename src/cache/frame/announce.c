@@ -1,32 +1,40 @@
 #include "cache/frame/announce.h"
 
 #include "base/memory.h"
-#include "cache/frame/method.h"
 
 #include <string.h>
 
-/* Returns how far the counters have grown since the last pass. */
-static sl_counters cost_since(sl_announcer *a) {
+/* Tells it with what the counters have grown by since the last pass; no picture: NULL. */
+static void tell(sl_announcer *a, sl_pass pass) {
     sl_counters cost = {0};
     for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = a->counters->value[i] - a->told.value[i];
     a->told = *a->counters;
-    return cost;
+    pass.method = a->method;
+    pass.counters = &cost;
+    a->observer->pass(a->observer->context, &pass);
 }
 
 void sl_announce(sl_announcer *a, const char *name, const char *source, int width, int height, int channels,
                  const float *planes, bool bottom_first) {
-    if (!a->observer) return;
-    sl_counters cost = cost_since(a);
-    if (a->names_alone) width = height = channels = 0, planes = NULL;
-    sl_observe(a->observer, a->method, name, source, width, height, channels, planes, bottom_first, &cost,
-               NULL, 0);
+    if (!sl_announcing(a)) return;
+    sl_image *image = NULL;
+    const size_t pixels = (size_t)width * (size_t)height;
+    if (planes && sl_image_create(width, height, channels, NULL, &image, NULL) == SL_OK) {
+        for (size_t c = 0; c < (size_t)channels; c++) {
+            const float *plane = planes + c * pixels;
+            float *out = image->planes + c * pixels;
+            if (bottom_first) sl_raster_flip(plane, width, height, out);
+            else memcpy(out, plane, pixels * sizeof *out);
+        }
+    }
+    tell(a, (sl_pass){.name = name, .source = source, .buffer = image});
+    sl_image_destroy(image);
 }
 
 void sl_announce_marks(sl_announcer *a, const char *name, const char *source, const sl_mark *marks,
                        size_t count) {
-    if (!a->observer) return;
-    sl_counters cost = cost_since(a);
-    sl_observe(a->observer, a->method, name, source, 0, 0, 0, NULL, true, &cost, marks, count);
+    if (sl_announcing(a))
+        tell(a, (sl_pass){.name = name, .source = source, .marks = marks, .mark_count = count});
 }
 
 void sl_announce_ids(sl_announcer *a, const char *name, const char *source, int width, int height,
@@ -45,7 +53,7 @@ void sl_announce_pass(sl_announcer *a, const char *name, const char *source) {
 void sl_announce_planes(sl_announcer *a, const char *name, const char *source, int width, int height,
                         const float *const planes[3]) {
     size_t pixels = (size_t)width * (size_t)height;
-    float *together = a->observer ? sl_allocate(3 * pixels, sizeof *together) : NULL;
+    float *together = sl_announcing(a) ? sl_allocate(3 * pixels, sizeof *together) : NULL;
     if (!together) return;
     for (size_t c = 0; c < 3; c++) memcpy(together + c * pixels, planes[c], pixels * sizeof *together);
     sl_announce(a, name, source, width, height, 3, together, true);

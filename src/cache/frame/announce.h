@@ -9,14 +9,12 @@ typedef struct sl_announcer {
     const sl_observer *observer; /* or NULL */
     const char *method;
     const sl_counters *counters; /* the method's own */
-    /* no pictures and no marks, and nothing is made for their sake: for a stopwatch */
-    bool names_alone;
     sl_counters told;            /* as they were at the last pass */
 } sl_announcer;
 
 /* Tells whether anybody looks: pictures and marks that the method itself needs not are not made else. */
 static inline bool sl_announcing(const sl_announcer *announcer) {
-    return announcer->observer != NULL && !announcer->names_alone;
+    return announcer->observer && announcer->observer->pass;
 }
 
 /* planes: `channels` planes of width*height, one after another, bottom row first where bottom_first. */

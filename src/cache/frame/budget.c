@@ -36,36 +36,39 @@ static const double of_growth = 0.75;
 
 /* ---- one setting ---- */
 
-static double value_of(const sl_settings *settings, const sl_reduction *c) {
-    const char *at = (const char *)settings + c->offset;
-    switch (c->kind) {
-    case SL_REDUCE_INT:
-    case SL_REDUCE_LEVEL: return *(const int *)(const void *)at;
-    case SL_REDUCE_COUNT: return (double)*(const uint64_t *)(const void *)at;
-    case SL_REDUCE_REAL: return *(const double *)(const void *)at;
-    case SL_REDUCE_FLAG: return *(const bool *)(const void *)at ? 1.0 : 0.0;
-    }
-    return 0.0;
-}
+/* A setting that can be lowered to save memory, not below `least`; a flag is set. */
+typedef struct reduction {
+    const char *method, *setting, *what;
+    enum { HALVED, ONE_LESS, SET } how;
+    double least;
+} reduction;
 
-/* False: it is as low as it may be. */
-static bool lower(sl_settings *settings, const sl_reduction *c) {
-    char *at = (char *)settings + c->offset;
-    double value = value_of(settings, c), lowered = c->kind == SL_REDUCE_LEVEL ? value - 1.0 : 0.5 * value;
-    if (c->kind == SL_REDUCE_FLAG) {
-        *(bool *)(void *)at = true;
-        return value == 0.0;
-    }
-    if (lowered < c->least) lowered = c->least;
-    if (!(lowered < value)) return false;
-    switch (c->kind) {
-    case SL_REDUCE_INT:
-    case SL_REDUCE_LEVEL: *(int *)(void *)at = (int)lowered; break;
-    case SL_REDUCE_COUNT: *(uint64_t *)(void *)at = (uint64_t)lowered; break;
-    case SL_REDUCE_REAL: *(double *)(void *)at = lowered; break;
-    case SL_REDUCE_FLAG: break;
-    }
-    return true;
+static const reduction reductions[] = {
+    {"splatting", "gather-size", "pixels a side of a gather", HALVED, 16.0},
+    {"direct-radiance", "direct-radiance.photons", "sample photons a side of a map's face", HALVED, 2.0},
+    {"direct-radiance", "direct-radiance.map-size", "texels a side of a map's face", HALVED, 4.0},
+    {"direct-radiance", "direct-radiance.shadow-size", "texels a side of a depth cube", HALVED, 64.0},
+    {"direct-radiance", "direct-radiance.emitter-samples", "points a side of an area light", HALVED, 1.0},
+    {"direct-radiance", "direct-radiance.without-layers", "no layers", SET, 0.0},
+    {"light-octree", "light-octree.stored-photons", "stored photons", HALVED, 2000.0},
+    {"light-octree", "light-octree.depth", "levels of the octree", ONE_LESS, 3.0},
+    {"light-octree", "light-octree.atlas-size", "texels a side of the atlas", HALVED, 64.0},
+    {"light-octree", "light-octree.lights", "lights a voxel", HALVED, 1.0},
+    {"multi-mesh", "gather-size", "pixels a side of a gather", HALVED, 16.0},
+    {"multi-mesh", "multi-mesh.coarse-depth", "levels of the coarse mesh", ONE_LESS, 1.0},
+    {"shading-cache", "shading-cache.cache-limit", "patches to a pixel", HALVED, 0.05},
+    {"shading-cache", "shading-cache.points", "points an update", HALVED, 16.0},
+};
+enum { REDUCTIONS = sizeof reductions / sizeof reductions[0] };
+
+/* False: it is as low as it may be, or of another method. */
+static bool lower(const sl_method_class *method, sl_settings *settings, const reduction *r) {
+    if (strcmp(r->method, method->name) != 0) return false;
+    const double value = sl_settings_number(settings, r->setting),
+                 lowered = r->how == HALVED ? 0.5 * value : value - 1.0;
+    const double reached = lowered > r->least ? lowered : r->least;
+    sl_settings_put_number(settings, r->setting, r->how == SET ? 1.0 : reached);
+    return r->how == SET ? value == 0.0 : reached < value;
 }
 
 /* ---- all of them ---- */
@@ -75,9 +78,9 @@ static bool take_best_step(const sl_method_class *method, const sl_scene *scene,
                            double *need) {
     sl_settings best = *settings;
     double least = *need;
-    for (const sl_reduction *c = method->reductions; c && c->what; c++) {
+    for (size_t i = 0; i < REDUCTIONS; i++) {
         sl_settings trial = *settings;
-        if (!lower(&trial, c)) continue;
+        if (!lower(method, &trial, &reductions[i])) continue;
         method->complete(&trial); /* settings that hang together */
         double would_need = need_of(method, scene, &trial);
         if (!(would_need < least)) continue;
@@ -93,13 +96,12 @@ static bool take_best_step(const sl_method_class *method, const sl_scene *scene,
 static void tell(const sl_method_class *method, const sl_settings *before, const sl_settings *after,
                  char *text, size_t room) {
     size_t used = 0;
-    for (const sl_reduction *c = method->reductions; c && c->what; c++) {
-        double was = value_of(before, c), is = value_of(after, c);
-        if (was == is || used >= room) continue;
-        int written = c->kind == SL_REDUCE_FLAG
-                          ? snprintf(text + used, room - used, "%s%s", used ? ", " : "", c->what)
-                          : sl_print(text + used, room - used, "%s%.9g %s instead of %.9g", used ? ", " : "",
-                                     is, c->what, was);
+    for (const reduction *r = reductions; r < reductions + REDUCTIONS; r++) {
+        const double was = sl_settings_number(before, r->setting), is = sl_settings_number(after, r->setting);
+        if (strcmp(r->method, method->name) != 0 || was == is || used >= room) continue;
+        int written = r->how == SET ? snprintf(text + used, room - used, "%s%s", used ? ", " : "", r->what)
+                                    : sl_print(text + used, room - used, "%s%.9g %s instead of %.9g",
+                                               used ? ", " : "", is, r->what, was);
         if (written > 0) used += (size_t)written;
     }
     if (after->threads != before->threads && used < room)

@@ -562,24 +562,3 @@ sl_status sl_warn(sl_image *image, sl_error *error, const char *limit, ...) {
     va_end(arguments);
     return sl_image_set_metadata(image, "softlux.warning", text, error);
 }
-
-/* ---- observers ---- */
-
-void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source,
-                int width, int height, int channels, const float *planes, bool bottom_first,
-                const sl_counters *counters, const sl_mark *marks, size_t mark_count) {
-    if (!observer || !observer->pass) return;
-    sl_image *image = NULL;
-    size_t pixels = (size_t)width * (size_t)height;
-    if (planes && sl_image_create(width, height, channels, NULL, &image, NULL) == SL_OK) {
-        for (int c = 0; c < channels; c++) {
-            const float *plane = planes + (size_t)c * pixels;
-            float *out = image->planes + (size_t)c * pixels;
-            if (bottom_first) sl_raster_flip(plane, width, height, out);
-            else memcpy(out, plane, pixels * sizeof *out);
-        }
-    }
-    sl_pass pass = {method, name, source, image, counters, marks, mark_count};
-    observer->pass(observer->context, &pass);
-    sl_image_destroy(image);
-}

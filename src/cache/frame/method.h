@@ -57,15 +57,6 @@ typedef struct sl_memory_need {
     double picture;     /* film, G-buffer and the picture that is given */
 } sl_memory_need;
 
-/* A setting that can be lowered to save memory. */
-typedef struct sl_reduction {
-    const char *what;   /* "stored photons"; NULL ends a list */
-    size_t offset;      /* of the setting in sl_settings */
-    /* the first three are halved; levels go one by one */
-    enum { SL_REDUCE_INT, SL_REDUCE_COUNT, SL_REDUCE_REAL, SL_REDUCE_LEVEL, SL_REDUCE_FLAG } kind;
-    double least;       /* not below that */
-} sl_reduction;
-
 typedef struct sl_method_class {
     const char *name;
     /* Replaces what is 0, "by quality", by what will be used. */
@@ -90,7 +81,6 @@ typedef struct sl_method_class {
     size_t (*memory_bytes)(const void *state);
     /* settings are complete. Independent of the number of threads but for what each thread has of its own. */
     sl_memory_need (*need)(const sl_scene *scene, const sl_settings *settings);
-    const sl_reduction *reductions; /* what can be lowered, or NULL */
     /* A cache that was to grow and found sl_settings.memory_bytes taken: a few words on it, or NULL; may
      * itself be NULL. In complete settings memory_bytes is what such caches may take; 0: no limit. */
     const char *(*filled)(const void *state);
@@ -172,11 +162,5 @@ sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_s
  * sl_method_explanation(). */
 sl_status sl_explanation_tell(const sl_method_class *method, void *state, const sl_image *picture, int x,
                               int y, sl_explanation **explanation, sl_error *error);
-
-/* Tells the observer, if any, of a pass and the marks that it leaves (NULL: none). planes: `channels` planes
- * of width*height, bottom row first where bottom_first. Costs nothing without an observer. */
-void sl_observe(const sl_observer *observer, const char *method, const char *name, const char *source,
-                int width, int height, int channels, const float *planes, bool bottom_first,
-                const sl_counters *counters, const sl_mark *marks, size_t mark_count);
 
 #endif

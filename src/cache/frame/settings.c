@@ -118,6 +118,12 @@ static void put_value(const row *r, sl_settings *s, double value) {
     }
 }
 
+double sl_settings_number(const sl_settings *s, const char *name) { return value_of(find_row(name, ""), s); }
+
+void sl_settings_put_number(sl_settings *s, const char *name, double value) {
+    put_value(find_row(name, ""), s, value);
+}
+
 /* ---- settings as a whole ---- */
 
 sl_settings sl_settings_default(void) {

@@ -51,6 +51,9 @@ sl_status sl_settings_check(const sl_settings *settings, sl_error *error);
 void sl_settings_complete(sl_settings *settings);
 /* Metadata "softlux.NAME": what the method that made the picture was asked for. */
 sl_status sl_settings_stamp(const sl_settings *settings, sl_image *image, sl_error *error);
+/* A number, or a flag as 0 or 1, in the field's own unit; name: one of the table's, whole. */
+double sl_settings_number(const sl_settings *settings, const char *name);
+void sl_settings_put_number(sl_settings *settings, const char *name, double value);
 /* The option of that whole name, or else with that last part; NULL where there is none. */
 const sl_setting *sl_setting_named(const char *name);
 

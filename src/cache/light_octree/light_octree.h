@@ -62,7 +62,6 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
 /* Returns how many chunks of photon paths one update traces. */
 size_t sl_octree_photon_chunks(const sl_settings *settings);
 sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings);
-extern const sl_reduction sl_octree_reductions[];
 
 /* ---- what a method holds ---- */
 

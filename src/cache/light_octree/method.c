@@ -260,7 +260,6 @@ const sl_method_class sl_light_octree_method = {
     .counters = octree_counters,
     .memory_bytes = octree_memory_bytes,
     .need = sl_octree_need,
-    .reductions = sl_octree_reductions,
     .transport = sl_octree_transport,
     .plan = sl_octree_plan_write,
     .explanation = octree_explanation,

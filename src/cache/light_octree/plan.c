@@ -189,10 +189,3 @@ sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings
                             .picture =
                                 sl_need_of_pixels(settings, A_PIXEL + (plan.mirrors ? OF_MIRRORS : 0))};
 }
-
-const sl_reduction sl_octree_reductions[] = {
-    {"stored photons", offsetof(sl_settings, light_octree.photons), SL_REDUCE_COUNT, 2000.0},
-    {"levels of the octree", offsetof(sl_settings, light_octree.depth), SL_REDUCE_LEVEL, 3.0},
-    {"texels a side of the atlas", offsetof(sl_settings, light_octree.atlas_size), SL_REDUCE_INT, 64.0},
-    {"lights a voxel", offsetof(sl_settings, light_octree.lights), SL_REDUCE_INT, 1.0},
-    {NULL, 0, SL_REDUCE_INT, 0.0}};

@@ -24,6 +24,5 @@ void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings
 
 /* state.c */
 sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *settings);
-extern const sl_reduction sl_multi_mesh_reductions[];
 
 #endif

@@ -187,11 +187,6 @@ sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *sett
                                 sl_need_of_pixels(settings, A_PIXEL + (plan.specular_seen ? OF_GLOSS : 0))};
 }
 
-const sl_reduction sl_multi_mesh_reductions[] = {
-    {"pixels a side of a gather", offsetof(sl_settings, gather_size), SL_REDUCE_INT, 16.0},
-    {"levels of the coarse mesh", offsetof(sl_settings, multi_mesh.coarse_depth), SL_REDUCE_LEVEL, 1.0},
-    {NULL, 0, SL_REDUCE_INT, 0.0}};
-
 static double mesh_bytes(const sl_multi_mesh_state *s) {
     double bytes = s->irradiance ? (double)sl_irradiance_meshes_bytes(s->irradiance) : 0.0;
     for (int i = 0; i < SL_COMPONENTS; i++)
@@ -260,7 +255,6 @@ const sl_method_class sl_multi_mesh_method = {
     .counters = multi_mesh_counters,
     .memory_bytes = multi_mesh_bytes,
     .need = sl_multi_mesh_need,
-    .reductions = sl_multi_mesh_reductions,
     .filled = sl_multi_mesh_filled,
     .transport = sl_multi_mesh_transport,
     .plan = sl_multi_mesh_plan_write,

@@ -2,6 +2,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "cache/frame/announce.h"
 #include "cache/frame/budget.h"
 #include "cache/frame/method.h"
 #include "trace/trace.h"
@@ -106,8 +107,10 @@ static sl_status sampled_resolve(void *state, sl_image **image, sl_error *error)
     float *p = (*image)->planes;
     for (int half = -1; half < 2; half++, p += 3 * pixels)
         sl_path_tracer_mean(s->film, half, p, p + pixels, p + 2 * pixels);
-    sl_observe(s->settings.observer, s->kind->name, "mean of the samples", "reference", s->settings.width,
-               s->settings.height, 3, (*image)->planes, false, &s->counters, NULL, 0);
+    sl_announcer announcer = {.observer = s->settings.observer, .method = s->kind->name,
+                              .counters = &s->counters};
+    sl_announce(&announcer, "mean of the samples", "reference", s->settings.width, s->settings.height, 3,
+                (*image)->planes, false);
     return SL_OK;
 }
 

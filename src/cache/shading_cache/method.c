@@ -292,7 +292,6 @@ const sl_method_class sl_shading_cache_method = {
     .counters = shading_counters,
     .memory_bytes = shading_bytes,
     .need = sl_shading_need,
-    .reductions = sl_shading_reductions,
     .transport = sl_shading_transport,
     .plan = sl_shading_plan_write,
     .raster = shading_raster,

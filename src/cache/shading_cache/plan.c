@@ -121,8 +121,3 @@ sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *setting
                             .caches = caches + sl_need_of_threads(settings, A_THREAD) + 4e6,
                             .picture = sl_need_of_pixels(settings, A_PIXEL)};
 }
-
-const sl_reduction sl_shading_reductions[] = {
-    {"patches to a pixel", offsetof(sl_settings, shading_cache.cache_limit), SL_REDUCE_REAL, 0.05},
-    {"points an update", offsetof(sl_settings, shading_cache.points), SL_REDUCE_INT, 16.0},
-    {NULL, 0, SL_REDUCE_INT, 0.0}};

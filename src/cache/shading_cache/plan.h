@@ -23,6 +23,5 @@ void sl_shading_transport(const sl_settings *settings, sl_transport *transport);
 void sl_shading_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
 sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *settings);
-extern const sl_reduction sl_shading_reductions[];
 
 #endif

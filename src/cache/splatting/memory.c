@@ -44,10 +44,6 @@ sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings)
                                                    (plan.mirrors ? OF_MIRRORS : 0))};
 }
 
-const sl_reduction sl_splat_reductions[] = {
-    {"pixels a side of a gather", offsetof(sl_settings, gather_size), SL_REDUCE_INT, 16.0},
-    {NULL, 0, SL_REDUCE_INT, 0.0}};
-
 size_t sl_splat_coefficients(const sl_splat_state *s, sl_receiver_class class) {
     return class == SL_RECEIVES_RADIANCE ? SL_PROJECTION_VECTORS * sl_hsh_stride(s->plan.harmonics_order) : 0;
 }

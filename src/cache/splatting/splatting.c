@@ -284,7 +284,6 @@ const sl_method_class sl_splatting_method = {
     .counters = splat_counters,
     .memory_bytes = sl_splat_memory_bytes,
     .need = sl_splat_need,
-    .reductions = sl_splat_reductions,
     .filled = sl_splat_filled,
     .explanation = sl_splat_explanation,
     .transport = sl_splat_transport,

@@ -121,7 +121,6 @@ size_t sl_splat_memory_bytes(const void *state);
 /* ---- memory.c ---- */
 
 sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings);
-extern const sl_reduction sl_splat_reductions[];
 /* Floats of a record's coefficients, of its class; 0 for irradiance records. */
 size_t sl_splat_coefficients(const sl_splat_state *state, sl_receiver_class class);
 /* Records have taken what memory they may: there will be no more. */
