@@ -56,14 +56,9 @@ static bool append(sl_record_octree *t, uint32_t node, const sl_record_terms *k,
 
 /* ---- which cells ---- */
 
-static float outside(float low, float side, float p) {
-    return p < low ? low - p : p > low + side ? p - (low + side) : 0.0f;
-}
-
 static bool reaches(const sl_record_terms *k, float reach, sl_vec3 low, float side) {
-    const float x = outside(low.x, side, k->position.x), y = outside(low.y, side, k->position.y),
-                z = outside(low.z, side, k->position.z);
-    return x * x + y * y + z * z <= reach * reach;
+    const sl_vec3 d = sl_outside_box(low, sl_add(low, sl_v3(side, side, side)), k->position);
+    return sl_dot(d, d) <= reach * reach;
 }
 
 static sl_vec3 corner_of(sl_vec3 low, float half, unsigned octant) {

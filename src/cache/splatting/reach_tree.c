@@ -37,15 +37,9 @@ sl_status sl_reach_tree_insert(sl_reach_tree *tree, sl_vec3 position, float radi
 
 /* ---- the question ---- */
 
-static float outside(float low, float high, float x) {
-    return x < low ? low - x : x > high ? x - high : 0.0f;
-}
-
 /* Returns at most the distance from p to anything in the box: rounding is paid for. */
 static float distance_to_box(const sl_reach_node *n, sl_vec3 p) {
-    sl_vec3 d = sl_v3(outside(n->low.x, n->high.x, p.x), outside(n->low.y, n->high.y, p.y),
-                      outside(n->low.z, n->high.z, p.z));
-    return 0.9999f * sl_length(d);
+    return 0.9999f * sl_length(sl_outside_box(n->low, n->high, p));
 }
 
 static float limit_below(const sl_reach_tree *tree, uint32_t index, sl_vec3 p, float radius) {

@@ -7,6 +7,13 @@
 #include "base/isa.h"
 #include "cache/hemisphere/gather.h"
 
+/* Returns by how much a point lies outside a box, axis by axis. */
+static inline sl_vec3 sl_outside_box(sl_vec3 low, sl_vec3 high, sl_vec3 p) {
+    return sl_v3(p.x < low.x ? low.x - p.x : p.x > high.x ? p.x - high.x : 0.0f,
+                 p.y < low.y ? low.y - p.y : p.y > high.y ? p.y - high.y : 0.0f,
+                 p.z < low.z ? low.z - p.z : p.z > high.z ? p.z - high.z : 0.0f);
+}
+
 /* Neighbour clamping asks of every record for the least R_j + |p - p_j| over all others (rule 5 below). An
  * octree whose nodes hold one record each, and know the least R_j below, answers by looking at a few
  * (reach_tree.c). */

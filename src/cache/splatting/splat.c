@@ -117,14 +117,9 @@ sl_mirror_pixels sl_mirror_pixels_find(const sl_gbuffer *g, const sl_reflections
     return m;
 }
 
-static float outside(float low, float high, float x) {
-    return x < low ? low - x : x > high ? x - high : 0.0f;
-}
-
 sl_splat_rect sl_mirror_bounds(const sl_mirror_pixels *m, sl_vec3 centre, float reach, sl_splat_rect seen) {
-    const float x = outside(m->low.x, m->high.x, centre.x), y = outside(m->low.y, m->high.y, centre.y),
-                z = outside(m->low.z, m->high.z, centre.z);
-    return x * x + y * y + z * z <= reach * reach ? rect_union(seen, m->rect) : seen;
+    const sl_vec3 d = sl_outside_box(m->low, m->high, centre);
+    return sl_dot(d, d) <= reach * reach ? rect_union(seen, m->rect) : seen;
 }
 
 /* ---- all records ---- */
