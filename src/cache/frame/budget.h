@@ -1,6 +1,6 @@
 /* Memory within bounds: what a picture would take is worked out from counts before anything is made, and
- * settings are lowered until that fits. Each method tells what it needs (in its folder); which settings may be
- * lowered, and the rule by which they are, is here. */
+ * settings are lowered until that fits. Each method tells what it needs (in its folder); which settings may
+ * be lowered, and the rule by which they are, is here. */
 #ifndef SL_FRAME_BUDGET_H
 #define SL_FRAME_BUDGET_H
 

@@ -78,8 +78,9 @@ static sl_status check_envelope(const sl_bytes *file, file_head *head, sl_error 
     if (file->size < sizeof head->magic || memcmp(head->magic, ours.magic, sizeof head->magic) != 0)
         return sl_fail(error, SL_ERROR_INPUT, "%s: is not a cache of softlux", file->path);
     if (memcmp(head->version, ours.version, sizeof head->version) != 0)
-        return sl_fail(error, SL_ERROR_INPUT, "%s: was written by another version than %s; make the cache anew",
-                       file->path, SL_VERSION);
+        return sl_fail(error, SL_ERROR_INPUT,
+                       "%s: was written by another version than %s; make the cache anew", file->path,
+                       SL_VERSION);
     if (file->size < sizeof *head + CHECKSUM_BYTES || file->size < head->size)
         return sl_fail(error, SL_ERROR_INPUT, "%s: is cut short; make the cache anew", file->path);
     uint64_t sum;

@@ -28,9 +28,12 @@ enum {
      * would darken the faint edges of shadows and brighten the others. So pixels this near to a known
      * penumbra are refined as well. */
     PENUMBRA_MARGIN = 2,
-    FILTER_MARGIN = 2
+    FILTER_MARGIN = 2,
+    SAMPLED_ROWS = 4
 };
 
+static int larger(int a, int b) { return a > b ? a : b; }
+static int smaller(int a, int b) { return a < b ? a : b; }
 static uint32_t smaller_count(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
 static uint32_t samples_with_refinement(const sl_direct *direct) {
@@ -175,7 +178,7 @@ static void clear_row(const sl_direct_sums *sums, size_t pixel, size_t width) {
 typedef struct {
     const sl_direct *direct;
     const sl_gbuffer *gbuffer;
-    int first, row;         /* of the strip with its margin; of the pass */
+    int first, row, end;    /* row: of the strip with its margin; of the pass, and behind its last */
     sl_direct_sums *sums;
     float *out[3];
     sl_counters *counters;  /* one a row of the strip */
@@ -212,26 +215,32 @@ static bool takes_part(const pass *p, sl_row_scan *penumbrae, int x, size_t i) {
     return p->sums->samples[i - p->sums->first] > 0.0f && sl_row_scan_near(penumbrae, x);
 }
 
-static void sample_row(void *context, size_t index, unsigned worker) {
-    const pass *p = context;
+/* Blocks are lit as they are full; the last one is left. */
+static void sample_row(const pass *p, int y, sl_lit_block *block, unsigned worker, sl_counters *counters) {
     const sl_gbuffer *g = p->gbuffer;
-    const int y = p->row + (int)index;
     const size_t width = (size_t)g->width, row = (size_t)y * width;
     sl_row_scan penumbrae = {.rows = 0};
-    sl_lit_block block;
-    block.count = 0;
     if (p->refine) penumbrae = sl_row_scan_start(p->sums, p->sums->partly, g, y, PENUMBRA_MARGIN);
     else clear_row(p->sums, row, width);
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
         for (size_t i = r.first; i < r.end; i++) {
             if (!takes_part(p, &penumbrae, (int)(i - row), i)) continue;
-            sl_lit_block_add(p->direct, g, i, &block);
-            if (block.count < SL_LIGHT_BLOCK) continue;
-            light_block(p, &block, worker, counters_of(p, y));
-            block.count = 0;
+            sl_lit_block_add(p->direct, g, i, block);
+            if (block->count < SL_LIGHT_BLOCK) continue;
+            light_block(p, block, worker, counters);
+            block->count = 0;
         }
     }
-    light_block(p, &block, worker, counters_of(p, y));
+}
+
+/* A task: a few rows, so that what is left of a block is little. */
+static void sample_rows(void *context, size_t index, unsigned worker) {
+    const pass *p = context;
+    const int first = p->row + (int)index * SAMPLED_ROWS, end = smaller(first + SAMPLED_ROWS, p->end);
+    sl_lit_block block;
+    block.count = 0;
+    for (int y = first; y < end; y++) sample_row(p, y, &block, worker, counters_of(p, first));
+    light_block(p, &block, worker, counters_of(p, first));
 }
 
 static void scatter_row(void *context, size_t index, unsigned worker) {
@@ -283,24 +292,21 @@ static void finish_row(void *context, size_t index, unsigned worker) {
 
 /* ---- a strip ---- */
 
-static int larger(int a, int b) { return a > b ? a : b; }
-static int smaller(int a, int b) { return a < b ? a : b; }
-
-/* Rows [row0 - margin, row1 + margin), as far as there are any. */
-static void run(pass *p, sl_task *task, int row0, int row1, int margin) {
+/* Rows [row0 - margin, row1 + margin), as far as there are any, `each` a task. */
+static void run(pass *p, sl_task *task, int each, int row0, int row1, int margin) {
     p->row = larger(row0 - margin, 0);
-    int end = smaller(row1 + margin, p->gbuffer->height);
-    sl_parallel_for(p->direct->settings.threads, (size_t)(end - p->row), task, p);
+    p->end = smaller(row1 + margin, p->gbuffer->height);
+    sl_parallel_for(p->direct->settings.threads, (size_t)((p->end - p->row + each - 1) / each), task, p);
 }
 
 static void run_all(pass *p, int row0, int row1) {
     const bool maps = p->direct->settings.maps != NULL;
-    run(p, sample_row, row0, row1, maps ? 0 : PENUMBRA_MARGIN + FILTER_MARGIN);
+    run(p, sample_rows, SAMPLED_ROWS, row0, row1, maps ? 0 : PENUMBRA_MARGIN + FILTER_MARGIN);
     p->refine = true;
     if (!maps && samples_with_refinement(p->direct) > pilot_samples(p->direct))
-        run(p, sample_row, row0, row1, FILTER_MARGIN);
-    if (!maps) run(p, scatter_row, row0, row1, FILTER_MARGIN);
-    run(p, finish_row, row0, row1, 0);
+        run(p, sample_rows, SAMPLED_ROWS, row0, row1, FILTER_MARGIN);
+    if (!maps) run(p, scatter_row, 1, row0, row1, FILTER_MARGIN);
+    run(p, finish_row, 1, row0, row1, 0);
 }
 
 sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
@@ -315,7 +321,7 @@ sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int
     bool made = make_sums((size_t)first * width, lines * width, &sums) && costs && scratch;
     *row = row1;
     if (made) {
-        pass p = {direct, gbuffer, first, first, &sums, {radiance[0], radiance[1], radiance[2]},
+        pass p = {direct, gbuffer, first, first, end, &sums, {radiance[0], radiance[1], radiance[2]},
                   costs,  scratch, false};
         run_all(&p, row0, row1);
         for (size_t i = 0; i < lines; i++) sl_counters_add(counters, &costs[i]);
