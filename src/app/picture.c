@@ -5,6 +5,7 @@
 #include "app/page.h"
 #include "app/same_file.h"
 #include "base/error.h"
+#include "base/values.h"
 #include "image/output_file.h"
 #include "image/tone.h"
 #include "scene/features.h"
@@ -16,7 +17,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static bool is_png(const char *path) { return sl_name_ends_with(path, ".png"); }
+static bool is_png(const char *path) { return sl_ends_with(path, ".png"); }
 
 static sl_tone tone_of(const sl_render_options *o) {
     return (sl_tone){(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given};
@@ -89,8 +90,8 @@ static void tell_blank_picture(const sl_render_options *o, const sl_scene *scene
 /* ---- names of files ---- */
 
 bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
-    bool known = sl_name_ends_with(o->output, ".exr") || sl_name_ends_with(o->output, ".png") ||
-                 sl_name_ends_with(o->output, ".pfm");
+    bool known = sl_ends_with(o->output, ".exr") || sl_ends_with(o->output, ".png") ||
+                 sl_ends_with(o->output, ".pfm");
     if (known && (!o->frames || sl_frame_pattern_is_good(o->output))) return true;
     if (known)
         sl_fail(error, SL_ERROR_USAGE,
@@ -225,24 +226,6 @@ static void add_warnings(cJSON *root, const sl_image *image) {
     }
 }
 
-/* Facts of a picture for --json, beside its method. */
-typedef struct written {
-    sl_image *image;
-    double seconds; /* from its start until it was there, writing it not included */
-    double stops;   /* of a PNG */
-} written;
-
-/* progress: NULL, or there are to be warnings. The caller destroys the picture. */
-static sl_status write_picture(const sl_render_options *o, const sl_scene *scene, sl_method *method,
-                               double start, const char *path, const sl_progress *progress, written *w,
-                               sl_error *error) {
-    sl_status status = sl_method_resolve(method, &w->image, error);
-    if (status != SL_OK) return status;
-    w->seconds = sl_seconds_now() - start;
-    if (progress) sl_picture_warn(o, scene, progress, w->image);
-    return sl_picture_write(o, w->image, path, &w->stops, error);
-}
-
 cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const sl_method *method,
                        const sl_image *image, const sl_progress *progress, double seconds) {
     int width = o->settings.width, height = o->settings.height;
@@ -277,41 +260,50 @@ static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_me
     return status;
 }
 
-/* Prints one object, or of a series one line a frame. */
-static void print(const sl_render_options *o, const sl_scene *scene, const sl_method *method,
-                  const sl_progress *progress, const written *w, unsigned long long frame,
-                  uint64_t records_before, const char *name) {
-    cJSON *json = o->frames ? cJSON_CreateObject()
-                            : sl_picture_json(o, scene, method, w->image, progress, w->seconds);
-    if (o->frames) {
-        uint64_t records = sl_method_counters(method)->value[SL_COUNT_RECORDS] - records_before;
-        cJSON_AddNumberToObject(json, "frame", (double)frame);
-        cJSON_AddStringToObject(json, "output", name);
-        cJSON_AddNumberToObject(json, "seconds", w->seconds);
-        cJSON_AddNumberToObject(json, "new_records", (double)records);
-        cJSON_AddBoolToObject(json, "done", progress->done);
-        add_warnings(json, w->image);
-    }
-    sl_picture_add_tone(o, w->stops, json);
-    sl_json_print(json, o->frames > 0);
+/* Returns what is told of a frame of a series. */
+static cJSON *frame_json(unsigned long long frame, const char *name, double seconds, uint64_t records,
+                         const sl_progress *progress, const sl_image *image) {
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddNumberToObject(json, "frame", (double)frame);
+    cJSON_AddStringToObject(json, "output", name);
+    cJSON_AddNumberToObject(json, "seconds", seconds);
+    cJSON_AddNumberToObject(json, "new_records", (double)records);
+    cJSON_AddBoolToObject(json, "done", progress->done);
+    add_warnings(json, image);
+    return json;
+}
+
+static uint64_t records_of(const sl_method *method) {
+    return sl_method_counters(method)->value[SL_COUNT_RECORDS];
 }
 
 /* The picture, or frame number `frame`, of the method's scene as it stands; an interrupted frame is none. */
 static sl_status render_one(const sl_render_options *o, const sl_scene *scene, sl_method *method,
                             unsigned long long frame, double begin, sl_progress *progress, sl_error *error) {
-    double start = sl_seconds_now(), before = o->frames ? (double)frame / (double)o->frames : 0.0;
+    const bool series = o->frames > 0;
+    const double start = series ? sl_seconds_now() : begin;
+    const uint64_t records = records_of(method);
     char name[4096];
-    written w = {0};
-    uint64_t records = sl_method_counters(method)->value[SL_COUNT_RECORDS];
+    sl_image *image = NULL;
+    double stops = 0.0;
     snprintf(name, sizeof name, "%s", o->output);
-    if (o->frames) sl_frame_name(o->output, frame, name, sizeof name);
-    else start = begin;
+    if (series) sl_frame_name(o->output, frame, name, sizeof name);
     *progress = (sl_progress){0};
-    sl_status status = sl_picture_run(o, method, progress, begin, before, error);
-    if (status != SL_OK || (o->frames && sl_interrupted())) return status;
-    status = write_picture(o, scene, method, start, name, frame == 0 ? progress : NULL, &w, error);
-    if (status == SL_OK && o->json) print(o, scene, method, progress, &w, frame, records, name);
-    sl_image_destroy(w.image);
+    sl_status status = sl_picture_run(o, method, progress, begin,
+                                      series ? (double)frame / (double)o->frames : 0.0, error);
+    if (status != SL_OK || (series && sl_interrupted())) return status;
+    status = sl_method_resolve(method, &image, error);
+    const double seconds = sl_seconds_now() - start; /* writing it not included */
+    if (status == SL_OK && frame == 0) sl_picture_warn(o, scene, progress, image);
+    if (status == SL_OK) status = sl_picture_write(o, image, name, &stops, error);
+    if (status == SL_OK && o->json) {
+        cJSON *json =
+            series ? frame_json(frame, name, seconds, records_of(method) - records, progress, image)
+                   : sl_picture_json(o, scene, method, image, progress, seconds);
+        sl_picture_add_tone(o, stops, json);
+        sl_json_print(json, series);
+    }
+    sl_image_destroy(image);
     return status;
 }
 

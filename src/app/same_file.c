@@ -11,11 +11,6 @@
 
 /* ---- names of a series ---- */
 
-bool sl_name_ends_with(const char *name, const char *end) {
-    size_t n = strlen(name), m = strlen(end);
-    return n >= m && strcmp(name + n - m, end) == 0;
-}
-
 /* Finds where the number begins and ends, and its width. */
 static bool find_number(const char *name, const char **begin, const char **end, int *width) {
     const char *p = strchr(name, '%');

@@ -22,7 +22,6 @@ sl_status sl_make_folder(const char *folder, const char *name, sl_error *error);
 
 /* ---- names of a series ---- */
 
-bool sl_name_ends_with(const char *name, const char *end);
 /* Tells whether there is one %d, %4d or %04d, and no other %. */
 bool sl_frame_pattern_is_good(const char *pattern);
 void sl_frame_name(const char *pattern, unsigned long long frame, char *name, size_t size);

@@ -2,6 +2,7 @@
 
 #include "app/same_file.h"
 #include "base/error.h"
+#include "base/values.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -9,7 +10,7 @@
 #include <string.h>
 
 static bool is_stream(const char *output) {
-    return strcmp(output, "-") == 0 || sl_name_ends_with(output, ".y4m");
+    return strcmp(output, "-") == 0 || sl_ends_with(output, ".y4m");
 }
 
 sl_status sl_show_files_check(const char *output, double frames_per_second, sl_error *error) {
@@ -20,7 +21,7 @@ sl_status sl_show_files_check(const char *output, double frames_per_second, sl_e
                         "--output: a stream has a rate: expected --fps above 0 for '%s'", output);
         return strcmp(output, "-") == 0 ? SL_OK : sl_output_check(output, error);
     }
-    if (sl_name_ends_with(output, ".png") && sl_frame_pattern_is_good(output)) {
+    if (sl_ends_with(output, ".png") && sl_frame_pattern_is_good(output)) {
         char first[4096];
         sl_frame_name(output, 0, first, sizeof first);
         return sl_output_check(first, error);

@@ -7,6 +7,7 @@
 #include "app/steps/explanations.h"
 #include "app/steps/record.h"
 #include "base/error.h"
+#include "image/tone.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -98,34 +99,28 @@ static sl_status add_film(cJSON *run, const sl_scene *scene, const sl_steps_opti
 
 /* ---- what each layer is worth ---- */
 
-/* The picture less one of its layers, in place, and put back. */
-static double error_without(sl_image *picture, const char *layer, const sl_image *reference) {
-    static const char *const colours[3] = {"R", "G", "B"};
-    size_t pixels = (size_t)picture->width * (size_t)picture->height;
-    float *kept = malloc(3 * pixels * sizeof *kept);
-    if (!kept) return -1.0;
-    for (size_t c = 0; c < 3; c++) {
-        char name[SL_CHANNEL_NAME_MAX];
-        snprintf(name, sizeof name, "%s.%s", layer, colours[c]);
-        float *whole = sl_image_channel(picture, colours[c]);
-        const float *part = sl_image_channel(picture, name);
-        memcpy(kept + c * pixels, whole, pixels * sizeof *kept);
-        for (size_t i = 0; i < pixels; i++) whole[i] -= part[i];
+/* Returns the error of the picture less one of its layers. */
+static double error_without(const sl_image *picture, const char *layer, const sl_image *reference) {
+    const size_t pixels = (size_t)picture->width * (size_t)picture->height;
+    const float *whole[3], *part[3];
+    sl_image *rest = NULL;
+    double error = -1.0;
+    if (sl_layer_planes(picture, NULL, whole) && sl_layer_planes(picture, layer, part) &&
+        sl_image_create(picture->width, picture->height, 3, NULL, &rest, NULL) == SL_OK) {
+        for (size_t i = 0; i < 3 * pixels; i++)
+            rest->planes[i] = whole[i / pixels][i % pixels] - part[i / pixels][i % pixels];
+        error = error_of(rest, reference);
     }
-    double without = error_of(picture, reference);
-    for (size_t c = 0; c < 3; c++)
-        memcpy(sl_image_channel(picture, colours[c]), kept + c * pixels, pixels * sizeof *kept);
-    free(kept);
-    return without;
+    sl_image_destroy(rest);
+    return error;
 }
 
-static void add_layers(cJSON *run, sl_image *picture, const sl_image *reference) {
+static void add_layers(cJSON *run, const sl_image *picture, const sl_image *reference) {
     static const char *const names[] = {"emission", "direct", "specular", "indirect", "glossy"};
     cJSON *layers = cJSON_AddObjectToObject(run, "layers");
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        char red[SL_CHANNEL_NAME_MAX];
-        snprintf(red, sizeof red, "%s.R", names[i]);
-        if (sl_image_channel(picture, red))
+        const float *planes[3];
+        if (sl_layer_planes(picture, names[i], planes))
             add_error(layers, names[i], error_without(picture, names[i], reference));
     }
 }
