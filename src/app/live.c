@@ -2,8 +2,7 @@
 #include "app/auto_method.h"
 #include "app/clock.h"
 #include "app/commands.h"
-#include "app/live/output.h"
-#include "app/live/report.h"
+#include "app/show_files.h"
 #include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/page.h"
@@ -58,6 +57,56 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
     return sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status);
 }
 
+/* ---- the account of a show: frames, updates, where the time of an update goes ---------------- */
+
+typedef struct show_report {
+    const char *scene, *method;
+    int width, height;
+    double seconds;
+    uint64_t frames, missed;
+    double drawing, longest;      /* seconds of the drawing thread, and by the clock */
+    /* seconds from moves to frames that show what they have changed: their sum over last.changes_shown, and
+     * the longest */
+    double lag, longest_lag;
+    sl_live_state last;
+    sl_counters counters;
+    const sl_pass_times *stages;
+} show_report;
+
+static double a_second(uint64_t count, double seconds) {
+    return seconds > 0.0 ? (double)count / seconds : 0.0;
+}
+static double each(double seconds, uint64_t count) { return count ? 1e3 * seconds / (double)count : 0.0; }
+
+static cJSON *json_of(const show_report *r) {
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddItemToObject(root, "size", cJSON_CreateIntArray((const int[]){r->width, r->height}, 2));
+    cJSON_AddStringToObject(root, "scene", r->scene);
+    cJSON_AddStringToObject(root, "method", r->method);
+    cJSON_AddNumberToObject(root, "seconds", r->seconds);
+    cJSON_AddNumberToObject(root, "frames", (double)r->frames);
+    cJSON_AddNumberToObject(root, "missed", (double)r->missed);
+    cJSON_AddNumberToObject(root, "frames_a_second", a_second(r->frames, r->seconds));
+    cJSON_AddNumberToObject(root, "drawing_ms", each(r->drawing, r->frames));
+    cJSON_AddNumberToObject(root, "longest_ms", 1e3 * r->longest);
+    cJSON_AddNumberToObject(root, "updates", (double)r->last.updates);
+    cJSON_AddNumberToObject(root, "updates_a_second", a_second(r->last.updates, r->seconds));
+    cJSON_AddNumberToObject(root, "points_a_second",
+                            a_second(r->counters.value[SL_COUNT_POINTS_SHADED], r->seconds));
+    cJSON_AddNumberToObject(root, "versions", (double)r->last.versions);
+    cJSON_AddNumberToObject(root, "error_levels", r->last.error_levels);
+    cJSON_AddNumberToObject(root, "changes_shown", (double)r->last.changes_shown);
+    cJSON_AddNumberToObject(root, "lag_ms", each(r->lag, r->last.changes_shown));
+    cJSON_AddNumberToObject(root, "longest_lag_ms", 1e3 * r->longest_lag);
+    cJSON *stages = cJSON_AddObjectToObject(root, "stages_ms");
+    for (int i = 0; i < r->stages->count; i++) {
+        const sl_pass_time *s = &r->stages->pass[i];
+        cJSON_AddNumberToObject(stages, s->name, each(s->seconds, s->times));
+    }
+    sl_json_add_counters(root, "counters", &r->counters, false);
+    return root;
+}
+
 /* ---- the display loop ------------------------------------------------------------------------ */
 
 /* Frames stand in slots of 1/fps; one that comes late for its slot stands in the one that it comes in. */
@@ -68,7 +117,7 @@ typedef struct show {
     sl_tone tone;
     double begin;
     uint64_t slot;
-    sl_show_report report;
+    show_report report;
 } show;
 
 static uint64_t slot_at(const show *s, double now) {
@@ -171,7 +220,7 @@ static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *er
     int width = o->settings.width, height = o->settings.height;
     if (!width) sl_scene_film(scene, &width, &height);
     show s = {.o = o, .tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given}};
-    s.report = (sl_show_report){.scene = o->scene_path,
+    s.report = (show_report){.scene = o->scene_path,
                                 .method = o->settings.method,
                                 .width = width,
                                 .height = height,
@@ -182,8 +231,8 @@ static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *er
     if (status == SL_OK) status = play(&s, scene, &stages, error);
     sl_status closed = sl_show_files_close(&s.files, status == SL_OK, error);
     if (status == SL_OK) status = closed;
-    if (status == SL_OK && o->json) sl_show_report_json(&s.report);
-    else if (status == SL_OK && !o->quiet) sl_show_report_print(&s.report);
+    if (status == SL_OK && o->json) sl_json_print(json_of(&s.report), false);
+    else if (status == SL_OK && !o->quiet) sl_json_lines(stderr, json_of(&s.report)); /* not into a stream */
     return status;
 }
 

@@ -15,40 +15,35 @@ static const double wanted_share = 0.1;
 
 /* ---- which references ---- */
 
-static sl_bench_reference *add_reference(sl_bench_scene *s, const char *transport) {
-    for (size_t i = 0; i < s->reference_count; i++) {
-        if (strcmp(s->references[i].transport, transport) == 0) return &s->references[i];
-    }
-    sl_bench_reference *r = &s->references[s->reference_count++];
-    snprintf(r->transport, sizeof r->transport, "%s", transport);
-    return r;
+/* Returns the number of a reference, which is listed from now on. */
+static int reference_of(sl_bench_scene *s, const char *transport) {
+    for (size_t i = 0; i < s->reference_count; i++)
+        if (strcmp(s->references[i].transport, transport) == 0) return (int)i;
+    snprintf(s->references[s->reference_count].transport, SL_BENCH_PATHS, "%s", transport);
+    return (int)s->reference_count++;
 }
 
 static bool list_references(const sl_bench_options *o, sl_bench_scene *s) {
+    const bool *truth = o->trials->truth;
     s->reference_count = 0;
     s->references = calloc(s->row_count + 3, sizeof *s->references);
     if (!s->references) return false;
-    if (o->trials->truth[SL_BENCH_FULL]) add_reference(s, "full");
-    if (o->trials->truth[SL_BENCH_ONE_BOUNCE]) add_reference(s, "one-bounce");
+    if (truth[SL_BENCH_FULL]) reference_of(s, "full"); /* first: the others are compared with it */
     for (size_t i = 0; i < s->row_count; i++) {
-        if (o->trials->truth[SL_BENCH_MATCHED] && s->rows[i].end == SL_CHILD_DONE)
-            add_reference(s, s->rows[i].trial->transport);
+        sl_bench_row *row = &s->rows[i];
+        for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
+            const char *paths =
+                t == SL_BENCH_MATCHED ? row->trial->transport : sl_bench_truth_name((sl_bench_truth)t);
+            row->reference[t] = truth[t] && row->end == SL_CHILD_DONE ? reference_of(s, paths) : -1;
+        }
     }
-    if (o->trials->truth[SL_BENCH_FULL]) add_reference(s, "direct");
+    if (truth[SL_BENCH_FULL]) reference_of(s, "direct");
     return true;
 }
 
-static bool is_judged_by(const sl_bench_options *o, const sl_bench_row *row, const char *transport,
-                         sl_bench_truth truth) {
-    if (row->end != SL_CHILD_DONE || !o->trials->truth[truth]) return false;
-    return strcmp(transport,
-                  truth == SL_BENCH_MATCHED ? row->trial->transport : sl_bench_truth_name(truth)) == 0;
-}
-
-static bool is_used_by(const sl_bench_options *o, const sl_bench_row *row, const char *transport) {
-    for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
-        if (is_judged_by(o, row, transport, (sl_bench_truth)t)) return true;
-    }
+static bool is_used_by(const sl_bench_row *row, int reference) {
+    for (int t = 0; t < SL_BENCH_TRUTHS; t++)
+        if (row->reference[t] == reference) return true;
     return false;
 }
 
@@ -56,14 +51,14 @@ static bool is_used_by(const sl_bench_options *o, const sl_bench_row *row, const
 
 /* Returns the smallest error that would be told with this reference, and what share of it is in doubt; 0:
  * none. */
-static double smallest_error(const sl_bench_options *o, const sl_bench_scene *s, const sl_bench_reference *r,
-                             const sl_image *reference, double *doubt) {
+static double smallest_error(const sl_bench_scene *s, const sl_bench_reference *r, const sl_image *reference,
+                             double *doubt) {
     double smallest = *doubt = 0.0;
     for (size_t i = 0; i < s->row_count; i++) {
         sl_image *picture = NULL;
         sl_bench_error e;
         sl_error error;
-        if (!is_used_by(o, &s->rows[i], r->transport) ||
+        if (!is_used_by(&s->rows[i], (int)(r - s->references)) ||
             sl_image_read(s->rows[i].picture, &picture, NULL) != SL_OK)
             continue;
         if (sl_judge_quickly(picture, reference, &e, &error) == SL_OK && e.known && e.rel_rmse > 0.0 &&
@@ -82,7 +77,7 @@ static double metadata(const sl_image *image, const char *key) {
 }
 
 /* Reads the reference as it stands, and sees how good it is and should be. */
-static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench_reference *r) {
+static void look_at(const sl_bench_scene *s, sl_bench_reference *r) {
     sl_image *image = NULL;
     double mean;
     sl_error error;
@@ -91,7 +86,7 @@ static void look_at(const sl_bench_options *o, const sl_bench_scene *s, sl_bench
     if (sl_judge_noise(image, &r->noise, &mean, &error) == SL_OK) {
         r->samples = (uint64_t)metadata(image, "softlux.spp");
         r->seconds = metadata(image, SL_TRIAL_SECONDS);
-        r->wanted = wanted_share * smallest_error(o, s, r, image, &r->doubt);
+        r->wanted = wanted_share * smallest_error(s, r, image, &r->doubt);
     }
     sl_image_destroy(image);
 }
@@ -113,25 +108,24 @@ static sl_status refine(const sl_bench_options *o, const sl_bench_scene *s, sl_b
     sl_status status = SL_OK;
     uint64_t samples;
     sl_reference_path(o->references, s, r->transport, r->file);
-    look_at(o, s, r);
+    look_at(s, r);
     while (status == SL_OK && !r->trouble[0] && !sl_interrupted() && (samples = next_samples(o, r)) > 0) {
         sl_progress_show(o->quiet, -1.0, "%s, reference %s: %llu samples, noise %.2g %%, wanted %.2g %%",
                          s->name, r->transport, (unsigned long long)samples, 100.0 * r->noise,
                          100.0 * r->wanted);
         status = sl_reference_make(o, s, samples, r, error);
-        if (status == SL_OK) look_at(o, s, r);
+        if (status == SL_OK) look_at(s, r);
     }
     return status;
 }
 
 /* ---- the answers ---- */
 
-static void judge_row(const sl_bench_options *o, sl_bench_row *row, const sl_bench_reference *r,
-                      const sl_image *reference) {
+static void judge_row(sl_bench_row *row, int number, const sl_image *reference) {
     sl_image *picture = NULL;
-    if (!is_used_by(o, row, r->transport) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
+    if (!is_used_by(row, number) || sl_image_read(row->picture, &picture, NULL) != SL_OK) return;
     for (int t = 0; t < SL_BENCH_TRUTHS; t++) {
-        if (!is_judged_by(o, row, r->transport, (sl_bench_truth)t)) continue;
+        if (row->reference[t] != number) continue;
         sl_image *difference = NULL;
         sl_error error;
         bool wanted = t == SL_BENCH_MATCHED && row->trial->quality != SL_BENCH_CURVE && !row->difference;
@@ -162,13 +156,13 @@ static void compare_with_full(sl_bench_reference *r, const sl_image *reference, 
     sl_image_destroy(difference);
 }
 
-static void judge_all(const sl_bench_options *o, sl_bench_scene *s) {
+static void judge_all(sl_bench_scene *s) {
     sl_image *full = NULL;
     for (size_t i = 0; i < s->reference_count; i++) {
         sl_bench_reference *r = &s->references[i];
         sl_image *reference = NULL;
         if (!r->samples || sl_image_read(r->file, &reference, NULL) != SL_OK) continue;
-        for (size_t k = 0; k < s->row_count; k++) judge_row(o, &s->rows[k], r, reference);
+        for (size_t k = 0; k < s->row_count; k++) judge_row(&s->rows[k], (int)i, reference);
         if (strcmp(r->transport, "full") == 0) {
             full = reference;
             continue;
@@ -184,7 +178,7 @@ sl_status sl_evaluate(const sl_bench_options *o, sl_bench_scene *s, sl_error *er
     sl_status status = list_references(o, s) ? SL_OK : sl_fail_memory(error, "a list of references");
     for (size_t i = 0; i < s->reference_count && status == SL_OK; i++)
         status = refine(o, s, &s->references[i], error);
-    if (status == SL_OK) judge_all(o, s);
+    if (status == SL_OK) judge_all(s);
     sl_progress_clear(o->quiet);
     return status;
 }

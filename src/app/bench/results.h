@@ -33,6 +33,7 @@ typedef struct sl_bench_row {
     /* seconds until the picture was there, reading the scene not included; cpu: of all threads */
     sl_bench_spread cpu, wall;
     const cJSON *result, *look; /* what its first run and its look reported, in the journal; NULL: nothing */
+    int reference[SL_BENCH_TRUTHS]; /* of the scene's, that errors are told against; -1: none */
     sl_bench_error error[SL_BENCH_TRUTHS];
     char picture[SL_BENCH_PATH];
     char *difference; /* against the matched reference, as a PNG in base 64; or NULL */

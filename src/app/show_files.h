@@ -1,6 +1,6 @@
 /* The frames of a show as files: numbered PNGs, or one stream that players take (YUV4MPEG2, uncompressed). */
-#ifndef SL_APP_LIVE_OUTPUT_H
-#define SL_APP_LIVE_OUTPUT_H
+#ifndef SL_APP_SHOW_FILES_H
+#define SL_APP_SHOW_FILES_H
 
 #include "image/output_file.h"
 

@@ -1,4 +1,4 @@
-#include "app/live/output.h"
+#include "app/show_files.h"
 
 #include "app/same_file.h"
 #include "base/error.h"
