@@ -22,6 +22,7 @@
 
 #include "app/bench/report.h"
 #include "app/bench/schedule.h"
+#include "app/page.h"
 #include "base/math.h"
 #include "common.h"
 #include "cache/frame/settings.h"

@@ -22,6 +22,13 @@ void sl_tell_warnings(const sl_scene *scene, bool quiet) {
 
 /* ---- text ---- */
 
+const char *sl_next_item(const char **at, const char *between, size_t *length) {
+    const char *item = *at ? *at + strspn(*at, between) : "";
+    *length = strcspn(item, between);
+    *at = item + *length;
+    return *length ? item : NULL;
+}
+
 void sl_put_escaped(FILE *out, const char *text) {
     for (; *text; text++) {
         switch (*text) {

@@ -14,6 +14,9 @@ int sl_complain(const sl_error *error);
 /* Prints what loading a scene had to repair, a line each. */
 void sl_tell_warnings(const sl_scene *scene, bool quiet);
 
+/* Returns the next item of a list (or NULL) behind `*at`, of which it is the length; NULL: there is none. */
+const char *sl_next_item(const char **at, const char *between, size_t *length);
+
 /* Files that the linker has put in, from their beginning to their end. */
 typedef struct sl_page_files {
     const char *css, *css_end, *js, *js_end;

@@ -169,15 +169,6 @@ void sl_picture_add_tone(const sl_render_options *o, double stops, cJSON *json) 
     cJSON_AddBoolToObject(tone, "automatic", !o->exposure_given);
 }
 
-/* Returns the next of the picture's warnings, one a line; *rest: behind it. NULL behind the last. */
-static const char *next_warning(const char **rest, int *length) {
-    const char *line = *rest;
-    if (!line || !*line) return NULL;
-    *length = (int)strcspn(line, "\n");
-    *rest = line + *length + (line[*length] == '\n');
-    return line;
-}
-
 static void tell_bounces(const sl_render_options *o) {
     if (!(o->next_bounce > 0.0)) return;
     fprintf(stderr, "softlux: --bounces %u: one more would add %.1f %% of the light\n", o->settings.bounces,
@@ -203,9 +194,9 @@ static void tell_left_out(const sl_render_options *o, const sl_scene *scene) {
 void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl_progress *progress,
                      const sl_image *image) {
     const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
-    int length;
-    while (!o->quiet && (line = next_warning(&rest, &length)))
-        fprintf(stderr, "softlux: warning: %.*s\n", length, line);
+    size_t length;
+    while (!o->quiet && (line = sl_next_item(&rest, "\n", &length)))
+        fprintf(stderr, "softlux: warning: %.*s\n", (int)length, line);
     const char *reduced = sl_image_metadata(image, "softlux.reduced");
     if (reduced && !o->quiet) fprintf(stderr, "softlux: to keep within --memory: %s\n", reduced);
     if (o->quiet || !(progress->done || progress->frame_done)) return;
@@ -219,9 +210,9 @@ static void add_warnings(cJSON *root, const sl_image *image) {
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
     const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
     char text[2048];
-    int length;
-    while ((line = next_warning(&rest, &length))) {
-        snprintf(text, sizeof text, "%.*s", length, line);
+    size_t length;
+    while ((line = sl_next_item(&rest, "\n", &length))) {
+        snprintf(text, sizeof text, "%.*s", (int)length, line);
         cJSON_AddItemToArray(warnings, cJSON_CreateString(text));
     }
 }

@@ -18,6 +18,7 @@
 #include "app/bench/references.h"
 #include "app/bench/report.h"
 #include "app/bench/trials.h"
+#include "app/page.h"
 #include "scene_files.h"
 
 /* ---- the journal ---- */

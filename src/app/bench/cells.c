@@ -12,6 +12,8 @@
  *   any other word              the picture's metadata softlux.WORD: counter.records, octree.leaves */
 #include "app/bench/report.h"
 
+#include "app/page.h"
+
 #include <math.h>
 #include <string.h>
 

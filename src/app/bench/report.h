@@ -18,8 +18,6 @@ void sl_report_terminal(const sl_bench_results *results, FILE *out);
 void sl_report_overview(FILE *out, const void *results);
 /* Prints what it says of an sl_bench_scene. */
 void sl_report_scene(FILE *out, const void *scene);
-/* One page with everything in it: the Markdown, its plots, and pictures. */
-sl_status sl_report_page(const sl_bench_results *results, const char *path, sl_error *error);
 /* tables.md: what a page in words quotes, each table between <!-- table NAME --> and <!-- end -->; those of a
  * file of trials are a row for each trial in each scene. Of sl_bench_results. */
 void sl_report_tables(FILE *out, const void *results);

@@ -3,6 +3,7 @@
 #include "app/bench/schedule.h"
 
 #include "app/clock.h"
+#include "app/page.h"
 #include "base/error.h"
 
 #include <stdio.h>

@@ -163,10 +163,3 @@ void sl_trials_free(sl_trials *trials) {
     free(trials->text);
     *trials = (sl_trials){0};
 }
-
-const char *sl_next_item(const char **at, const char *between, size_t *length) {
-    const char *item = *at ? *at + strspn(*at, between) : "";
-    *length = strcspn(item, between);
-    *at = item + *length;
-    return *length ? item : NULL;
-}

@@ -60,8 +60,6 @@ typedef struct sl_trials {
  * names it. */
 sl_status sl_trials_read(const char *path, sl_trials *trials, sl_error *error);
 void sl_trials_free(sl_trials *trials);
-/* Returns the next item of a list (or NULL) behind `*at`, of which it is the length; NULL: there is none. */
-const char *sl_next_item(const char **at, const char *between, size_t *length);
 const char *sl_bench_truth_name(sl_bench_truth truth);
 const char *sl_bench_quality_name(sl_bench_quality quality);
 

@@ -124,23 +124,33 @@ static double apart(const sl_image *image, const sl_image *reference, const sl_c
     return sqrt(fmax(0.0, result->rel_rmse * result->rel_rmse - a * a - b * b));
 }
 
-/* Pixel centres lie the other way round in a mirrored room, so nothing but the picture's own grid differs. */
-static verdict compare(const checking *c, const sl_hard_case *hard, sl_image *image) {
+/* independent: by samples of their own. */
+static verdict compare(const checking *c, const sl_hard_case *hard, const sl_image *image,
+                       const sl_image *against, bool independent, double bound) {
     sl_comparison result;
     sl_error error;
+    if (sl_image_compare(image, against, NULL, &result, NULL, &error) != SL_OK)
+        return bad("%.90s", error.message);
+    /* no light, or hardly any */
+    if (!(result.mean_reference > 1e-9) && hard->expectation == SL_EXPECT_TRUE)
+        return judged(c, hard, result.rmse, 1e-6);
+    return judged(c, hard, apart(image, against, &result, independent), bound);
+}
+
+static bool tells_noise(const sl_image *image) { return sl_image_channel(image, "even.R") != NULL; }
+
+/* Pixel centres lie the other way round in a mirrored room, so nothing but the picture's own grid differs. */
+static verdict compare_with_plain(const checking *c, const sl_hard_case *hard, sl_image *image) {
     if (hard->expectation == SL_EXPECT_SOUND) return sound(image);
     if (hard->expectation == SL_EXPECT_MIRRORED) exchange_sides(image);
     size_t values = 3 * (size_t)image->width * (size_t)image->height;
     for (size_t i = 0; hard->expectation == SL_EXPECT_SCALED && i < values; i++)
         image->planes[i] = (float)((double)image->planes[i] / hard->emission);
-    if (sl_image_compare(image, c->plain, NULL, &result, NULL, &error) != SL_OK)
-        return bad("%.90s", error.message);
-    const bool tells = sl_image_channel(image, "even.R") != NULL;
-    const bool independent =
-        tells && (hard->expectation == SL_EXPECT_MIRRORED || hard->expectation == SL_EXPECT_RESAMPLED);
+    const bool tells = tells_noise(image), other = hard->expectation == SL_EXPECT_MIRRORED ||
+                                                   hard->expectation == SL_EXPECT_RESAMPLED;
     double bound = fmax(hard->most, tells ? 0.0 : fmax(hard->noises * c->noise, hard->errors * c->error));
-    if (independent) bound = fmax(bound, noise_of_noise);
-    return judged(c, hard, apart(image, c->plain, &result, independent), bound);
+    if (tells && other) bound = fmax(bound, noise_of_noise);
+    return compare(c, hard, image, c->plain, tells && other, bound);
 }
 
 /* Compares with the same room and light paths, path traced. */
@@ -148,18 +158,11 @@ static verdict compare_with_truth(const checking *c, const sl_hard_case *hard, c
                                   const sl_image *image) {
     sl_error error;
     sl_image *truth = NULL;
-    sl_comparison result;
     if (render(c, scene, true, 0, 2, &truth, &error) != SL_OK)
         return bad("path traced: %.70s", error.message);
     verdict v = sound(truth);
-    const bool tells = sl_image_channel(image, "even.R") != NULL;
-    if (v.good && sl_image_compare(image, truth, NULL, &result, NULL, &error) != SL_OK)
-        v = bad("%.90s", error.message);
-    /* no light, or hardly any */
-    else if (v.good && !(result.mean_reference > 1e-9)) v = judged(c, hard, result.rmse, 1e-6);
-    else if (v.good)
-        v = judged(c, hard, apart(image, truth, &result, true),
-                   fmax(hard->most, tells ? noise_of_noise : hard->errors * c->error));
+    const double noise = tells_noise(image) ? noise_of_noise : hard->errors * c->error;
+    if (v.good) v = compare(c, hard, image, truth, true, fmax(hard->most, noise));
     sl_image_destroy(truth);
     return v;
 }
@@ -177,7 +180,7 @@ static verdict check_case(const checking *c, const sl_hard_case *hard) {
     else v = sound(one);
     if (v.good)
         v = hard->expectation == SL_EXPECT_TRUE ? compare_with_truth(c, hard, scene, one)
-                                                : compare(c, hard, one);
+                                                : compare_with_plain(c, hard, one);
     sl_image_destroy(one);
     sl_image_destroy(three);
     sl_scene_destroy(scene);
