@@ -150,7 +150,8 @@ void sl_cell(const sl_bench_scene *s, const sl_bench_row *r, const char *column,
     else if (!(e && find_error(e, more, &f)) && !find_figure(s, r, column, &f))
         snprintf(cell, SL_CELL, "%s", text_cell(s, r, column));
     else if (!plain) print_figure(&f, cell);
-    else snprintf(cell, SL_CELL, isnan(f.value) ? "" : "%.7g", f.value);
+    else if (isnan(f.value)) cell[0] = '\0';
+    else snprintf(cell, SL_CELL, "%.7g", f.value);
 }
 
 bool sl_next_column(const char **at, char column[SL_CELL]) {
