@@ -16,8 +16,8 @@
 typedef struct sl_face_lattice {
     int32_t first, rows;
 } sl_face_lattice;
-/* of a small triangle: colour at its corner 0, differences of those at corners 1 and 2; three to spare */
-enum { SL_LATTICE_FLOATS = 12 };
+/* of a small triangle: colour at its corner 0, differences of those at corners 1 and 2 */
+enum { SL_LATTICE_FLOATS = 9 };
 typedef struct sl_lattice_colours {
     const sl_face_lattice *face;
     const float *colour;
@@ -45,7 +45,7 @@ sl_frame sl_known_colours_frame(sl_vec3 normal);
 
 /* A picture: the pixel in column i and row j looks along x[i] frame.x + y[j width] frame.y + frame.z. */
 typedef struct sl_colour_pixels {
-    int width, height;             /* width is a multiple of four */
+    int width, height;
     const uint32_t *id;            /* SL_NO_INDEX: background */
     const float *w1, *w2;          /* where in its triangle: sl_raster_barycentrics() */
     const float *x, *y;

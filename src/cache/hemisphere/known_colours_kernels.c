@@ -1,7 +1,5 @@
 #include "cache/hemisphere/known_colours.h"
 
-#include <string.h>
-
 /* A row is done in blocks: indices in lanes, then the numbers at those indices brought beside one another,
  * then arithmetic in lanes again. */
 enum { BLOCK = 64 };
@@ -11,36 +9,10 @@ typedef struct block {
     _Alignas(64) int32_t first[BLOCK], rows[BLOCK], at[BLOCK];
 } block;
 
-/* ---- tables to lanes ------------------------------------------------------------------------- */
-
-typedef float four __attribute__((vector_size(16)));
-
-static inline four load(const float *from) {
-    four v;
-    memcpy(&v, from, sizeof v);
-    return v;
-}
-
-static inline void store(float *to, four v) { memcpy(to, &v, sizeof v); }
-
-/* Entries of twelve floats, four pixels at a time: three times four rows of four become columns. (count is a
- * multiple of four.) */
 static inline void fetch(const float *restrict table, const int32_t *restrict index, int count,
                          float (*restrict out)[BLOCK]) {
-    for (int k = 0; k < count; k += 4) {
-        for (int c = 0; c < 12; c += 4) {
-            four p = load(table + 12 * index[k] + c), q = load(table + 12 * index[k + 1] + c);
-            four r = load(table + 12 * index[k + 2] + c), s = load(table + 12 * index[k + 3] + c);
-            four pq = __builtin_shufflevector(p, q, 0, 4, 1, 5),
-                 rs = __builtin_shufflevector(r, s, 0, 4, 1, 5);
-            four ps = __builtin_shufflevector(p, q, 2, 6, 3, 7),
-                 rq = __builtin_shufflevector(r, s, 2, 6, 3, 7);
-            store(&out[c][k], __builtin_shufflevector(pq, rs, 0, 1, 4, 5));
-            store(&out[c + 1][k], __builtin_shufflevector(pq, rs, 2, 3, 6, 7));
-            store(&out[c + 2][k], __builtin_shufflevector(ps, rq, 0, 1, 4, 5));
-            store(&out[c + 3][k], __builtin_shufflevector(ps, rq, 2, 3, 6, 7));
-        }
-    }
+    for (int k = 0; k < count; k++)
+        for (int c = 0; c < SL_LATTICE_FLOATS; c++) out[c][k] = table[SL_LATTICE_FLOATS * index[k] + c];
 }
 
 /* ---- where on the lattice -------------------------------------------------------------------- */

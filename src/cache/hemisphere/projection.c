@@ -57,32 +57,28 @@ static bool is_cell(const sl_gather_tables *t, int x, int y) {
     return t->length[(size_t)y * (size_t)t->width + (size_t)x] > 0.0f; /* else blank */
 }
 
-/* Adds to a list, or only counts where there is none. */
 static void append(entry *list, size_t *count, wall_type type, int x, int y) {
-    if (list) list[*count] = (entry){type, x, y};
-    ++*count;
+    list[(*count)++] = (entry){type, x, y};
 }
 
-/* Cells and walls whose middles have x >= 0 and y >= 0. */
+/* Lists the cells and walls whose middles have x >= 0 and y >= 0. */
 static void list_quadrant(quadrant *q) {
     const sl_gather_tables *t = q->tables;
+    size_t *cells = &q->projection->cells.count, *walls = &q->projection->walls.count;
     int width = t->width, first = width / 2;
     bool extended = sl_gather_is_extended(t);
-    size_t cells = 0, walls = 0;
     for (int y = first; y < width; y++) {
         for (int x = first; x < width; x++) {
             if (!is_cell(t, x, y)) continue;
-            append(q->cells, &cells, COLUMN, x, y);
+            append(q->cells, cells, COLUMN, x, y);
             bool column = 2 * x >= width && is_cell(t, x - 1, y),
                  row = 2 * y >= width && is_cell(t, x, y - 1);
-            if (column) append(q->walls, &walls, COLUMN, x, y);
-            if (row) append(q->walls, &walls, ROW, x, y);
-            if (column && extended && y == width - 1) append(q->walls, &walls, BORDER_COLUMN, x, y);
-            if (row && extended && x == width - 1) append(q->walls, &walls, BORDER_ROW, x, y);
+            if (column) append(q->walls, walls, COLUMN, x, y);
+            if (row) append(q->walls, walls, ROW, x, y);
+            if (column && extended && y == width - 1) append(q->walls, walls, BORDER_COLUMN, x, y);
+            if (row && extended && x == width - 1) append(q->walls, walls, BORDER_ROW, x, y);
         }
     }
-    q->projection->cells.count = cells;
-    q->projection->walls.count = walls;
 }
 
 static uint32_t mirrored_cell(const sl_gather_tables *t, int x, int y, int image) {
@@ -341,18 +337,17 @@ size_t sl_projection_bytes(const sl_projection *p) {
 
 static sl_status fill(quadrant *q, unsigned threads, sl_error *error) {
     sl_projection *p = q->projection;
-    list_quadrant(q); /* counts */
-    sl_status status = allocate_list(&p->cells, p->groups, 1, error);
+    size_t side = (size_t)q->tables->width / 2 + 1;
+    q->cells = sl_allocate(side * side, sizeof *q->cells);
+    q->walls = sl_allocate(4 * side * side, sizeof *q->walls);
+    bool room = q->cells && q->walls;
+    if (room) list_quadrant(q);
+    sl_status status = room ? allocate_list(&p->cells, p->groups, 1, error)
+                            : sl_fail_memory(error, "tables of hemispherical harmonics");
     if (status == SL_OK) status = allocate_list(&p->walls, p->groups, 2, error);
-    if (status != SL_OK) return status;
-    q->cells = sl_allocate(p->cells.count, sizeof *q->cells);
-    q->walls = sl_allocate(p->walls.count, sizeof *q->walls);
-    if (q->cells && q->walls) {
-        list_quadrant(q);
+    if (status == SL_OK) {
         sl_parallel_for(threads, p->cells.blocks, fill_cells, q);
         sl_parallel_for(threads, p->walls.blocks, fill_walls, q);
-    } else {
-        status = sl_fail_memory(error, "tables of hemispherical harmonics");
     }
     sl_free(q->cells);
     sl_free(q->walls);

@@ -6,13 +6,11 @@
 
 #include "base/math.h"
 
-enum { FEW_LAMPS = 16 };  /* all of which are looked at by angle; of more, those alone that are nearer */
-#define DISTANT                                                                                           \
-    4.0 /* times their extent: beyond, a lamp's area tells nearly as much as its solid angle, which takes \
-           longer to find */
-#define LEAST_IMPORTANCE                                                                                   \
-    0.01f /* of a lamp at the lobe's far end; samples of what turns out brighter weigh more than others by \
-             the inverse */
+enum { FEW_LAMPS = 16 }; /* all of which are looked at by angle; of more, those alone that are nearer */
+/* times their extent: beyond, a lamp's area tells nearly as much as its solid angle, which takes longer */
+#define DISTANT 4.0
+/* of a lamp at the lobe's far end; samples of what turns out brighter weigh more by the inverse */
+#define LEAST_IMPORTANCE 0.01f
 
 /* ---- how near the lobe's axis a lamp comes ---- */
 
@@ -42,45 +40,18 @@ static double closest_cosine(const sl_vec3d corner[3], sl_vec3d axis) {
 
 /* ---- one lamp ---- */
 
-static float lobe_value(const sl_bsdf *lobe, double cosine) {
-    return cosine > 0.0 ? sl_powf(fminf((float)cosine, 1.0f), lobe->exponent) : 0.0f;
-}
-
 /* Where no part of a lamp is much nearer than another, its solid angle is about this. */
-static double distant_solid_angle(const sl_polygon_light *light, sl_vec3d towards, double squared) {
-    double emitted = -sl_dotd(towards, sl_to_double(light->normal));
+static double distant_solid_angle(const sl_polygon_light *light, const sl_vec3d corner[3]) {
+    sl_vec3d middle = sl_scaled(sl_addd(sl_addd(corner[0], corner[1]), corner[2]), 1.0 / 3.0);
+    double squared = sl_dotd(middle, middle), emitted = -sl_dotd(middle, sl_to_double(light->normal));
     return squared > 0.0 && emitted > 0.0 ? (double)light->area * emitted / (squared * sqrt(squared)) : 0.0;
 }
 
-/* Sampled by area: far away, too small, or seen from so flat an angle that its corners cannot be told apart.
- */
-static float look_from_afar(const sl_bsdf *lobe, const sl_polygon_light *light, const sl_vec3d corner[3],
-                            sl_lamp *lamp) {
-    sl_vec3d middle = sl_scaled(sl_addd(sl_addd(corner[0], corner[1]), corner[2]), 1.0 / 3.0), towards[3];
-    for (int c = 0; c < 3; c++) {
-        double length = sl_lengthd(corner[c]);
-        towards[c] = length > 0.0 ? sl_scaled(corner[c], 1.0 / length) : corner[c];
-    }
-    lamp->seen.solid_angle = distant_solid_angle(light, middle, sl_dotd(middle, middle));
-    return lobe_value(lobe, closest_cosine(towards, sl_to_double(lobe->mirror_direction)));
-}
-
-/* The parts above the horizon. */
-static float look_by_angle(const sl_bsdf *lobe, const sl_polygon_light *light, sl_vec3 p, sl_lamp *lamp) {
-    double cosine = -1.0;
-    sl_seen_triangle_make(light->corner, p, lobe->normal, &lamp->seen);
-    for (int k = 0; k < lamp->seen.parts; k++) {
-        const sl_spherical_triangle *t = &lamp->seen.part[k];
-        const sl_vec3d towards[3] = {t->a, t->b, t->c};
-        cosine = fmax(cosine, closest_cosine(towards, sl_to_double(lobe->mirror_direction)));
-    }
-    return lobe_value(lobe, cosine);
-}
-
-/* Fills in all but the sums; the lobe's largest value on the lamp. */
+/* Fills in all but the sums; returns the lobe's largest value on the lamp. Far away, too small, or seen from
+ * so flat an angle that its corners cannot be told apart, a lamp is sampled by its area. */
 static float look_at(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 p, uint32_t side, sl_lamp *lamp) {
     const sl_polygon_light *light = &direct->sides.polygon[side];
-    sl_vec3d corner[3];
+    sl_vec3d corner[3], towards[3];
     double highest = 0.0, nearest = INFINITY;
     lamp->side = side;
     lamp->seen.parts = 0;
@@ -88,14 +59,17 @@ static float look_at(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 p, ui
     if (!(sl_dot(light->normal, sl_sub(p, light->corner[0])) > 0.0f)) return 0.0f;
     for (int c = 0; c < 3; c++) {
         corner[c] = sl_subd(sl_to_double(light->corner[c]), sl_to_double(p));
+        double squared = sl_dotd(corner[c], corner[c]);
+        towards[c] = squared > 0.0 ? sl_scaled(corner[c], 1.0 / sqrt(squared)) : corner[c];
         highest = fmax(highest, sl_dotd(corner[c], sl_to_double(lobe->normal)));
-        nearest = fmin(nearest, sl_dotd(corner[c], corner[c]));
+        nearest = fmin(nearest, squared);
     }
     if (!(highest > 0.0)) return 0.0f;
-    bool by_angle =
-        direct->sides.count <= FEW_LAMPS || nearest < DISTANT * DISTANT * (double)light->extent_squared;
-    float value = by_angle ? look_by_angle(lobe, light, p, lamp) : 0.0f;
-    return lamp->seen.parts ? value : look_from_afar(lobe, light, corner, lamp);
+    if (direct->sides.count <= FEW_LAMPS || nearest < DISTANT * DISTANT * (double)light->extent_squared)
+        sl_seen_triangle_make(light->corner, p, lobe->normal, &lamp->seen);
+    if (!lamp->seen.parts) lamp->seen.solid_angle = distant_solid_angle(light, corner);
+    double cosine = closest_cosine(towards, sl_to_double(lobe->mirror_direction));
+    return cosine > 0.0 ? sl_powf(fminf((float)cosine, 1.0f), lobe->exponent) : 0.0f;
 }
 
 bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 position, sl_lamps *lamps) {

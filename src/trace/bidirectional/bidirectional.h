@@ -41,7 +41,6 @@ typedef struct sl_bidirectional_point_settings {
     /* surfaces between the point and the light, at most, mirrors not counted; 0: 6; or
      * SL_BOUNCES_UNLIMITED */
     uint32_t bounces;
-    uint32_t roulette_after; /* surfaces of either walk; 0: 3 */
     uint64_t seed;
     /* irradiance leaves out light that comes to the point by way of mirrors alone (L S+ D), which somebody
      * else counts; */

@@ -16,6 +16,8 @@
  * decided for later samples depends on earlier ones alone, so nothing is biased. */
 static const double worth_a_ray = 0.15;
 
+enum { ROULETTE_AFTER = 3 }; /* surfaces of either walk */
+
 struct sl_bidirectional_points {
     sl_bidirectional_point_settings settings; /* complete */
     sl_light_sampler *lights;
@@ -88,7 +90,7 @@ static sl_path_maker maker_for(const sl_bidirectional_points *p, const sl_scene 
     }
     sl_path_maker maker;
     sl_path_maker_init(&maker, scene, tracer, p->lights, &p->sequence, &transport);
-    maker.roulette_after = p->settings.roulette_after;
+    maker.roulette_after = ROULETTE_AFTER;
     maker.eye_vertices = lobe == SL_LOBE_MIRROR ? 1 : 2;
     return maker;
 }
@@ -120,7 +122,6 @@ sl_status sl_bidirectional_points_create(const sl_scene *scene, const sl_tracer 
     if (settings) p->settings = *settings;
     if (p->settings.samples == 0) p->settings.samples = 400;
     if (p->settings.bounces == 0) p->settings.bounces = 6;
-    if (p->settings.roulette_after == 0) p->settings.roulette_after = 3;
     sl_status status = make_points(p, scene, tracer, error);
     if (status != SL_OK) {
         sl_bidirectional_points_destroy(p);
