@@ -5,7 +5,7 @@
  *
  * Eight points at a time: sums are kept in eight lanes, point i in lane i mod 8, and joined in a fixed order
  * at the end, so that every instruction set gives the same bits. */
-#include "cache/light_octree/lights.h"
+#include "cache/light_octree/voxel_lights.h"
 
 #include "base/math.h"
 

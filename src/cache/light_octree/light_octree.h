@@ -6,7 +6,7 @@
  *   motion.c          frames while things move: photons in slices, direct light by shadow maps
  *   plan.c            which passes a scene needs; picture.c: a picture's layers, and what is said of it
  *   ../photons/       photon tracing, the kd-tree, and the k nearest photons
- *   octree.c          the voxels, on geometry; triangle_cells.c
+ *   octree.c          the voxels, on geometry
  *   leaf.c            a set of lights, step by step: photons, area, clusters, lights
  *   photon_area.c     the area of the triangles around, less what no photon met
  *   cluster_kernels.c K-means on photons' directions; voxel_lobes.c: from clusters to lights

@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#include "base/code_sort.h"
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
@@ -13,7 +14,7 @@
 /* Things around the central region take light from it, too. */
 static const double AROUND_CENTRE = 1.5;
 
-enum { CHUNK = 2048, RADIX_BITS = 11, RADIX = 1 << RADIX_BITS };
+enum { CHUNK = 2048 };
 
 /* ---- the space of cells ---- */
 
@@ -35,6 +36,62 @@ sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t tri
     uint32_t *const *vertex = (uint32_t *const *)space->scene->vertex;
     return sl_cell_triangle_of(place(space, vertex[0][triangle]), place(space, vertex[1][triangle]),
                                place(space, vertex[2][triangle]));
+}
+
+/* ---- the part of a triangle in a box, by clipping (Sutherland and Hodgman 1974) ---- */
+
+static void put(sl_vec3d *p, int axis, double value) {
+    if (axis == 0) p->x = value;
+    else if (axis == 1) p->y = value;
+    else p->z = value;
+}
+
+void sl_triangle_part_below(const sl_triangle_part *in, int axis, double plane, double sign,
+                            sl_triangle_part *out) {
+    out->count = 0;
+    for (int i = 0; i < in->count && out->count < SL_TRIANGLE_PART_CORNERS - 1; i++) {
+        sl_vec3d p = in->corner[i], q = in->corner[i + 1 < in->count ? i + 1 : 0];
+        double a = sign * (sl_along(p, axis) - plane), b = sign * (sl_along(q, axis) - plane);
+        if (a <= 0.0) out->corner[out->count++] = p;
+        if ((a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0)) {
+            sl_vec3d cut = sl_addd(p, sl_scaled(sl_subd(q, p), a / (a - b)));
+            put(&cut, axis, plane);
+            out->corner[out->count++] = cut;
+        }
+    }
+}
+
+/* A fan of triangles about the first corner: all turn the same way. */
+static void measure(sl_triangle_part *clipped) {
+    const sl_vec3d *p = clipped->corner;
+    sl_vec3d mean = {0}, weighted = {0};
+    double area = 0.0;
+    for (int i = 0; i < clipped->count; i++) mean = sl_addd(mean, p[i]);
+    for (int i = 1; i + 1 < clipped->count; i++) {
+        double piece = 0.5 * sl_lengthd(sl_crossd(sl_subd(p[i], p[0]), sl_subd(p[i + 1], p[0])));
+        area += piece;
+        weighted =
+            sl_addd(weighted, sl_scaled(sl_addd(sl_subd(p[i], p[0]), sl_subd(p[i + 1], p[0])), piece / 3.0));
+    }
+    clipped->area = area;
+    if (area > 0.0) clipped->centroid = sl_addd(p[0], sl_scaled(weighted, 1.0 / area));
+    else if (clipped->count > 0) clipped->centroid = sl_scaled(mean, 1.0 / clipped->count);
+    else clipped->centroid = sl_v3d(0.0, 0.0, 0.0);
+}
+
+void sl_triangle_in_box(const sl_cell_triangle *triangle, sl_vec3d low, sl_vec3d high,
+                        sl_triangle_part *clipped) {
+    sl_triangle_part other;
+    clipped->count = 3;
+    for (int k = 0; k < 3; k++) clipped->corner[k] = triangle->corner[k];
+    for (int axis = 0; axis < 3; axis++) {
+        double a = sl_along(triangle->corner[0], axis), b = sl_along(triangle->corner[1], axis),
+               c = sl_along(triangle->corner[2], axis), l = sl_along(low, axis), h = sl_along(high, axis);
+        if (fmin(fmin(a, b), c) >= l && fmax(fmax(a, b), c) <= h) continue;
+        sl_triangle_part_below(clipped, axis, l, -1.0, &other);
+        sl_triangle_part_below(&other, axis, h, 1.0, clipped);
+    }
+    measure(clipped);
 }
 
 /* ---- pairs of cells and triangles ---- */
@@ -119,58 +176,38 @@ static void visit_chunk(void *context, size_t index, unsigned worker) {
     }
 }
 
-/* Stable, by Morton code alone: triangles come in ascending order already. The result is in *pair; *spare is
- * scratch. */
-static void sort_pairs(uint64_t **pair, uint64_t **spare, size_t count, int code_bits) {
-    for (int shift = 32; shift < 32 + code_bits; shift += RADIX_BITS) {
-        static const uint64_t mask = RADIX - 1;
-        size_t start[RADIX] = {0};
-        for (size_t i = 0; i < count; i++) start[(*pair)[i] >> shift & mask]++;
-        size_t sum = 0;
-        for (int d = 0; d < RADIX; d++) {
-            size_t here = start[d];
-            start[d] = sum;
-            sum += here;
-        }
-        for (size_t i = 0; i < count; i++) (*spare)[start[(*pair)[i] >> shift & mask]++] = (*pair)[i];
-        uint64_t *other = *pair;
-        *pair = *spare;
-        *spare = other;
-    }
-}
-
 /* ---- leaves ---- */
 
 static bool takes_photons(const sl_scene *scene, uint32_t triangle) {
     return sl_takes_photons(&scene->materials[scene->material_index[triangle]]);
 }
 
-/* Cells in which nothing takes photons are no leaves. */
-static size_t drop_dark_cells(const sl_scene *scene, uint64_t *pair, size_t count) {
+/* Cells in which nothing takes photons are no leaves. Returns how many pairs are left. */
+static size_t drop_dark_cells(const sl_scene *scene, sl_coded *pair, size_t count) {
     size_t kept = 0;
     for (size_t i = 0, end; i < count; i = end) {
         bool takes = false;
-        for (end = i; end < count && pair[end] >> 32 == pair[i] >> 32; end++) {
-            takes |= takes_photons(scene, (uint32_t)pair[end]);
-        }
+        for (end = i; end < count && pair[end].code == pair[i].code; end++)
+            takes |= takes_photons(scene, pair[end].item);
         for (size_t k = i; takes && k < end; k++) pair[kept++] = pair[k];
     }
     return kept;
 }
 
-static size_t count_leaves(const uint64_t *pair, size_t count) {
+static bool begins_leaf(const sl_coded *pair, size_t i) { return i == 0 || pair[i].code != pair[i - 1].code; }
+
+static size_t count_leaves(const sl_coded *pair, size_t count) {
     size_t leaves = 0;
-    for (size_t i = 0; i < count; i++) leaves += i == 0 || pair[i] >> 32 != pair[i - 1] >> 32;
+    for (size_t i = 0; i < count; i++) leaves += begins_leaf(pair, i);
     return leaves;
 }
 
-static void fill_leaves(sl_octree *octree, const uint64_t *pair) {
+static void fill_leaves(sl_octree *octree, const sl_coded *pair) {
     size_t leaf = 0;
     for (size_t i = 0; i < octree->triangle_count; i++) {
-        octree->triangle[i] = (uint32_t)pair[i];
-        if (i == 0 || pair[i] >> 32 != pair[i - 1] >> 32) {
-            octree->leaf[leaf++] = (sl_octree_leaf){.morton = pair[i] >> 32, .first_triangle = (uint32_t)i};
-        }
+        octree->triangle[i] = pair[i].item;
+        if (begins_leaf(pair, i))
+            octree->leaf[leaf++] = (sl_octree_leaf){.morton = pair[i].code, .first_triangle = (uint32_t)i};
         octree->leaf[leaf - 1].triangle_count++;
     }
 }
@@ -183,29 +220,28 @@ static sl_status allocate_leaves(sl_octree *octree, size_t leaves, size_t triang
     return octree->leaf && octree->triangle ? SL_OK : sl_fail_memory(error, "the octree");
 }
 
+static void join_chunks(const builder *b, size_t chunks, sl_coded *pair) {
+    for (size_t i = 0; i < chunks; i++)
+        for (size_t k = 0; k < b->chunk[i].count; k++)
+            *pair++ = (sl_coded){b->chunk[i].pair[k] >> 32, (uint32_t)b->chunk[i].pair[k]};
+}
+
 /* From the chunks' pairs to leaves. */
 static sl_status make_leaves(builder *b, size_t chunks, sl_error *error) {
-    size_t count = 0, at = 0;
+    size_t count = 0;
     bool failed = false;
     for (size_t i = 0; i < chunks; i++) {
         count += b->chunk[i].count;
         failed |= b->chunk[i].failed;
     }
-    if (failed || count > UINT32_MAX) return sl_fail_memory(error, "the octree's triangle lists");
-    uint64_t *pair = sl_allocate(count, sizeof *pair), *spare = sl_allocate(count, sizeof *spare);
-    sl_status status = pair && spare ? SL_OK : sl_fail_memory(error, "the octree's triangle lists");
-    if (status == SL_OK) {
-        for (size_t i = 0; i < chunks; i++) {
-            if (b->chunk[i].count) memcpy(pair + at, b->chunk[i].pair, b->chunk[i].count * sizeof *pair);
-            at += b->chunk[i].count;
-        }
-        sort_pairs(&pair, &spare, count, 3 * b->octree->depth);
-        count = drop_dark_cells(b->space.scene, pair, count);
-        status = allocate_leaves(b->octree, count_leaves(pair, count), count, error);
-    }
+    sl_coded *pair = failed || count > UINT32_MAX ? NULL : sl_allocate_unset(count, sizeof *pair);
+    if (!pair) return sl_fail_memory(error, "the octree's triangle lists");
+    join_chunks(b, chunks, pair);
+    sl_sort_coded(pair, count);
+    count = drop_dark_cells(b->space.scene, pair, count);
+    sl_status status = allocate_leaves(b->octree, count_leaves(pair, count), count, error);
     if (status == SL_OK) fill_leaves(b->octree, pair);
     sl_free(pair);
-    sl_free(spare);
     return status;
 }
 

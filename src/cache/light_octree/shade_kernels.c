@@ -1,6 +1,6 @@
 /* Sixteen points at a time against lights that are the same for all of them. Colours are blended between
  * voxels after they are reflected: directions of unrelated clusters must not be averaged. */
-#include "cache/light_octree/shade_kernels.h"
+#include "cache/light_octree/shade.h"
 
 #include "base/math.h"
 

@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/light_octree/triangle_cells.h"
 
 /* ---- a direction in one float beside its light's colour ---- */
 

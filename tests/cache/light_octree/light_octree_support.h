@@ -8,7 +8,7 @@
 
 #include "base/math.h"
 #include "cache/light_octree/shade.h"
-#include "cache/light_octree/triangle_cells.h"
+#include "cache/light_octree/octree.h"
 
 static inline sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) {
     sl_octree *octree = NULL;

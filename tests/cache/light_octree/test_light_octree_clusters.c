@@ -10,7 +10,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
-#include "cache/light_octree/lights.h"
+#include "cache/light_octree/voxel_lights.h"
 
 enum { MOST = 6000 };
 

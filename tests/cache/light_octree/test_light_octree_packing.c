@@ -8,7 +8,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
-#include "cache/light_octree/lights.h"
+#include "cache/light_octree/voxel_lights.h"
 
 static sl_vec3d random_unit(uint64_t key, uint64_t i) {
     double z = 2.0 * (double)sl_random_unit(key, 2 * i) - 1.0, r = sqrt(1.0 - z * z),
