@@ -9,7 +9,8 @@
 
 #include <math.h>
 
-/* Texels a side of a light's map, of samples of emitters a quarter; rays where there are no maps. */
+/* Texels a side of a light's map, of samples of emitters a quarter; rays where there are no maps, or memory
+ * is short. */
 enum { MAP_SIZE = 512, MAP_SIZE_LEAST = 64, MAP_TEXELS = 1 << 24, RAYS = 4 };
 /* All slices together have a quarter of the photons of a picture at rest. */
 enum { PATHS_DIVISOR = 4 * SL_OCTREE_SLICES };
@@ -41,7 +42,7 @@ static sl_status make_direct(sl_octree_state *s, sl_error *error) {
     const sl_shadow_map_settings maps = {map_size(s->scene), sampled_sky(s), NULL, threads};
     sl_status status = SL_OK;
     if (m->direct || !s->plan.direct) return status;
-    if (sl_emitter_sides(s->scene) <= SL_SHADOW_MAP_SIDES_MAX)
+    if (!s->settings.memory_bytes && sl_emitter_sides(s->scene) <= SL_SHADOW_MAP_SIDES_MAX)
         status = sl_shadow_maps_create(s->scene, s->raster, &maps, &m->maps, &s->counters, error);
     const sl_direct_settings direct = {.light_samples = RAYS,
                                        .seed = s->settings.seed,

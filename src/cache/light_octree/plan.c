@@ -181,6 +181,7 @@ sl_memory_need sl_octree_need(const sl_scene *scene, const sl_settings *settings
                                        (double)sl_octree_photon_chunks(settings) * chunk_bytes(scene) +
                                        triangles * A_TRIANGLE + voxel_bytes(o, triangles)
                                  : 0.0;
+    if (scene->animation) caches += (double)o->photons * A_PHOTON / SL_OCTREE_SLICES; /* motion.c */
     if (o->atlas) caches += (double)o->atlas_size * o->atlas_size * A_TEXEL;
     caches += sl_need_lights(scene) * 400.0 + sl_need_of_threads(settings, A_THREAD) + sky;
     return (sl_memory_need){.hierarchies = sl_tracer_memory_need(scene) +

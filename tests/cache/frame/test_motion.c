@@ -20,10 +20,10 @@ typedef struct motion {
 } motion;
 
 /* Photons that are other ones make 0.06 of the octree's. Direct radiance mapping does all of a frame anew. */
-static const motion motions[] = {{"light-octree", "scenes/moving-ball.json", 400, 0.1},
-                                 {"light-octree", "scenes/moving-light.json", 100, 0.1},
+static const motion motions[] = {{"light-octree", "scenes/moving-ball.json", 400, 0.12},
+                                 {"light-octree", "scenes/moving-light.json", 50, 0.12},
                                  {"direct-radiance", "scenes/moving-ball.json", 400, 1e-6},
-                                 {"direct-radiance", "scenes/moving-light.json", 400, 1e-6}};
+                                 {"direct-radiance", "scenes/moving-light.json", 100, 1e-6}};
 
 static void good(sl_status status, const sl_error *error) {
     if (status != SL_OK) fail_msg("%s", error->message);
@@ -35,8 +35,8 @@ static sl_settings settings_of(const motion *m, unsigned threads) {
     s.filter = SL_FILTER_CENTRE;
     s.threads = threads;
     s.light_octree.depth = 3;
-    s.light_octree.photons = 65536;
-    s.light_octree.neighbours = 200;
+    s.light_octree.photons = 32768;
+    s.light_octree.neighbours = 120;
     return s;
 }
 
