@@ -360,7 +360,7 @@ enum {
     SL_CHANGED_MATERIALS = 16, /**< colour or gloss of surfaces */
     SL_CHANGED_SKY = 32,
     SL_CHANGED_KINDS = 64      /**< surfaces have become diffuse, glossy or a mirror, or are no more;
-                                  textures, masks, bumps */
+                                  textures, masks, bumps; objects that come, go or are deformed */
 };
 /** Moves camera, objects and lights to their keyframes' state at a time. Methods that were created for the
  * scene are then to be told by sl_method_edit(), before anything else is asked of them (which is refused
@@ -507,7 +507,8 @@ SL_API sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_erro
 
 /** Changes of a scene, collected beside it by the rules for scenes that are built. They take place together
  * with sl_scene_edit_commit(), or not at all; then methods are told with sl_method_edit(). A scene that was
- * edited is the scene: a method that has followed gives what one gives that is created then.
+ * edited is the scene: a method that has followed gives what one gives that is created then, and one that is
+ * created anew its bits.
  *
  * Materials, textures, objects and lights are known by numbers from 1. In a scene that was built those of
  * materials and textures are the builder's; objects are numbered in the order in which instances and quads
@@ -539,6 +540,26 @@ SL_API sl_status sl_edit_light(sl_scene_edit *edit, uint32_t light, const float 
  * scaled, not mirrored. From then on keyframes do not move it. */
 SL_API sl_status sl_edit_transform(sl_scene_edit *edit, uint32_t object, const double columns[16],
                                    sl_error *error);
+/** Adds a point, spot or directional light, whose number is the next one. One that is to go again is turned
+ * off. */
+SL_API sl_status sl_edit_add_light(sl_scene_edit *edit, const sl_light_data *light, uint32_t *number,
+                                   sl_error *error);
+/** Adds an object, whose number is the next one: a mesh of the scene's materials (each triangle names one),
+ * which is copied. */
+SL_API sl_status sl_edit_add_object(sl_scene_edit *edit, const sl_mesh_data *mesh, uint32_t *object,
+                                    sl_error *error);
+/** Takes away an object that was there before the edit, not one of bicubic surfaces. The others keep their
+ * numbers; its own stands for nothing from then on. */
+SL_API sl_status sl_edit_remove_object(sl_scene_edit *edit, uint32_t object, sl_error *error);
+/** Returns how many vertices an object has, and fills positions and normals (three numbers each; or NULL)
+ * with them as they are before it is moved. Vertices of a mesh that agree in all that they have are one, and
+ * a mesh without normals has some for each facet. */
+SL_API size_t sl_scene_vertices(const sl_scene *scene, uint32_t object, float *positions, float *normals);
+/** Deforms an object: gives all its vertices, in that order, other positions and normals (copied; NULL: those
+ * of the triangles around them), from which it is moved as before by sl_edit_transform(), and no more by
+ * keyframes. Likewise not of bicubic surfaces. */
+SL_API sl_status sl_edit_vertices(sl_scene_edit *edit, uint32_t object, size_t count, const float *positions,
+                                  const float *normals, sl_error *error);
 /** Sets the sky, as sl_scene_builder_environment() does; one that is black takes it away. */
 SL_API sl_status sl_edit_environment(sl_scene_edit *edit, int width, int height, const float *radiance,
                                      sl_error *error);
@@ -672,7 +693,7 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
  *                    camera              power, colours        places of lights     surfaces, sky
  *   splatting        records             -                     -                    -
  *   direct-radiance  direct radiance     -                     -                    -
- *   light-octree     photons, leaves     -                     -                    -
+ *   light-octree     photons, leaves     the octree shows until photons are traced anew
  *   multi-mesh       irradiance, coarse  samples of direct     -                    -
  *                    mesh, diffuse and   light, each light's
  *                    indirect meshes     mesh
@@ -685,9 +706,10 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
  * of the coarse mesh that matter more or less than before beside the others; thresholds that are new may
  * split meshes further, whose samples are all that SL_COUNT_LIGHT_SAMPLES counts then. Indirect light is
  * gathered again. With 16 lights or more by the ratio estimator, whose samples depend on what other lights
- * give, and with the option "memory" it keeps nothing. SL_CHANGED_KINDS, lights of a kind that there was
- * none of, and a light that is lit or put out in multi-mesh: all is made anew. The paper of splatting keeps
- * records of a scene that stands still, as this does. */
+ * give, and with the option "memory" it keeps nothing. SL_CHANGED_KINDS (objects that come, go or are
+ * deformed are of these), lights of a kind that there was none of, and a light that is lit or put out in
+ * multi-mesh: all is made anew, so that bits are those of a method that is created then. The paper of
+ * splatting keeps records of a scene that stands still, as this does. */
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
 /** Tells whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
 SL_API bool sl_method_keeps_cache(const sl_method *method);

@@ -331,6 +331,16 @@ class Scene:
             raise UsageError(f"material {number}: there is none of that number")
         return data
 
+    def vertices(self, thing):
+        """Positions and normals of an object's vertices, before it is moved, as SceneEdit.vertices() takes
+        them."""
+        number = self._found(lib.sl_scene_find_object, "object", thing)
+        count = lib.sl_scene_vertices(self._handle, number, ffi.NULL, ffi.NULL)
+        positions, normals = numpy.zeros((2, count, 3), dtype="float32")
+        lib.sl_scene_vertices(self._handle, number, ffi.from_buffer("float[]", positions),
+                              ffi.from_buffer("float[]", normals))
+        return positions, normals
+
     def edit(self):
         """Begins a SceneEdit: with scene.edit() as edit: ..."""
         return SceneEdit(self)
@@ -390,6 +400,22 @@ def _sky(radiance):
     return width, height, ffi.from_buffer("float[]", radiance)
 
 
+def _mesh(positions, indices, normals=None, texture_coordinates=None, material=0, materials=None, name=None):
+    """The fields of sl_mesh_data."""
+    positions = _array("positions", positions, "float32", None, 3)
+    indices = _array("indices", indices, "uint32_t", None, 3)
+    vertices, triangles = len(positions), len(indices)
+    if normals is not None:
+        normals = _array("normals", normals, "float32", vertices, 3)
+    if texture_coordinates is not None:
+        texture_coordinates = _array("texture_coordinates", texture_coordinates, "float32", vertices, 2)
+    if materials is not None:
+        materials = _array("materials", materials, "uint32_t", triangles)
+    return {"name": name, "vertex_count": vertices, "positions": positions, "normals": normals,
+            "texture_coordinates": texture_coordinates, "triangle_count": triangles, "indices": indices,
+            "materials": materials, "material": material}
+
+
 class SceneBuilder:
     """Makes a scene from arrays by the rules for scene files. What is added is told apart by the numbers that
     come back; 0 is none. Fields are those of the header's structs, sl_material_data and so on."""
@@ -423,19 +449,8 @@ class SceneBuilder:
              name=None, borrowed=False):
         """Triangles, which are not seen until they are placed. borrowed: the arrays are not copied, and must
         not be changed until the scene is built."""
-        positions = _array("positions", positions, "float32", None, 3)
-        indices = _array("indices", indices, "uint32_t", None, 3)
-        vertices, triangles = len(positions), len(indices)
-        if normals is not None:
-            normals = _array("normals", normals, "float32", vertices, 3)
-        if texture_coordinates is not None:
-            texture_coordinates = _array("texture_coordinates", texture_coordinates, "float32", vertices, 2)
-        if materials is not None:
-            materials = _array("materials", materials, "uint32_t", triangles)
-        return self._add(lib.sl_scene_builder_mesh, "sl_mesh_data", name=name, vertex_count=vertices,
-                         positions=positions, normals=normals, texture_coordinates=texture_coordinates,
-                         triangle_count=triangles, indices=indices, materials=materials, material=material,
-                         borrowed=borrowed)
+        return self._add(lib.sl_scene_builder_mesh, "sl_mesh_data", borrowed=borrowed,
+                         **_mesh(positions, indices, normals, texture_coordinates, material, materials, name))
 
     def instance(self, mesh, transform=None, material=0, name=None):
         """Places a mesh; transform: a matrix of 4 x 4 for columns of coordinates."""
@@ -506,6 +521,34 @@ class SceneEdit:
         """Moves an object from where it was built, by a matrix of 4 x 4 for columns of coordinates."""
         number = self._scene._found(lib.sl_scene_find_object, "object", thing)
         self._call(lib.sl_edit_transform, number, ffi.from_buffer("double[]", _columns(transform)))
+
+    def vertices(self, thing, positions, normals=None):
+        """Deforms an object: all vertices that Scene.vertices() tells, elsewhere."""
+        number = self._scene._found(lib.sl_scene_find_object, "object", thing)
+        positions = _array("positions", positions, "float32", None, 3)
+        if normals is not None:
+            normals = ffi.from_buffer("float[]", _array("normals", normals, "float32", len(positions), 3))
+        self._call(lib.sl_edit_vertices, number, len(positions), ffi.from_buffer("float[]", positions),
+                   ffi.NULL if normals is None else normals)
+
+    def _added(self, function, type_name, fields):
+        struct, _kept = _struct(type_name, fields)
+        number = ffi.new("uint32_t *")
+        self._call(function, struct, number)
+        return number[0]
+
+    def add_object(self, positions, indices, **fields):
+        """Adds a mesh, as SceneBuilder.mesh() takes it, of the scene's materials; returns its number."""
+        return self._added(lib.sl_edit_add_object, "sl_mesh_data", _mesh(positions, indices, **fields))
+
+    def remove_object(self, thing):
+        """Takes away an object that was there before the edit."""
+        self._call(lib.sl_edit_remove_object, self._scene._found(lib.sl_scene_find_object, "object", thing))
+
+    def add_light(self, kind, **fields):
+        """Adds a light, as SceneBuilder.light() does, but for quads; returns its number."""
+        return self._added(lib.sl_edit_add_light, "sl_light_data",
+                           {"type": _choice("SL_LIGHT_", kind), **fields})
 
     def environment(self, radiance):
         """Another sky, as SceneBuilder.environment() takes it; a black one takes it away."""

@@ -195,6 +195,28 @@ def test_an_edited_scene_is_the_one_that_is_built_so():
     assert not softlux.compare(after, before).identical
 
 
+def test_objects_and_lights_come_and_go_and_change_their_shape():
+    scene, options = room(), {**SMALL, "method": "splatting"}
+    method = softlux.Method(scene, options)
+    method.finish()
+    positions, normals = scene.vertices("box")
+    assert positions.shape == normals.shape and len(positions) > 3
+    with scene.edit() as edit:
+        new = edit.add_object([[0, 1, 0], [1, 1, 0], [0, 2, 0]], [[0, 1, 2]], material=1, name="kite")
+        edit.transform(new, numpy.diag([0.5, 1, 1, 1]))
+        assert edit.add_light("point", position=(0, 2, 0), strength=(1, 1, 1)) == 2
+        edit.vertices("box", positions * [1, 0.5, 1])
+    assert scene.find_object("kite") == new and scene.lights == 2
+    method.edit()
+    assert softlux.compare(method.finish(), softlux.render(scene, options)).identical
+    before = scene.triangles
+    with scene.edit() as edit:
+        edit.remove_object("kite")
+    assert scene.triangles == before - 1
+    with pytest.raises(softlux.UsageError, match="no object"):
+        scene.find_object("kite")
+
+
 def test_an_edit_that_is_refused_changes_nothing():
     scene = room()
     hash_before = scene.hash

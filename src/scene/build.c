@@ -224,8 +224,7 @@ static sl_status allocate_derived(sl_scene *s, sl_error *error) {
     return there ? SL_OK : sl_fail_memory(error, "the scene's triangles");
 }
 
-/* Moves the model's triangles into the scene: at no time are there two of all. */
-static sl_status add_geometry(sl_model *m, sl_scene *s, sl_error *error) {
+sl_status sl_model_add_geometry(sl_model *m, sl_scene *s, sl_error *error) {
     corners all = corners_of(s);
     sl_status status = allocate_triangles(m, s, error);
     if (status == SL_OK) status = add_triangles(m, &all, s, error);
@@ -273,7 +272,7 @@ static sl_status complete(sl_model *m, sl_error *error) {
     if (status == SL_OK) status = sl_materials_check(s, error);
     if (status == SL_OK) status = sl_lights_check(s, error);
     if (status == SL_OK) status = check_sky(s, error);
-    if (status == SL_OK) status = add_geometry(m, s, error);
+    if (status == SL_OK) status = sl_model_add_geometry(m, s, error);
     if (status == SL_OK) status = sl_scene_make_emitters(s, error);
     if (status == SL_OK)
         status = sl_scene_place_camera(s, m->has_camera ? &m->camera : NULL, m->view, &shut_out, error);

@@ -153,9 +153,7 @@ static sl_mesh mesh_from(const sl_mesh_data *d, const char *name) {
                      .corners = d->indices};
 }
 
-static sl_status check_mesh(const sl_scene_builder *b, const sl_mesh_data *d, const char *name,
-                            sl_error *error) {
-    const size_t materials = b->model.scene.material_count;
+static sl_status check_mesh(size_t materials, const sl_mesh_data *d, const char *name, sl_error *error) {
     const sl_mesh mesh = mesh_from(d, name);
     char what[64];
     if (d->vertex_count >= SL_NO_INDEX || d->triangle_count >= SL_NO_INDEX / 3)
@@ -206,7 +204,7 @@ sl_status sl_scene_builder_mesh(sl_scene_builder *b, const sl_mesh_data *data, u
     if (status == SL_OK) status = SL_TAKE(sl_mesh_data, &m.data, data, error);
     if (status != SL_OK) return status;
     name_of(m.data.name, "mesh", b->mesh_count + 1, name);
-    status = check_mesh(b, &m.data, name, error);
+    status = check_mesh(b->model.scene.material_count, &m.data, name, error);
     if (status != SL_OK) return status;
     m.name = sl_string_copy(name);
     const bool copied = m.data.borrowed || copy_arrays(&m.data);
@@ -222,10 +220,28 @@ sl_status sl_scene_builder_mesh(sl_scene_builder *b, const sl_mesh_data *data, u
 /* ---- instances ------------------------------------------------------------------------------- */
 
 /* Gives the triangles that were added last the materials that they name themselves; all of them are there. */
-static void spread_materials(sl_scene_builder *b, const sl_mesh_data *d) {
-    uint32_t *index = b->model.material_index + b->model.triangle_count - d->triangle_count;
+static void spread_materials(sl_model *model, const sl_mesh_data *d, uint32_t otherwise) {
+    uint32_t *index = model->material_index + model->triangle_count - d->triangle_count;
     for (size_t t = 0; t < d->triangle_count; t++)
-        index[t] = (d->materials[t] ? d->materials[t] : b->grey) - 1;
+        index[t] = (d->materials[t] ? d->materials[t] : otherwise) - 1;
+}
+
+sl_status sl_mesh_take(const sl_scene *scene, sl_model *model, const sl_mesh_data *data, const char *name,
+                       uint32_t object, const sl_affine *placement, sl_error *error) {
+    sl_mesh_data d;
+    bool named = true;
+    sl_status status = SL_TAKE(sl_mesh_data, &d, data, error);
+    if (status == SL_OK) status = check_mesh(scene->material_count, &d, name, error);
+    for (size_t t = 0; t < d.triangle_count && d.materials && status == SL_OK; t++)
+        named &= d.materials[t] != 0;
+    if (status == SL_OK && !d.material && !(d.materials && named))
+        status = fail_of("mesh", name, "expected the numbers of its materials", error);
+    sl_mesh mesh = mesh_from(&d, name);
+    mesh.material = d.material - 1;
+    mesh.object = object;
+    if (status == SL_OK) status = sl_model_add_mesh(model, "", &mesh, placement, error);
+    if (status == SL_OK && d.materials) spread_materials(model, &d, d.material);
+    return status;
 }
 
 static sl_status place_mesh(sl_scene_builder *b, const sl_instance_data *d, const sl_affine *placement,
@@ -240,7 +256,7 @@ static sl_status place_mesh(sl_scene_builder *b, const sl_instance_data *d, cons
     if (status == SL_OK)
         status = sl_model_add_object(&b->model, d->name && *d->name ? d->name : m->name, &mesh.object, error);
     if (status == SL_OK) status = sl_model_add_mesh(&b->model, "", &mesh, placement, error);
-    if (status == SL_OK && of_many) spread_materials(b, &m->data);
+    if (status == SL_OK && of_many) spread_materials(&b->model, &m->data, b->grey);
     return status;
 }
 

@@ -1,6 +1,8 @@
 /* Edits of a scene in memory. They are collected beside the scene, checked by the rules for scenes that are
  * built (scene/parts.h), and take place together, or not at all. */
 #include <float.h>
+#include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -10,17 +12,20 @@
 #include "scene/animation.h"
 #include "scene/derive.h"
 #include "scene/parts.h"
+#include "scene/reshape.h"
 
 struct sl_scene_edit {
     sl_scene *scene;
     uint64_t version;       /* of the scene, when the edit began */
     sl_material *materials; /* all of them, as they are to be; names are the scene's */
-    sl_light *lights;
+    sl_light *lights;       /* likewise, and behind them those that come */
+    size_t light_count, light_room;
     bool has_sky, looks;
     sl_environment sky;
     sl_camera camera;
     sl_placement *placement;
     size_t placements, placement_room;
+    sl_reshaping shape;
 };
 
 /* ---- parts that there are --------------------------------------------------------------------------- */
@@ -42,6 +47,7 @@ void sl_scene_edit_destroy(sl_scene_edit *edit) {
     sl_free(edit->materials);
     sl_free(edit->lights);
     sl_free(edit->placement);
+    sl_reshaping_release(&edit->shape);
     sl_free(edit);
 }
 
@@ -60,6 +66,7 @@ sl_status sl_scene_edit_begin(sl_scene *scene, sl_scene_edit **edit, sl_error *e
         e->version = scene->version;
         e->materials = copy_of(scene->materials, scene->material_count, sizeof *e->materials);
         e->lights = copy_of(scene->lights, scene->light_count, sizeof *e->lights);
+        e->light_count = e->light_room = scene->light_count;
     }
     if (!e || !e->materials || !e->lights) {
         sl_scene_edit_destroy(e);
@@ -92,7 +99,7 @@ sl_status sl_edit_light(sl_scene_edit *edit, uint32_t light, const float strengt
                         const double position[3], const double direction[3], sl_error *error) {
     char name[32], text[SL_RULE_TEXT];
     if (!edit) return sl_fail_null(error, "an edit");
-    sl_status status = check_number("light", light, edit->scene->light_count, error);
+    sl_status status = check_number("light", light, edit->light_count, error);
     if (status != SL_OK) return status;
     sl_light made = edit->lights[light - 1];
     /* its cones, which are not given here, are none that a light could have a fault in */
@@ -108,6 +115,24 @@ sl_status sl_edit_light(sl_scene_edit *edit, uint32_t light, const float strengt
     if (position && made.type != SL_LIGHT_DIRECTIONAL) made.position = from.position;
     if (direction && made.type != SL_LIGHT_POINT) made.direction = from.direction;
     edit->lights[light - 1] = made;
+    return SL_OK;
+}
+
+sl_status sl_edit_add_light(sl_scene_edit *edit, const sl_light_data *data, uint32_t *light,
+                            sl_error *error) {
+    const sl_affine as_given = sl_affine_identity();
+    sl_light_data d;
+    char text[SL_RULE_TEXT];
+    if (!edit || !data || !light) return sl_fail_null(error, "an edit, a light and a place for its number");
+    sl_status status = SL_TAKE(sl_light_data, &d, data, error);
+    if (status != SL_OK) return status;
+    if (sl_light_fault(&d, text)) return sl_fail(error, SL_ERROR_INPUT, "light: %s", text);
+    if (d.type == SL_LIGHT_QUAD)
+        return sl_fail(error, SL_ERROR_USAGE, "light: a quad is an object: sl_edit_add_object()");
+    if (!sl_make_room(&edit->lights, edit->light_count, &edit->light_room, sizeof *edit->lights))
+        return sl_fail_memory(error, "an edit");
+    edit->lights[edit->light_count++] = sl_light_from(&d, &as_given);
+    *light = (uint32_t)edit->light_count;
     return SL_OK;
 }
 
@@ -140,27 +165,117 @@ sl_status sl_edit_camera(sl_scene_edit *edit, const float eye[3], const float ta
     return SL_OK;
 }
 
+/* ---- objects --------------------------------------------------------------------------------- */
+
+static sl_status check_object(const sl_scene_edit *e, uint32_t object, sl_error *error) {
+    return check_number("object", object, e->scene->object_count + e->shape.more.scene.object_count, error);
+}
+
+static const char *name_of_object(const sl_scene_edit *e, uint32_t object) {
+    const size_t there = e->scene->object_count;
+    return object < there ? e->scene->object_names[object] : e->shape.more.scene.object_names[object - there];
+}
+
+static sl_status fail_object(const sl_scene_edit *e, uint32_t number, const char *fault, sl_error *error) {
+    return sl_fail(error, SL_ERROR_INPUT, "object '%s': %s", name_of_object(e, number - 1), fault);
+}
+
+static sl_status place(sl_scene_edit *e, sl_placement placed, sl_error *error) {
+    size_t i = 0;
+    while (i < e->placements && e->placement[i].object != placed.object) i++;
+    if (i == e->placements) {
+        if (!sl_make_room(&e->placement, i, &e->placement_room, sizeof placed))
+            return sl_fail_memory(error, "an edit");
+        e->placements++;
+    }
+    e->placement[i] = placed;
+    return SL_OK;
+}
+
 sl_status sl_edit_transform(sl_scene_edit *edit, uint32_t object, const double columns[16],
                             sl_error *error) {
     sl_placement placed = {.object = object - 1};
     if (!edit || !columns) return sl_fail_null(error, "an edit and a transform");
-    sl_status status = check_number("object", object, edit->scene->object_count, error);
+    sl_status status = check_object(edit, object, error);
     if (status != SL_OK) return status;
     const char *fault = sl_matrix_fault(columns, &placed.placement);
     if (!fault && !(sl_affine_determinant(&placed.placement) > 0.0))
         fault = "expected 'transform' not to mirror";
-    if (fault)
-        return sl_fail(error, SL_ERROR_INPUT, "object '%s': %s", edit->scene->object_names[object - 1],
-                       fault);
-    size_t i = 0;
-    while (i < edit->placements && edit->placement[i].object != placed.object) i++;
-    if (i == edit->placements) {
-        if (!sl_make_room(&edit->placement, i, &edit->placement_room, sizeof placed))
-            return sl_fail_memory(error, "an edit");
-        edit->placements++;
+    return fault ? fail_object(edit, object, fault, error) : place(edit, placed, error);
+}
+
+sl_status sl_edit_add_object(sl_scene_edit *edit, const sl_mesh_data *mesh, uint32_t *object,
+                             sl_error *error) {
+    const sl_affine as_given = sl_affine_identity();
+    const char *name = "added";
+    uint32_t index;
+    if (!edit || !mesh || !object)
+        return sl_fail_null(error, "an edit, a mesh and a place for its object's number");
+    sl_model *more = &edit->shape.more;
+    const size_t number = edit->scene->object_count + more->scene.object_count;
+    if (mesh->size >= offsetof(sl_mesh_data, name) + sizeof name && mesh->name && *mesh->name)
+        name = mesh->name;
+    const size_t vertices = more->vertex_count, triangles = more->triangle_count;
+    sl_status status = sl_mesh_take(edit->scene, more, mesh, name, (uint32_t)number, &as_given, error);
+    if (status == SL_OK) status = sl_model_add_object(more, name, &index, error);
+    if (status == SL_OK) {
+        *object = (uint32_t)number + 1;
+    } else {
+        more->vertex_count = vertices;
+        more->triangle_count = triangles;
     }
-    edit->placement[i] = placed;
+    return status;
+}
+
+/* Fails where an object's surfaces are not triangles that were there before the edit. */
+static sl_status check_shape(const sl_scene_edit *e, uint32_t object, sl_error *error) {
+    const sl_scene *s = e->scene;
+    sl_status status = check_number("object", object, s->object_count, error);
+    for (size_t i = 0; i < s->bicubic_count && status == SL_OK; i++)
+        if (s->object_index[s->bicubics[i].first_triangle] == object - 1)
+            status = fail_object(e, object, "expected triangles, not a bicubic surface", error);
+    return status;
+}
+
+sl_status sl_edit_remove_object(sl_scene_edit *edit, uint32_t object, sl_error *error) {
+    if (!edit) return sl_fail_null(error, "an edit");
+    sl_status status = check_shape(edit, object, error);
+    if (status != SL_OK) return status;
+    sl_reshaping *r = &edit->shape;
+    if (!r->gone) r->gone = sl_allocate(edit->scene->object_count, sizeof *r->gone);
+    if (!r->gone) return sl_fail_memory(error, "an edit");
+    r->gone[object - 1] = true;
     return SL_OK;
+}
+
+static bool all_finite(const float *values, size_t count) {
+    bool finite = true;
+    for (size_t i = 0; i < count && values; i++) finite &= isfinite(values[i]) != 0;
+    return finite;
+}
+
+sl_status sl_edit_vertices(sl_scene_edit *edit, uint32_t object, size_t count, const float *positions,
+                           const float *normals, sl_error *error) {
+    if (!edit || !positions) return sl_fail_null(error, "an edit and positions");
+    sl_status status = check_shape(edit, object, error);
+    if (status != SL_OK) return status;
+    sl_reshaping *r = &edit->shape;
+    const size_t there = sl_scene_vertices(edit->scene, object, NULL, NULL);
+    if (count != there)
+        return sl_fail(error, SL_ERROR_USAGE, "object '%s': expected %zu vertices, got %zu",
+                       name_of_object(edit, object - 1), there, count);
+    if (!all_finite(positions, 3 * count) || !all_finite(normals, 3 * count))
+        return fail_object(edit, object, "expected finite vertices", error);
+    sl_moulding m = {object - 1, count, copy_of(positions, 3 * count, sizeof *positions),
+                     normals ? copy_of(normals, 3 * count, sizeof *normals) : NULL};
+    if (m.positions && (m.normals || !normals) &&
+        sl_make_room(&r->moulding, r->mouldings, &r->moulding_room, sizeof m)) {
+        r->moulding[r->mouldings++] = m;
+        return SL_OK;
+    }
+    sl_free(m.positions);
+    sl_free(m.normals);
+    return sl_fail_memory(error, "an edit");
 }
 
 /* ---- changes --------------------------------------------------------------------------------- */
@@ -213,6 +328,8 @@ static unsigned changes_of(const sl_scene_edit *e) {
     for (size_t i = 0; i < s->material_count; i++)
         changes |= material_changes(&s->materials[i], &e->materials[i]);
     for (size_t i = 0; i < s->light_count; i++) changes |= light_changes(&s->lights[i], &e->lights[i]);
+    if (e->light_count > s->light_count) changes |= SL_CHANGED_LIGHTS;
+    if (sl_reshapes(&e->shape)) changes |= SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS | SL_CHANGED_KINDS;
     if (e->has_sky && !same_sky(&s->environment, &e->sky)) changes |= SL_CHANGED_SKY;
     if (e->looks && !same(&s->camera, &e->camera, sizeof s->camera)) changes |= SL_CHANGED_CAMERA;
     return changes;
@@ -265,17 +382,52 @@ static sl_status change_surfaces(sl_scene_edit *e, unsigned *changes, sl_error *
     return status;
 }
 
+/* Objects of other vertices that move are placed as they were last, whatever keyframes say. */
+static sl_status place_moulded(sl_scene_edit *e, sl_error *error) {
+    const sl_animation *a = e->scene->animation;
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < e->shape.mouldings && a && status == SL_OK; i++) {
+        sl_placement at = {e->shape.moulding[i].object, sl_affine_identity()};
+        bool placed = false;
+        for (size_t k = 0; k < a->track_count; k++)
+            if (a->tracks[k].is_placed && a->tracks[k].first == at.object)
+                at.placement = a->tracks[k].placement;
+        for (size_t k = 0; k < e->placements; k++) placed |= e->placement[k].object == at.object;
+        if (!placed) status = place(e, at, error);
+    }
+    return status;
+}
+
+static sl_status change_shape(sl_scene_edit *e, unsigned *changes, sl_error *error) {
+    sl_surfaces before;
+    if (!sl_reshapes(&e->shape)) return change_surfaces(e, changes, error);
+    sl_status status = place_moulded(e, error);
+    if (status == SL_OK) status = sl_reshape(e->scene, &e->shape, &before, error);
+    if (status != SL_OK) return status;
+    status = change_surfaces(e, changes, error);
+    if (status == SL_OK) sl_reshape_settle(&e->shape, &before);
+    else sl_reshape_undo(e->scene, &before);
+    return status;
+}
+
+static void change_lights(sl_scene_edit *e) {
+    sl_light *before = e->scene->lights;
+    e->scene->lights = e->lights;
+    e->scene->light_count = e->light_count;
+    e->lights = before;
+}
+
 static sl_status commit(sl_scene_edit *e, unsigned *changes, sl_error *error) {
     sl_scene *s = e->scene;
     if (s->version != e->version)
         return sl_fail(error, SL_ERROR_USAGE, "the scene has changed since this edit of it began");
     *changes = changes_of(e);
-    sl_status status = change_surfaces(e, changes, error);
+    sl_status status = change_shape(e, changes, error);
     if (status != SL_OK) {
         *changes = 0;
         return status;
     }
-    if (s->light_count) memcpy(s->lights, e->lights, s->light_count * sizeof *s->lights);
+    change_lights(e);
     if (*changes & SL_CHANGED_SKY) {
         const sl_environment before = s->environment;
         s->environment = e->sky;

@@ -34,6 +34,10 @@ void sl_model_drop_geometry(sl_model *model);
 /* Makes the scene of the model, which is as good as cleared then. */
 sl_status sl_model_build(sl_model *model, sl_scene **scene, sl_error *error);
 
+/* Moves the model's triangles into a scene that has none: at no time are there two of all. What follows from
+ * triangles has room there. */
+sl_status sl_model_add_geometry(sl_model *model, sl_scene *scene, sl_error *error);
+
 /* ---- what a model is made of ---- */
 
 /* Triangles of one material and one object, in whatever arrays they come. */

@@ -53,6 +53,9 @@ sl_status sl_model_add_quad(sl_model *model, const char *path, const char *name,
 /* name: of messages, and of the material, which does not own it. */
 sl_status sl_material_take(const sl_scene *scene, const sl_material_data *data, const char *name,
                            sl_material *material, sl_error *error);
+/* A mesh whose triangles all name materials of the scene, into the triangles of an object of a model. */
+sl_status sl_mesh_take(const sl_scene *scene, sl_model *model, const sl_mesh_data *data, const char *name,
+                       uint32_t object, const sl_affine *placement, sl_error *error);
 /* The texels are copied; sl_environment_complete() makes the sums. */
 sl_status sl_sky_take(int width, int height, const float *radiance, sl_environment *sky, sl_error *error);
 sl_status sl_view_take(const float eye[3], const float target[3], const float up[3], float vertical_fov_rad,

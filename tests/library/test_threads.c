@@ -1,5 +1,5 @@
-/* The library in programs that have threads of their own: two at once on two scenes, and within a parallel
- * region. */
+/* The library in programs that have threads of their own: two at once on two scenes, a method a thread on one
+ * that is edited in between, and within a parallel region. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -68,6 +68,69 @@ static void two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets(voi
     }
 }
 
+/* ---- one scene ---- */
+
+typedef struct follower {
+    const sl_scene *scene;
+    const char *name;
+    sl_method *method;
+    sl_image *image;
+} follower;
+
+/* Creates a method, or follows the scene's edit; then finishes. No assertion here, either. */
+static void *follow(void *context) {
+    follower *f = context;
+    sl_progress progress = {0};
+    sl_settings settings = small_settings(f->name, 16, 16);
+    settings.quality = SL_QUALITY_DRAFT;
+    settings.spp = 1;
+    settings.bounces = 1;
+    sl_status status = f->method ? sl_method_edit(f->method, 0, NULL)
+                                 : sl_method_create(f->scene, &settings, &f->method, NULL);
+    while (status == SL_OK && !progress.done) status = sl_method_update(f->method, &progress, NULL);
+    sl_image_destroy(f->image);
+    f->image = NULL;
+    if (status == SL_OK) (void)sl_method_resolve(f->method, &f->image, NULL);
+    return NULL;
+}
+
+static void follow_at_once(follower *followers, size_t count) {
+    pthread_t thread[8];
+    for (size_t i = 0; i < count; i++)
+        assert_int_equal(pthread_create(&thread[i], NULL, follow, &followers[i]), 0);
+    for (size_t i = 0; i < count; i++) assert_int_equal(pthread_join(thread[i], NULL), 0);
+}
+
+static void a_method_a_thread_follows_one_scene_as_alone(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_scene_edit *edit;
+    const float eye[3] = {278, 273, -700}, target[3] = {278, 273, 0}, up[3] = {0, 1, 0};
+    follower together[8] = {{0}};
+    size_t count = 0;
+    for (; sl_method_name(count); count++)
+        together[count] = (follower){scene, sl_method_name(count), NULL, NULL};
+    assert_true(count <= 8);
+    follow_at_once(together, count);
+    assert_int_equal(sl_scene_edit_begin(scene, &edit, NULL), SL_OK);
+    assert_int_equal(sl_edit_remove_object(edit, sl_scene_find_object(scene, "short_box"), NULL), SL_OK);
+    assert_int_equal(sl_edit_camera(edit, eye, target, up, 0.7f, NULL), SL_OK);
+    assert_int_equal(sl_scene_edit_commit(edit, NULL, NULL), SL_OK);
+    follow_at_once(together, count);
+    for (size_t i = 0; i < count; i++) {
+        follower alone = {scene, together[i].name, NULL, NULL};
+        follow(&alone);
+        assert_non_null(alone.image);
+        assert_non_null(together[i].image);
+        assert_true(same_picture(alone.image, together[i].image));
+        sl_image_destroy(alone.image);
+        sl_image_destroy(together[i].image);
+        sl_method_destroy(alone.method);
+        sl_method_destroy(together[i].method);
+    }
+    sl_scene_destroy(scene);
+}
+
 static void in_a_parallel_region_every_thread_gets_the_same_picture(void **state) {
     (void)state;
     job alone = {"scenes/cornell.json", "splatting", 1, NULL}, within[3];
@@ -121,6 +184,7 @@ int main(int argc, char **argv) {
     if (argc > 1) return render_all_on_little_stacks(argv[1]);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets),
+        cmocka_unit_test(a_method_a_thread_follows_one_scene_as_alone),
         cmocka_unit_test(in_a_parallel_region_every_thread_gets_the_same_picture),
         cmocka_unit_test(every_method_works_on_the_stacks_that_the_header_names)};
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -6,6 +6,9 @@
 
 #include <cmocka.h>
 
+#include <math.h>
+#include <string.h>
+
 #include "edited_room.h"
 #include "failing_memory.h"
 #include "scene/scene.h"
@@ -34,9 +37,9 @@ static sl_status edit_once(void *context) {
     attempted *a = context;
     sl_scene_edit *e;
     a->after = a->before;
-    sl_status status = sl_scene_edit_begin(a->scene, &e, NULL);
+    sl_status status = begin_room_edit(&a->after, a->scene, &e, NULL);
     for (int i = 0; i < a->edits && status == SL_OK; i++)
-        status = edit_room(&a->after, (room_edit)(ROOM_EDITS * room_random(&a->after)), e, NULL);
+        status = edit_room(&a->after, a->scene, (room_edit)(ALL_ROOM_EDITS * room_random(&a->after)), e, NULL);
     if (status == SL_OK) return sl_scene_edit_commit(e, NULL, NULL);
     sl_scene_edit_destroy(e);
     return status;
@@ -86,14 +89,14 @@ static void what_has_changed_is_told_by_its_kind(void **state) {
         unsigned told;
         r.random = 2; /* which lights a light, and not none */
         good(sl_scene_edit_begin(scene, &e, &error), &error);
-        good(edit_room(&r, (room_edit)kind, e, &error), &error);
+        good(edit_room(&r, scene, (room_edit)kind, e, &error), &error);
         good(sl_scene_edit_commit(e, &told, &error), &error);
         assert_int_equal(told, changes[kind]);
         assert_int_equal(sl_scene_changes_since(scene, version), told);
         assert_int_equal(sl_scene_changes_since(scene, scene->version), 0);
         good(sl_scene_edit_begin(scene, &e, &error), &error); /* the same again */
         r.random = 2;
-        good(edit_room(&r, (room_edit)kind, e, &error), &error);
+        good(edit_room(&r, scene, (room_edit)kind, e, &error), &error);
         good(sl_scene_edit_commit(e, &told, &error), &error);
         assert_int_equal(told, 0);
     }
@@ -106,6 +109,35 @@ static void what_has_changed_is_told_by_its_kind(void **state) {
         assert_int_equal(call, status_);                        \
         if (!strstr(said->message, words)) fail_msg("%s", said->message); \
     } while (0)
+
+/* Its number stands for nothing then, and what is written has it no more. */
+static void an_object_that_is_taken_away_is_no_more_there(void **state) {
+    (void)state;
+    sl_error error;
+    sl_scene *scene;
+    sl_scene_edit *e;
+    edited_room r = room_at_first(1);
+    const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.5, 0, 0, 1};
+    uint32_t chair;
+    quads to;
+    const sl_mesh_data mesh = mesh_of_chair(&to);
+    good(build_room(&r, &scene, &error), &error);
+    const size_t triangles = sl_scene_triangle_count(scene);
+    good(sl_scene_edit_begin(scene, &e, &error), &error);
+    good(sl_edit_add_object(e, &mesh, &chair, &error), &error);
+    good(sl_edit_transform(e, chair, aside, &error), &error);
+    good(sl_edit_remove_object(e, OBJECT_BOX, &error), &error);
+    good(sl_scene_edit_commit(e, NULL, &error), &error);
+    assert_int_equal(chair, ROOM_OBJECTS + 1);
+    assert_int_equal(sl_scene_find_object(scene, "chair"), chair);
+    assert_int_equal(sl_scene_find_object(scene, "box"), 0);
+    assert_int_equal(sl_scene_triangle_count(scene), triangles - 10 + 4);
+    assert_int_equal(sl_scene_vertices(scene, OBJECT_BOX, NULL, NULL), 0);
+    float positions[3 * 8], normals[3 * 8];
+    assert_int_equal(sl_scene_vertices(scene, chair, positions, normals), 8);
+    assert_true(positions[0] == 0.4f && normals[1] == 1.0f && scene->box_max.x == 1.2f);
+    sl_scene_destroy(scene);
+}
 
 static void what_breaks_a_rule_is_refused(void **state) {
     (void)state;
@@ -127,6 +159,10 @@ static void what_breaks_a_rule_is_refused(void **state) {
     REFUSED(sl_edit_transform(e, OBJECT_BOX, mirrored, said), SL_ERROR_INPUT, "not to mirror");
     r.material[0].diffuse[0] = 2.0f;
     REFUSED(sl_edit_material(e, 1, &r.material[0], said), SL_ERROR_INPUT, "'diffuse' from 0 to 1");
+    const float points[3 * 4] = {0};
+    REFUSED(sl_edit_vertices(e, OBJECT_LAMP, 3, points, NULL, said), SL_ERROR_USAGE, "expected 4 vertices");
+    REFUSED(sl_edit_vertices(e, OBJECT_LAMP, 4, (float[12]){NAN}, NULL, said), SL_ERROR_INPUT, "finite");
+    REFUSED(sl_edit_remove_object(e, 4, said), SL_ERROR_USAGE, "from 1 to 3");
     assert_int_equal(sl_edit_transform(e, OBJECT_BOX, far, NULL), SL_OK);
     REFUSED(sl_scene_edit_commit(e, NULL, said), SL_ERROR_INPUT, "object 'box'");
     assert_true(sl_scene_hash(scene) == hash);
@@ -143,6 +179,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(after_any_series_of_edits_the_scene_is_one_that_is_built_so),
         cmocka_unit_test(what_has_changed_is_told_by_its_kind),
+        cmocka_unit_test(an_object_that_is_taken_away_is_no_more_there),
         cmocka_unit_test(what_breaks_a_rule_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -69,8 +69,8 @@ typedef struct sl_method_class {
     /* *image: NULL; or the picture of an earlier sub-frame, of which what this one does not show may stay.
      * What is given then is that one, or another. */
     sl_status (*resolve)(void *state, sl_image **image, sl_error *error);
-    /* The scene has changed: SL_CHANGED_CAMERA, _OBJECTS, _LIGHTS, and of the others those in tells_apart; what
-     * else changes light is told as SL_CHANGED_LIGHTS. */
+    /* The scene has changed: SL_CHANGED_CAMERA, _OBJECTS, _LIGHTS, and of the others those in tells_apart;
+     * what else changes light is told as SL_CHANGED_LIGHTS. */
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
     unsigned tells_apart;
     /* The method's cache on disk, for another run; NULL where it keeps none. A load that fails changes

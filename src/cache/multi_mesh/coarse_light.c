@@ -259,8 +259,9 @@ static int round_pixels(const sl_multi_mesh_state *s, uint32_t rounds_left) {
 
 static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
     if (!s->plan.lights) return SL_OK;
+    const size_t all = s->coarse->vertex_count * s->lights->count;
     if (!s->coarse_shares && !s->light.few_rays &&
-        !(s->coarse_shares = sl_allocate(s->coarse->vertex_count * s->lights->count, sizeof(sl_coarse_share))))
+        !(s->coarse_shares = sl_allocate(all, sizeof *s->coarse_shares)))
         return sl_fail_memory(error, "the coarse mesh's light");
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
     return sl_coarse_light_take(

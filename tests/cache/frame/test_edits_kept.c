@@ -6,53 +6,11 @@
 
 #include <cmocka.h>
 
-#include "cache/multi_mesh/multi_mesh_internal.h"
-#include "edited_room.h"
-#include "rendering.h"
+#include <stdio.h>
 
-enum { SIZE = 24 };
-
-static void good(sl_status status, const sl_error *error) {
-    if (status != SL_OK) fail_msg("%s", error->message);
-}
-
-static void finish(sl_method *method) {
-    sl_error error;
-    for (sl_progress p = {0}; !p.done;) good(sl_method_update(method, &p, &error), &error);
-}
-
-static sl_method *finished(const sl_scene *scene, const char *name) {
-    sl_error error;
-    sl_method *method;
-    sl_settings settings = small_settings(name, SIZE, SIZE);
-    settings.spp = 4;
-    settings.light_octree.depth = 4;
-    settings.light_octree.photons = 4000;
-    settings.gather_size = 16;
-    settings.multi_mesh.coarse_depth = 2;
-    settings.shading_cache.indirect_samples = 8;
-    settings.shading_cache.area_samples = 8;
-    good(sl_method_create(scene, &settings, &method, &error), &error);
-    finish(method);
-    return method;
-}
-
-/* Returns what has changed. */
-static unsigned change(sl_scene *scene, edited_room *r, room_edit kind) {
-    sl_error error;
-    sl_scene_edit *e;
-    unsigned changes;
-    good(sl_scene_edit_begin(scene, &e, &error), &error);
-    good(edit_room(r, kind, e, &error), &error);
-    good(sl_scene_edit_commit(e, &changes, &error), &error);
-    return changes;
-}
-
-static void follow(sl_method *method) {
-    sl_error error;
-    good(sl_method_edit(method, 0, &error), &error);
-    finish(method);
-}
+#include "cache/shading_cache/state.h"
+#include "cache/splatting/state.h"
+#include "edited_methods.h"
 
 /* ---- the table ---- */
 
@@ -75,7 +33,6 @@ static const struct {
     {"direct-radiance", LIGHT, SL_COUNT_MAP_PHOTONS, ANEW},
     {"light-octree", CAMERA, SL_COUNT_PHOTONS_EMITTED, 0.0},
     {"light-octree", CAMERA, SL_COUNT_LEAVES, 0.0},
-    {"light-octree", LIGHT, SL_COUNT_PHOTONS_EMITTED, ANEW},
     {"multi-mesh", CAMERA, SL_COUNT_LIGHT_SAMPLES, 0.1},
     {"multi-mesh", CAMERA, SL_COUNT_COARSE_SAMPLES, 0.0},
     {"multi-mesh", CAMERA, SL_COUNT_INDIRECT_SAMPLES, 0.3},
@@ -118,57 +75,77 @@ static void what_the_table_says_is_kept_is_not_computed_again(void **state) {
             if (entries[i].kinds >> kind & 1u) check_entry(i, (room_edit)kind);
 }
 
-/* ---- a mesh for each light ---- */
+/* ---- values that stay ---- */
 
-static const sl_multi_mesh_state *meshes_of(const sl_method *method) { return method->state; }
-
-/* Returns vertices of a light's mesh that are sampled. */
-static size_t sampled(const sl_patches *mesh) {
-    size_t count = 0;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) count += sl_mesh_is_sampled(mesh, v);
-    return count;
-}
-
-/* All that a mesh has of a light is what a method has there that is created now, bit for bit. */
-static size_t assert_same_where_both_are(const sl_patches *mesh, const sl_patches *fresh) {
-    size_t both = 0;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
-        const uint32_t of = sl_vertex_find(fresh, mesh->vertex[v].place);
-        if (!sl_mesh_is_sampled(mesh, v) || !sl_mesh_is_sampled(fresh, of)) continue;
-        assert_int_equal(sl_mesh_state(mesh, v), sl_mesh_state(fresh, of));
-        assert_memory_equal(sl_vertex_value(mesh, v), sl_vertex_value(fresh, of), sizeof(float));
-        both++;
-    }
-    return both;
-}
-
-static void light_in_other_colours_is_not_sampled_again(void **state) {
-    (void)state;
-    static const room_edit kinds[] = {EDIT_COLOUR, EDIT_LAMP, EDIT_POWER, EDIT_COLOUR, EDIT_POWER, EDIT_LAMP};
-    sl_error error;
-    sl_scene *scene;
-    edited_room r = room_at_first(7);
-    good(build_room(&r, &scene, &error), &error);
-    sl_method *method = finished(scene, "multi-mesh");
-    const sl_irradiance_meshes *meshes = meshes_of(method)->irradiance;
-    const size_t lights = meshes_of(method)->lights->count;
-    size_t first = 0, last = 0, both = 0;
-    for (size_t l = 0; l < lights; l++) first += sampled(sl_irradiance_mesh(meshes, l));
-    for (int i = 0; i < 6; i++) {
-        const unsigned others = ~(unsigned)(SL_CHANGED_POWER | SL_CHANGED_MATERIALS);
-        assert_int_equal(change(scene, &r, kinds[i]) & others, 0);
+static void change_some(sl_method *method, sl_scene *scene, edited_room *r) {
+    static const room_edit kinds[] = {EDIT_COLOUR, EDIT_CAMERA, EDIT_PLACE, EDIT_CAMERA, EDIT_TRANSFORM,
+                                      EDIT_POWER,  EDIT_CAMERA, EDIT_COLOUR, EDIT_CAMERA};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        change(scene, r, kinds[i]);
         follow(method);
     }
-    assert_ptr_equal(meshes_of(method)->irradiance, meshes);
-    sl_method *fresh = finished(scene, "multi-mesh");
-    for (size_t l = 0; l < lights; l++) {
-        const sl_patches *mesh = sl_irradiance_mesh(meshes, l);
-        last += sampled(mesh);
-        both += assert_same_where_both_are(mesh, sl_irradiance_mesh(meshes_of(fresh)->irradiance, l));
+}
+
+/* Tells whether a record is what its place gathers, by the random numbers of one of the pixels: which, it does
+ * not know. */
+static bool is_its_gather(const sl_splat_state *s, const sl_record *r, sl_record_batch *b) {
+    const sl_record_cache *cache = &s->cache[SL_RECEIVES_IRRADIANCE];
+    sl_counters counters = {0};
+    sl_vec3 normal = sl_scene_geometric_normal(s->scene, r->triangle);
+    if (sl_dot(normal, r->normal) < 0.0f) normal = sl_scale(normal, -1.0f);
+    *b = (sl_record_batch){.scene = s->scene, .tracer = s->tracer, .gathers = &cache->gathers,
+                           .radii = cache->pass.radii, .count = 1};
+    for (uint64_t pixel = 0; pixel < 24 * 24; pixel++) {
+        b->point[0] = (sl_gather_point){r->position, normal, r->normal, r->triangle,
+                                        sl_random_key(cache->pass.seed, pixel)};
+        sl_record_batch_gather(b, &counters);
+        if (memcmp(&b->record[0].irradiance, &r->irradiance, sizeof r->irradiance) == 0) return true;
     }
-    print_message("%u samples, %u after six edits, %u of a fresh one's\n", (unsigned)first, (unsigned)last,
-                  (unsigned)both);
-    assert_true(both > 100 && last < 2 * first);
+    return false;
+}
+
+static void every_record_is_its_gather_done_anew(void **state) {
+    (void)state;
+    static sl_record_batch batch;
+    sl_error error;
+    sl_scene *scene;
+    edited_room r = room_at_first(6);
+    good(build_room(&r, &scene, &error), &error);
+    sl_method *method = finished(scene, "splatting");
+    change_some(method, scene, &r);
+    const sl_splat_state *s = method->state;
+    const sl_record_list *list = &s->cache[SL_RECEIVES_IRRADIANCE].list;
+    assert_true(list->count > 50);
+    for (size_t i = 0; i < list->count; i += 10) assert_true(is_its_gather(s, &list->records[i], &batch));
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* What is older is on its way out: it is shown until its turn comes. */
+static void shading_since_the_last_edit_is_what_a_fresh_cache_computes(void **state) {
+    (void)state;
+    sl_error error;
+    sl_scene *scene;
+    edited_room r = room_at_first(6);
+    good(build_room(&r, &scene, &error), &error);
+    sl_method *method = finished(scene, "shading-cache");
+    change_some(method, scene, &r);
+    sl_method *fresh = finished(scene, "shading-cache");
+    const sl_shading_state *s = method->state;
+    const sl_patches *p = s->patches, *q = ((const sl_shading_state *)fresh->state)->patches;
+    size_t same = 0, older = 0, others = 0;
+    for (uint32_t v = 0; v < p->vertex_count; v++) {
+        const uint32_t w = p->vertex[v].references ? sl_vertex_find(q, p->vertex[v].place) : SL_NO_INDEX;
+        if (w == SL_NO_INDEX || !p->vertex[v].evaluated || !q->vertex[w].evaluated) continue;
+        const uint32_t object = sl_root_object(p->primitives, p->vertex[v].root);
+        if (p->vertex[v].extrapolated || p->vertex[v].is_dense != q->vertex[w].is_dense) continue;
+        const bool is_same = memcmp(sl_vertex_value(p, v), sl_vertex_value(q, w), 3 * sizeof(float)) == 0;
+        same += is_same;
+        older += !is_same && p->vertex[v].evaluated < s->changes.object[object].stale_before;
+        others += !is_same && p->vertex[v].evaluated >= s->changes.object[object].stale_before;
+    }
+    print_message("%zu the same, %zu older, %zu others\n", same, older, others);
+    assert_true(same > 200 && others == 0);
     sl_method_destroy(fresh);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
@@ -177,7 +154,8 @@ static void light_in_other_colours_is_not_sampled_again(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_the_table_says_is_kept_is_not_computed_again),
-        cmocka_unit_test(light_in_other_colours_is_not_sampled_again),
+        cmocka_unit_test(every_record_is_its_gather_done_anew),
+        cmocka_unit_test(shading_since_the_last_edit_is_what_a_fresh_cache_computes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
