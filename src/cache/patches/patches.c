@@ -352,7 +352,8 @@ static bool all_evaluated(const sl_patches *p, uint32_t patch) {
     return true;
 }
 
-bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, double v, float *value) {
+static bool find_shares(const sl_patches *p, const sl_patch_place *leaf, double u, double v,
+                        sl_vertex_shares *shares) {
     sl_patch_place place = *leaf;
     if (place.patch == SL_NO_INDEX) return false;
     while (!all_evaluated(p, place.patch)) {
@@ -361,21 +362,39 @@ bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, d
         place = sl_patch_place_of(p, parent);
     }
     uint32_t corner[4];
-    double a, b, sum[6] = {0, 0, 0, 0, 0, 0};
+    double a, b;
     for (int c = 0; c < place.corners; c++) corner[c] = sl_patch_corner(p, place.patch, c);
     sl_patch_local(&place, scaled(u), scaled(v), &a, &b);
-    sl_vertex_shares shares = sl_leaf_shares(place.corners, corner, 0, NULL, a, b);
-    for (size_t k = 0; k < shares.count; k++) {
-        const float *of = sl_vertex_value(p, shares.vertex[k]);
-        for (int i = 0; i < p->settings.channels; i++) sum[i] += shares.weight[k] * (double)of[i];
-    }
-    for (int i = 0; i < p->settings.channels; i++) value[i] = (float)sum[i];
+    *shares = sl_leaf_shares(place.corners, corner, 0, NULL, a, b);
     return true;
 }
 
-bool sl_vertex_surroundings(const sl_patches *p, uint32_t vertex, float *value) {
+static void add_shares(const sl_patches *p, const sl_vertex_shares *shares, float *value) {
+    double sum[6] = {0, 0, 0, 0, 0, 0};
+    for (size_t k = 0; k < shares->count; k++) {
+        const float *of = sl_vertex_value(p, shares->vertex[k]);
+        for (int i = 0; i < p->settings.channels; i++) sum[i] += shares->weight[k] * (double)of[i];
+    }
+    for (int i = 0; i < p->settings.channels; i++) value[i] = (float)sum[i];
+}
+
+bool sl_patch_value(const sl_patches *p, const sl_patch_place *leaf, double u, double v, float *value) {
+    sl_vertex_shares shares;
+    if (!find_shares(p, leaf, u, v, &shares)) return false;
+    add_shares(p, &shares, value);
+    return true;
+}
+
+bool sl_vertex_shares_around(const sl_patches *p, uint32_t vertex, sl_vertex_shares *shares) {
     const sl_patch_vertex *v = &p->vertex[vertex];
     double a = (double)v->u / SL_PATCH_DYADIC, b = (double)v->v / SL_PATCH_DYADIC;
     sl_patch_place leaf = sl_patch_locate(p, v->root, a, b);
-    return sl_patch_value(p, &leaf, a, b, value);
+    return find_shares(p, &leaf, a, b, shares);
+}
+
+bool sl_vertex_surroundings(const sl_patches *p, uint32_t vertex, float *value) {
+    sl_vertex_shares shares;
+    if (!sl_vertex_shares_around(p, vertex, &shares)) return false;
+    add_shares(p, &shares, value);
+    return true;
 }

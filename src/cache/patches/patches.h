@@ -241,7 +241,9 @@ static inline bool sl_middle_place(const sl_patch_place *place, int a, int b, sl
 /* Gives the value at a point of a leaf from its corners: barycentric or bilinear. Where corners have never
  * been evaluated the nearest ancestor whose corners all are stands in; false: there is none. */
 bool sl_patch_value(const sl_patches *patches, const sl_patch_place *leaf, double u, double v, float *value);
-/* Gives the same where a vertex lies between others; false: nothing around it has been evaluated. */
+/* Gives the same where a vertex lies between others, and which they are; false: nothing around it has been
+ * evaluated. */
+bool sl_vertex_shares_around(const sl_patches *patches, uint32_t vertex, sl_vertex_shares *shares);
 bool sl_vertex_surroundings(const sl_patches *patches, uint32_t vertex, float *value);
 
 /* Lists the vertices on a leaf's edges, between their ends, that finer leaves beside it have: edge by edge (i

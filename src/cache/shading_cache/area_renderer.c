@@ -177,9 +177,18 @@ static void destroy(void *state) {
     sl_free(r);
 }
 
+static double rays(const void *state) {
+    const area_renderer *r = state;
+    double sum = 0.0;
+    for (size_t l = 0; l < r->lights->count; l++)
+        sum += sl_light_has_extent(&r->lights->light[l]) ? (double)r->settings.cache.area_samples : 1.0;
+    return sum;
+}
+
 sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
                            sl_error *error) {
-    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = edit, .destroy = destroy};
+    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = edit, .destroy = destroy,
+                                     .rays = rays};
     area_renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;

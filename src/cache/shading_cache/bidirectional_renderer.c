@@ -132,9 +132,15 @@ static sl_status make(renderer *r, sl_error *error) {
     return status == SL_OK ? make_set(r, 0, error) : status;
 }
 
+/* Measured: 6 to 9 rays a path, vertices on the way joined to lights and to each other. */
+static double rays(const void *state) {
+    return 8.0 * (double)((const renderer *)state)->settings.cache.indirect_samples;
+}
+
 sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sample_renderer *out,
                                     sl_error *error) {
-    *out = (sl_sample_renderer){.name = "bidirectional", .render = render, .edit = edit, .destroy = destroy};
+    *out = (sl_sample_renderer){.name = "bidirectional", .render = render, .edit = edit, .destroy = destroy,
+                                .rays = rays};
     renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;

@@ -126,9 +126,16 @@ static void destroy(void *state) {
     sl_free(r);
 }
 
+/* A search among photons is worth a few. */
+static double rays(const void *state) {
+    (void)state;
+    return 8.0;
+}
+
 sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_renderer *out,
                               sl_error *error) {
-    *out = (sl_sample_renderer){.name = "caustics", .render = render, .edit = edit, .destroy = destroy};
+    *out = (sl_sample_renderer){.name = "caustics", .render = render, .edit = edit, .destroy = destroy,
+                                .rays = rays};
     renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;

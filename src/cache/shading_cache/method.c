@@ -20,9 +20,10 @@ static void shading_destroy(void *state) {
     sl_primitives_destroy(s->primitives);
     sl_tracer_destroy(s->own_tracer);
     sl_fades_release(&s->fades);
+    sl_layers_release(&s->layers);
     void *buffers[] = {
         s->ids.patch, s->id_memory, s->leaf_of_pixel, s->leaf,  s->choice,         s->place, s->vertex,
-        s->request,   s->sample,    s->part,          s->stale, s->changes.object, s};
+        s->request,   s->sample,    s->part,          s->layer, s->stale, s->changes.object, s};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++) sl_free(buffers[i]);
 }
 
@@ -33,15 +34,17 @@ static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
     s->leaf_of_pixel = sl_allocate(pixels, sizeof *s->leaf_of_pixel);
     s->choice = sl_allocate(choices, sizeof *s->choice);
     s->place = sl_allocate(choices, sizeof *s->place);
-    s->vertex_room = (4 + SL_HANGING_A_PATCH) * choices + 64;
+    s->vertex_room = 4 * choices + 64;
     s->vertex = sl_allocate(s->vertex_room, sizeof *s->vertex);
     s->request = sl_allocate(s->vertex_room, sizeof *s->request);
     s->sample = sl_allocate(s->vertex_room, sizeof *s->sample);
     s->part = sl_allocate(s->vertex_room, sizeof *s->part);
+    s->layer = s->layers.kept ? sl_allocate(s->vertex_room, sizeof *s->layer) : NULL;
     s->stale = sl_allocate(s->scene->object_count, sizeof *s->stale);
     s->changes.object = sl_allocate(s->scene->object_count, sizeof *s->changes.object);
     if (!s->ids.patch || !s->id_memory || !s->leaf_of_pixel || !s->choice || !s->place || !s->vertex ||
-        !s->request || !s->sample || !s->part || !s->stale || !s->changes.object)
+        !s->request || !s->sample || !s->part || (s->layers.kept && !s->layer) || !s->stale ||
+        !s->changes.object)
         return sl_fail_memory(error, "the shading cache");
     s->ids.u = s->id_memory;
     s->ids.v = s->id_memory + pixels;
@@ -55,8 +58,10 @@ static sl_status make_renderers(sl_shading_state *s, sl_error *error) {
     const struct {
         bool runs;
         renderer_maker *make;
-    } makers[SL_SHADING_RENDERERS] = {{s->plan.direct, sl_area_renderer}, {s->plan.indirect,
-        sl_bidirectional_renderer}, {s->plan.caustics, sl_caustic_renderer}};
+        unsigned layer;
+    } makers[SL_SHADING_RENDERERS] = {{s->plan.direct, sl_area_renderer, SL_LAYER_CHEAP},
+                                      {s->plan.indirect, sl_bidirectional_renderer, SL_LAYER_DEAR},
+                                      {s->plan.caustics, sl_caustic_renderer, SL_LAYER_CHEAP}};
     sl_renderer_settings settings = {.scene = s->scene, .tracer = &s->tracer,
                                      .cache = s->settings.shading_cache, .seed = s->settings.seed,
                                      .threads = s->settings.threads};
@@ -64,6 +69,7 @@ static sl_status make_renderers(sl_shading_state *s, sl_error *error) {
     for (int i = 0; i < SL_SHADING_RENDERERS && status == SL_OK; i++) {
         if (!makers[i].runs) continue;
         status = makers[i].make(&settings, &s->renderer[s->renderer_count], error);
+        s->renderer[s->renderer_count].layer = makers[i].layer;
         if (status == SL_OK) s->renderer_count++;
     }
     return status;
@@ -125,6 +131,7 @@ static sl_status shading_create(const sl_scene *scene, const sl_settings *settin
                               .threshold = (float)settings->shading_cache.change_threshold,
                               .window = settings->shading_cache.change_window,
                               .no_ageing = settings->shading_cache.no_ageing};
+    s->layers = (sl_layers){.kept = s->plan.layers, .now = SL_VERSION_FIRST};
     s->last_update = settings->shading_cache.updates;
     sl_status status = make_cache(s, error);
     if (status != SL_OK) {
@@ -211,12 +218,21 @@ static unsigned of_the_eye(sl_shading_state *s, unsigned what) {
     return matters ? what | SL_CHANGED_LIGHTS : what;
 }
 
+static void note_version(sl_layers *l, unsigned what) {
+    l->now++;
+    if (what & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) l->edited = l->now;
+    if (what & SL_CHANGED_CAMERA) l->eye_moved = l->now;
+}
+
 static sl_status note_motion(sl_shading_state *s, unsigned what, sl_error *error) {
     sl_object_places *places;
     sl_status status = sl_object_places_take(s->scene, &places, error);
     if (status != SL_OK) return status;
     for (size_t i = 0; i < places->count; i++) s->stale[i] = sl_object_has_moved(s->places, places, i);
+    sl_shading_keep_untouched(s, what, places, s->stale);
     sl_changes_edit(&s->changes, what, s->stale, s->now + 1);
+    note_version(&s->layers, what);
+    s->may_be_stale = true;
     sl_object_places_destroy(s->places);
     s->places = places;
     return SL_OK;
@@ -259,7 +275,9 @@ static size_t shading_bytes(const void *state) {
     size_t bytes = sizeof *s + sl_shading_pixels(s) * (2 * sizeof *s->ids.patch + 2 * sizeof *s->ids.u) +
                    s->leaf_room * sizeof *s->leaf;
     bytes += s->fades.capacity * sizeof *s->fades.fade;
-    bytes += s->vertex_room * (sizeof *s->vertex + sizeof *s->request + 2 * sizeof *s->sample);
+    bytes += s->vertex_room * (sizeof *s->vertex + sizeof *s->request + 2 * sizeof *s->sample +
+                               (s->layer ? sizeof *s->layer : 0));
+    bytes += sl_layers_bytes(&s->layers, s->patches);
     if (s->own_tracer) bytes += sl_tracer_memory_bytes(s->own_tracer);
     return bytes + sl_primitives_memory_bytes(s->primitives) + sl_patches_memory_bytes(s->patches) +
            sl_display_memory_bytes(s->display);

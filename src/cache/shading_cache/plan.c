@@ -50,13 +50,16 @@ sl_shading_plan sl_shading_plan_make(const sl_scene *scene, const sl_settings *s
         f.emissive_triangles);
     bool surfaces = f.diffuse_triangles || f.glossy_triangles || f.mirror_triangles;
     const sl_shading_cache_settings *c = &settings->shading_cache;
+    bool direct = lights && (f.diffuse_triangles || f.glossy_triangles),
+         indirect = c->indirect != SL_INDIRECT_NONE && surfaces && (lights || f.environment);
     return (sl_shading_plan){
-        .direct = lights && (f.diffuse_triangles || f.glossy_triangles),
-        .indirect = c->indirect != SL_INDIRECT_NONE && surfaces && (lights || f.environment),
+        .direct = direct,
+        .indirect = indirect,
         .caustics = c->caustics && f.mirror_triangles && f.diffuse_triangles && lights,
         .radiance = f.glossy_triangles || f.mirror_triangles,
         .ageing = !c->no_ageing && (f.animated || f.glossy_triangles || f.mirror_triangles),
         .curved = scene->bicubic_count > 0,
+        .layers = direct && indirect && !c->variance_aware && !c->no_ageing,
     };
 }
 
@@ -106,7 +109,7 @@ void sl_shading_plan_write(const sl_scene *scene, const sl_settings *settings, s
 /* ID map 20, leaves 24, the picture 12. For each triangle: primitives with edges and corners, two display
  * copies, roots, a rasterizer. A patch is in the tree and in two copies for the display; twice while arrays
  * grow. Lobes where something is glossy. */
-enum { A_PIXEL = 60, A_TRIANGLE = 460, A_PATCH = 180, OF_LOBES = 160, A_CURVED = 40000, A_PHOTON = 150,
+enum { A_PIXEL = 60, A_TRIANGLE = 500, A_PATCH = 204, OF_LOBES = 180, A_CURVED = 40000, A_PHOTON = 150,
       A_THREAD = 1500000 };
 
 sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *settings) {

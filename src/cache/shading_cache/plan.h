@@ -11,6 +11,7 @@ typedef struct sl_shading_plan {
     bool caustics;      /* asked for, and something is a mirror */
     bool radiance;      /* some surface is not diffuse: exitant radiance is cached, too */
     bool ageing;        /* something may move, or is not diffuse */
+    bool layers;        /* direct and indirect light are renewed apart */
     bool curved;        /* bicubic surfaces are tessellated */
 } sl_shading_plan;
 

@@ -14,6 +14,10 @@
 #include "cache/frame/settings.h"
 #include "cache/patches/primitives.h"
 
+/* Layers of light at one vertex, by what a sample costs: direct light, and caustics that have a map, by some
+ * rays; indirect light by hundreds of paths. Each is renewed at its own rate, and their sum is displayed. */
+enum { SL_LAYER_CHEAP = 1, SL_LAYER_DEAR = 2, SL_LAYERS_ALL = 3 };
+
 typedef struct sl_sample_request {
     sl_lit_point point;
     const sl_material *material;
@@ -22,6 +26,7 @@ typedef struct sl_sample_request {
     bool radiance;             /* exitant radiance of the lobe is wanted too */
     /* which set of samples: 0, 1, ...; the same one gives the same bits for an unchanged scene */
     uint32_t set;
+    unsigned layers;           /* SL_LAYER_ bits: renderers of other layers are not asked */
 } sl_sample_request;
 
 typedef struct sl_sample {
@@ -43,6 +48,9 @@ typedef struct sl_sample_renderer {
     /* The scene has changed (SL_CHANGED_ bits); the tracer has been made anew where objects moved. */
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
     void (*destroy)(void *state);
+    /* Returns about how many rays a sample takes; NULL: none. */
+    double (*rays)(const void *state);
+    unsigned layer;            /* SL_LAYER_CHEAP or SL_LAYER_DEAR, as the cache has it */
 } sl_sample_renderer;
 
 /* tracer: where the caller keeps it; it may be made anew between batches. */

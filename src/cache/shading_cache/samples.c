@@ -20,7 +20,8 @@ static void make_request(const sl_shading_state *s, uint32_t vertex, sl_sample_r
                                    .eye = s->scene->camera.eye,
                                    .dense = v->dense,
                                    .radiance = sl_material_has_lobe(material),
-                                   .set = more ? sets->count : 0};
+                                   .set = more ? sets->count : 0,
+                                   .layers = request->layers};
     sl_vertex_sample_point(s->patches, vertex, &request->point);
 }
 
@@ -43,23 +44,34 @@ static void add_sample(sl_sample *sum, const sl_sample *part) {
     sum->broken = sum->broken || part->broken;
 }
 
-/* The next run of requests from `first` that are worth asking for. */
-static size_t next_run(const sl_sample *samples, size_t count, size_t *first) {
-    while (*first < count && (!samples[*first].valid || samples[*first].broken)) ++*first;
+static bool is_asked(const sl_shading_state *s, size_t i, unsigned layer) {
+    return s->sample[i].valid && !s->sample[i].broken && (s->request[i].layers & layer);
+}
+
+/* Returns the length of the next run of requests from `first` that are worth asking for. */
+static size_t next_run(const sl_shading_state *s, unsigned layer, size_t count, size_t *first) {
+    while (*first < count && !is_asked(s, *first, layer)) ++*first;
     size_t end = *first;
-    while (end < count && samples[end].valid && !samples[end].broken) end++;
+    while (end < count && is_asked(s, end, layer)) end++;
     return end - *first;
+}
+
+static void add_part(sl_shading_state *s, size_t i, unsigned layer, const sl_sample *part) {
+    add_sample(&s->sample[i], part);
+    if (s->layers.kept) add_sample(&s->layer[i][layer == SL_LAYER_DEAR], part);
 }
 
 void sl_shading_sample(sl_shading_state *s, size_t count) {
     const sl_batch requests = {.count = count, .work = request_one, .context = s};
     if (count) sl_batch_run(&requests, s->settings.threads, &s->counters);
+    if (count && s->layers.kept) memset(s->layer, 0, count * sizeof *s->layer);
     for (int r = 0; r < s->renderer_count; r++) {
+        const sl_sample_renderer *renderer = &s->renderer[r];
         size_t first = 0, run;
-        while ((run = next_run(s->sample, count, &first)) > 0) {
-            s->renderer[r].render(s->renderer[r].state, run, s->request + first, s->settings.threads, s->part,
-                                  &s->counters);
-            for (size_t i = 0; i < run; i++) add_sample(&s->sample[first + i], &s->part[i]);
+        while ((run = next_run(s, renderer->layer, count, &first)) > 0) {
+            renderer->render(renderer->state, run, s->request + first, s->settings.threads, s->part,
+                             &s->counters);
+            for (size_t i = 0; i < run; i++) add_part(s, first + i, renderer->layer, &s->part[i]);
             first += run;
         }
     }
@@ -122,6 +134,7 @@ static bool is_to_fade(const sl_shading_state *s, uint32_t vertex, uint32_t obje
 static void commit_nothing(sl_shading_state *s, uint32_t vertex, bool inside) {
     sl_patch_vertex *v = &s->patches->vertex[vertex];
     if (inside || v->evaluated == SL_VERTEX_NEVER) sl_patches_set_extrapolated(s->patches, vertex);
+    if (s->layers.kept) s->layers.version[vertex] = v->extrapolated ? SL_VERSION_UNKNOWN : s->layers.now;
     sl_vertex_mark(v, s->now);
     sl_patches_touch(s->patches, v->place);
 }
@@ -132,8 +145,10 @@ static bool comes_or_goes(const sl_patch_vertex *v, const sl_sample *sample) {
     return v->evaluated != SL_VERTEX_NEVER && v->extrapolated == sample->valid;
 }
 
-void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request,
-                              const sl_sample *sample) {
+void sl_shading_commit_sample(sl_shading_state *s, size_t i) {
+    uint32_t vertex = s->vertex[i];
+    const sl_sample_request *request = &s->request[i];
+    sl_sample *sample = &s->sample[i];
     sl_patch_vertex *v = &s->patches->vertex[vertex];
     uint32_t object = sl_root_object(s->primitives, v->root);
     bool finite = sl_rgb_is_finite(sample->irradiance) && sl_rgb_is_finite(sample->radiance);
@@ -151,6 +166,7 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
         return;
     }
     compared c = compare_before(s, vertex, request);
+    sl_layers_commit(&s->layers, s->patches, vertex, request->layers, s->layer ? s->layer[i] : NULL, sample);
     v->extrapolated = 0;
     v->is_dense = v->dense;
     float share = share_of(request), from[6];
@@ -162,7 +178,7 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
             0.0f, sets->variance + share * (share * sample->variance - sets->variance * (2.0f - share)));
         sets->count = request->set < UINT32_MAX ? request->set + 1 : UINT32_MAX;
     }
-    sl_vertex_mark(v, s->now);
+    if (request->layers & SL_LAYER_CHEAP) sl_vertex_mark(v, s->now);
     if (fades)
         sl_fade_begin(&s->fades, s->patches, vertex, from, (float)s->settings.shading_cache.blending);
     sl_patches_touch(s->patches, v->place);
@@ -172,7 +188,7 @@ void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sam
         sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
 }
 
-/* Returns how coarse patches of what changes are, so that there is time to shade them all anew. */
+/* Returns how coarse patches of what changes are, so that there is time to renew their cheap layer. */
 float sl_shading_coarsest(const sl_shading_state *s) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
     double visible = 0.0;
@@ -182,7 +198,7 @@ float sl_shading_coarsest(const sl_shading_state *s) {
         if (s->changes.object[object].changing) visible += s->patches->patch[s->leaf[i].patch].pixels;
     }
     if (!(visible > 0.0)) return 0.0f;
-    return sl_changes_coarsest(visible, c->nominal_rate, c->clean_up_seconds);
+    return sl_changes_coarsest(visible, c->nominal_rate * sl_shading_cheap_samples(s), c->clean_up_seconds);
 }
 
 /* Corners that were never evaluated are none of that: while an object is refined there always are some. */

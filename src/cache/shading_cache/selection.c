@@ -229,7 +229,7 @@ void sl_shading_note_idle(sl_shading_state *s, size_t choices) {
 /* Every visible leaf is as small as it gets, and as the scene is now. Objects that change are shown with
  * coarser leaves: they are not the end. */
 bool sl_shading_nothing_is_left(const sl_shading_state *s) {
-    if (s->fades.count > 0) return false;
+    if (s->fades.count > 0 || s->stale_left > 0) return false;
     for (size_t i = 0; i < s->scene->object_count; i++) {
         if (s->changes.object[i].changing) return false;
     }

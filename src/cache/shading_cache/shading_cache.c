@@ -5,6 +5,7 @@
  *   priority map          p = p_err + p_age, in grey levels, normalised over the pixels
  *   hit-and-test          pixels drawn at random and tested against their priority; flood fill from the hits
  *   lazy evaluation       a patch's corners are asked for, or it is split in four
+ *   renewal               corners from before an edit are asked for, layer by layer
  *   sample renderer       values of these corners
  *   motion and age        values committed, changes found, coarser patches where things change, old ones
  *                         deleted
@@ -18,6 +19,9 @@
  *   priority.c            interpolation error, age, normalisation
  *   selection.c           visible leaves and their pixels; choices kept; sorted selection
  *   work.c                patches grouped, corners asked for, splits
+ *   renewal.c             what is stale, by layers of light
+ *   untouched.c           direct light that outlives an edit
+ *   layers.h              light apart by what it costs, at the same vertices
  *   renderers.h           direct light (cache/light), bidirectional paths, caustics (cache/photons)
  *   samples.c, change.c   requests, commits; change detection, resolution drop, blending
  *   explanation.c         the terms of a pixel, for observers */
@@ -187,7 +191,7 @@ static sl_status select_pixels(sl_shading_state *s, size_t *choices, sl_error *e
 
 /* ---- lazy evaluation ---- */
 
-/* Of each patch with chosen pixels: corners never evaluated, or stale, are asked for; else, while it is
+/* Of each patch with chosen pixels: corners never evaluated are asked for; else, while it is
  * larger than a pixel, it is split into four and each pixel goes to its child, which is treated alike where
  * many pixels lie in it; a leaf of a pixel is done. */
 static sl_status evaluate_or_split(sl_shading_state *s, size_t choices, size_t *vertices, sl_error *error) {
@@ -210,8 +214,8 @@ static sl_status evaluate_or_split(sl_shading_state *s, size_t choices, size_t *
 void sl_shading_commit(sl_shading_state *s, size_t count) {
     uint64_t before = s->counters.value[SL_COUNT_CHANGES_DETECTED];
     sl_fades_go_on(&s->fades, s->patches, (float)s->settings.shading_cache.blending);
-    for (size_t i = 0; i < count; i++)
-        sl_shading_commit_sample(s, s->vertex[i], &s->request[i], &s->sample[i]);
+    for (size_t i = 0; i < count; i++) sl_shading_commit_sample(s, i);
+    sl_layers_follow(&s->layers, s->patches);
     sl_shading_find_stale(s);
     sl_changes_settle(&s->changes, s->stale, s->now);
     if (s->counters.value[SL_COUNT_CHANGES_DETECTED] == before) return;
@@ -256,6 +260,7 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     make_priority_map(s);
     status = select_pixels(s, &choices, error);
     if (status == SL_OK) status = evaluate_or_split(s, choices, &vertices, error);
+    if (status == SL_OK) status = sl_shading_renew(s, &vertices, error);
     if (status != SL_OK) return status;
     /* sample renderer: E of diffuse surfaces, L_o towards the eye of others */
     sl_shading_sample(s, vertices);

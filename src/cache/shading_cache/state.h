@@ -5,6 +5,7 @@
 #include "cache/frame/announce.h"
 #include "cache/shading_cache/change.h"
 #include "cache/patches/display/display.h"
+#include "cache/shading_cache/layers.h"
 #include "cache/shading_cache/plan.h"
 #include "cache/shading_cache/priority.h"
 #include "cache/shading_cache/renderers.h"
@@ -44,6 +45,10 @@ typedef struct sl_shading_state {
     sl_sample *sample, *part;
     sl_fades fades;                /* values that are blended in */
     bool *stale;                   /* by object */
+    sl_layers layers;              /* light apart by what it costs */
+    sl_sample (*layer)[2];         /* by request: the cheap layer, the dear one */
+    bool may_be_stale;             /* something that is seen is from before an edit, or was lately */
+    size_t stale_left;             /* vertices that are stale after this update */
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
     uint64_t last_update;          /* after which a picture is done: an edit allows as many again */
@@ -77,11 +82,19 @@ void sl_shading_leave_out_finished(sl_shading_state *s);
 void sl_shading_note_idle(sl_shading_state *s, size_t choices);
 bool sl_shading_nothing_is_left(const sl_shading_state *s);
 
+/* renewal.c. Appends vertices that are stale to s->vertex[0 .. *count), and tells which layers each of
+ * them is asked for. */
+sl_status sl_shading_renew(sl_shading_state *s, size_t *count, sl_error *error);
+/* Returns how many cheap samples take half the time of one of all layers. */
+double sl_shading_cheap_samples(const sl_shading_state *s);
+/* untouched.c. Before an edit is noted: marks as new direct light that no moved object can have touched. */
+void sl_shading_keep_untouched(sl_shading_state *s, unsigned what, const sl_object_places *after,
+                               const bool *moved);
+
 /* samples.c. The samples of s->vertex[0 .. count), into s->sample: the sample renderer is asked for E of
  * diffuse surfaces, and for L_o towards the eye of others. */
 void sl_shading_sample(sl_shading_state *s, size_t count);
-void sl_shading_commit_sample(sl_shading_state *s, uint32_t vertex, const sl_sample_request *request,
-                              const sl_sample *sample);
+void sl_shading_commit_sample(sl_shading_state *s, size_t request);
 /* Objects of which visible leaves still show values from before their change. */
 void sl_shading_find_stale(sl_shading_state *s);
 void sl_shading_drop_resolution(sl_shading_state *s);

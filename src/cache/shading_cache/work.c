@@ -1,6 +1,6 @@
-/* From chosen pixels to work. A patch whose corners are not all there, or not as the scene is now, gets them;
- * any other one that is larger than a pixel is cut in four, and its places go to the children. Where many
- * places lie in one patch that is done again at once: several levels in one update. */
+/* From chosen pixels to work. A patch whose corners are not all there gets them; any other one that is
+ * larger than a pixel is cut in four, and its places go to the children. Where many places lie in one
+ * patch that is done again at once: several levels in one update. */
 #include "cache/shading_cache/work.h"
 
 #include <math.h>
@@ -52,37 +52,19 @@ static void ask_for(worker *w, uint32_t vertex) {
     w->patches->vertex[vertex].asked = 1;
 }
 
-/* A leaf shows what hangs on its edges, too. What was evaluated there for neighbours that are seen no more
- * nobody else would ask for. Returns how many, so many at most. */
-static size_t ask_for_stale_hanging(worker *w, uint32_t patch) {
-    sl_fan_spoke spoke[4 * SL_HANGING_MOST];
-    sl_patch_place place = sl_patch_place_of(w->patches, patch);
-    size_t found = 0, count = sl_patch_spokes(w->patches, &place, SL_PATCH_DEPTH_MAX, 0, spoke);
-    for (size_t i = 0; i < count && found < SL_HANGING_A_PATCH; i++) {
-        if (!sl_vertex_is_stale(w->patches, w->settings, spoke[i].vertex)) continue;
-        ask_for(w, spoke[i].vertex);
-        found++;
-    }
-    return found;
-}
-
-/* Those corners that were never evaluated, or before something moved; true: there were some. Of a leaf also
- * what hangs on its edges, if that is old. */
+/* Those corners that were never evaluated; true: there were some. */
 static bool ask_for_missing(worker *w, const sl_patch_place *place) {
     bool any = false, full = false;
-    uint32_t patch = place->patch;
     for (int c = 0; c < place->corners; c++) {
-        uint32_t vertex = sl_patch_corner(w->patches, patch, c);
+        uint32_t vertex = sl_patch_corner(w->patches, place->patch, c);
         sl_patch_vertex *v = &w->patches->vertex[vertex];
-        if (v->evaluated != SL_VERTEX_NEVER && !sl_vertex_is_stale(w->patches, w->settings, vertex)) continue;
+        if (v->evaluated != SL_VERTEX_NEVER) continue;
         if (!any) full = place_is_full_size(w, place);
-        if (full && v->evaluated == SL_VERTEX_NEVER) v->dense = 1;
+        if (full) v->dense = 1;
         ask_for(w, vertex);
         any = true;
     }
-    bool old = stale_before(w->patches, w->settings, sl_patch_root(w->patches, patch)) > 0 &&
-               sl_patch_is_leaf(w->patches, patch);
-    return (old && ask_for_stale_hanging(w, patch) > 0) || any;
+    return any;
 }
 
 /* Corners that were shaded with few points on lights; true: there were some. */
@@ -91,9 +73,7 @@ static bool ask_for_dense(worker *w, const sl_patch_place *place) {
     for (int c = 0; c < place->corners; c++) {
         uint32_t vertex = sl_patch_corner(w->patches, place->patch, c);
         sl_patch_vertex *v = &w->patches->vertex[vertex];
-        if (v->evaluated == SL_VERTEX_NEVER || v->extrapolated || v->dense ||
-            sl_vertex_is_stale(w->patches, w->settings, vertex))
-            continue;
+        if (v->evaluated == SL_VERTEX_NEVER || v->extrapolated || v->dense) continue;
         v->dense = 1;
         ask_for(w, vertex);
         any = true;
@@ -155,9 +135,8 @@ static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_pa
 }
 
 bool sl_patch_is_finished(const sl_patches *p, const sl_work_settings *settings, uint32_t patch) {
-    uint32_t oldest = sl_leaf_oldest(p, patch);
-    if (oldest == SL_VERTEX_NEVER || oldest < stale_before(p, settings, sl_patch_root(p, patch)))
-        return false;
+    for (int c = 0; c < sl_patch_corners(p, patch); c++)
+        if (p->vertex[sl_patch_corner(p, patch, c)].evaluated == SL_VERTEX_NEVER) return false;
     sl_patch_place place = sl_patch_place_of(p, patch);
     return place.depth == p->settings.max_depth ||
            !is_large(p, settings, &place, sl_patch_projected(p, &place, settings->view));

@@ -30,9 +30,6 @@ typedef struct sl_work_settings {
     float coarsest;
 } sl_work_settings;
 
-/* Of old vertices on the edges of one leaf no more are asked for at once. */
-enum { SL_HANGING_A_PATCH = 4 };
-
 /* The picture in a mirror or a narrow lobe may be smaller than a pixel: a corner that meets a lamp would
  * colour all of its leaf, whose pixel shows something else. Such leaves are split down to this share of what
  * is split elsewhere. */
@@ -42,13 +39,14 @@ enum { SL_SHARP_LEVELS = 32, SL_SHARP_PARTS = 16 };
  * set of samples. Others in the list that were evaluated get one more set. */
 bool sl_vertex_is_stale(const sl_patches *patches, const sl_work_settings *settings, uint32_t vertex);
 
-/* Nothing is left to do in a leaf: its corners are as the scene is now, and it is too small for a split.
- * Where that holds for all visible leaves a picture of a still scene is done. */
+/* Tells whether nothing is left to refine in a leaf: its corners were evaluated, and it is too small for a
+ * split. Where that holds for all visible leaves, and nothing is stale, a picture of a still scene is
+ * done. */
 bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *settings, uint32_t patch);
 
-/* Handles all places, patch by patch: requests vertices never evaluated or stale; else splits and hands
- * places on. vertex: the vertices to be shaded, each once, in that order; room for (4 + SL_HANGING_A_PATCH) *
- * count + 64. */
+/* Handles all places, patch by patch: requests vertices never evaluated; else splits and hands places on.
+ * What is stale is asked for by renewal, and holds up no split. vertex: the vertices to be shaded, each
+ * once, in that order; room for 4 * count + 64. */
 sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, size_t count,
                       const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count,
                       sl_counters *counters, sl_error *error);

@@ -223,7 +223,7 @@ static void begin(committing *c) {
     c->s.part = calloc(4, sizeof *c->s.part);
     c->s.stale = calloc(c->h.scene->object_count, sizeof *c->s.stale);
     assert_true(c->s.vertex && c->s.request && c->s.sample && c->s.part && c->s.stale);
-    for (uint32_t i = 0; i < 4; i++) c->s.vertex[i] = i;
+    for (uint32_t i = 0; i < 4; i++) c->s.vertex[i] = i, c->s.request[i].layers = SL_LAYERS_ALL;
 }
 
 static void end(committing *c) {
