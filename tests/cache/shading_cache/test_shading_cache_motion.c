@@ -1,0 +1,129 @@
+/* A scene that moves without rest, an update a move: what is seen is refined all the while, and is near what a
+ * fresh picture of it would be. Counters and pictures, no clocks. */
+#include "shading_cache_support.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "cache/frame/method.h"
+#include "cache/shading_cache/state.h"
+#include "rendering.h"
+
+enum { SIZE = 16, PIXELS = SIZE * SIZE, WINDOW = 10, FRESH = 100 };
+
+static const char ball[] = "scenes/moving-ball.json";
+
+static sl_settings motion_settings(unsigned threads) {
+    sl_settings s = small_settings("shading-cache", SIZE, SIZE);
+    s.threads = threads;
+    s.shading_cache.indirect_samples = 8;
+    s.shading_cache.area_samples = 8;
+    s.shading_cache.frames_per_update = 1;
+    s.shading_cache.updates = 1000000000;
+    return s;
+}
+
+static sl_method *method_of(const sl_scene *scene, const sl_settings *settings) {
+    sl_method *method;
+    sl_error error = {0};
+    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
+    return method;
+}
+
+static bool update(sl_method *method) {
+    sl_progress progress = {0};
+    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    return progress.done;
+}
+
+static void to_the_end(sl_method *method) {
+    for (int updates = 0; !update(method); updates++) assert_true(updates < 4000);
+}
+
+static void go_to(sl_scene *scene, sl_method *method, double time) {
+    unsigned changes = 0;
+    assert_int_equal(sl_scene_set_time(scene, time, &changes, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+}
+
+/* To and fro, 25 frames a second. */
+static double time_of(int move) { return 3.96 - fabs(fmod(0.04 * move, 7.92) - 3.96); }
+
+static sl_image *picture_of(sl_method *method) {
+    sl_image *image;
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    return image;
+}
+
+/* Relative RMS difference of what is displayed: lamps count as white. */
+static double apart(const sl_image *image, const sl_image *from) {
+    double squares = 0.0, sum = 0.0;
+    for (int i = 0; i < 3 * PIXELS; i++) {
+        double a = fmin((double)image->planes[i], 1.0), b = fmin((double)from->planes[i], 1.0);
+        squares += (a - b) * (a - b);
+        sum += b;
+    }
+    return sqrt(squares / (3 * PIXELS)) / (sum / (3 * PIXELS));
+}
+
+static double apart_from_a_fresh_one(sl_method *method, const sl_scene *scene, const sl_settings *settings) {
+    sl_method *fresh = method_of(scene, settings);
+    to_the_end(fresh);
+    sl_image *image = picture_of(method), *right = picture_of(fresh);
+    double difference = apart(image, right);
+    sl_image_destroy(image);
+    sl_image_destroy(right);
+    sl_method_destroy(fresh);
+    return difference;
+}
+
+static uint64_t splits_of(const sl_method *method) {
+    return sl_method_counters(method)->value[SL_COUNT_SPLITS];
+}
+
+/* Leaves that were seen in the last update, have all their corners, and are larger than the stop size. */
+static size_t coarse_leaves(const sl_method *method) {
+    const sl_shading_state *s = method->state;
+    size_t coarse = 0;
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        uint32_t leaf = s->leaf[i].patch;
+        if (!sl_patch_is_alive(s->patches, leaf) || !sl_patch_is_leaf(s->patches, leaf)) continue;
+        coarse += sl_patch_error(s->patches, &s->curve, leaf) > 0.0f &&
+                  !sl_patch_is_finished(s->patches, &s->work, leaf);
+    }
+    return coarse;
+}
+
+static void moves_without_rest(const char *path, int moves, double most) {
+    sl_scene *scene = load_scene(path);
+    sl_settings settings = motion_settings(2);
+    sl_method *method = method_of(scene, &settings);
+    double worst = 0.0;
+    for (int window = 0; window < moves / WINDOW; window++) {
+        size_t coarse = window ? coarse_leaves(method) : 1;
+        uint64_t before = splits_of(method);
+        for (int i = 0; i < WINDOW; i++) {
+            go_to(scene, method, time_of(window * WINDOW + i));
+            update(method);
+        }
+        assert_true(coarse == 0 || splits_of(method) > before);
+        if ((window + 1) * WINDOW % FRESH == 0)
+            worst = fmax(worst, apart_from_a_fresh_one(method, scene, &settings));
+    }
+    print_message("%s: %.3f from a fresh picture at most\n", path, worst);
+    assert_true(worst < most);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh_one(void **state) {
+    (void)state;
+    moves_without_rest(ball, 400, 0.15);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
