@@ -694,9 +694,9 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
  *   splatting        records             -                     -                    -
  *   direct-radiance  direct radiance     -                     -                    -
  *   light-octree     photons, leaves     the octree shows until photons are traced anew
- *   multi-mesh       irradiance, coarse  samples of direct     -                    -
- *                    mesh, diffuse and   light, each light's
- *                    indirect meshes     mesh
+ *   multi-mesh       irradiance, coarse  samples of direct     meshes; samples of   meshes; samples that
+ *                    mesh, diffuse and   light; meshes, which   other lights; what   nothing moved before;
+ *                    indirect meshes     show until renewed    shows, as left       what shows, as left
  *   shading-cache    shading             patches; their        as power             as power, but for
  *                                        shading shows until                        a sky that comes
  *                                        it is renewed                              or goes
@@ -705,10 +705,10 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
  * Of multi-mesh's direct light nothing is sampled again after power or colours have changed, but for lights
  * of the coarse mesh that matter more or less than before beside the others; thresholds that are new may
  * split meshes further, whose samples are all that SL_COUNT_LIGHT_SAMPLES counts then. Indirect light is
- * gathered again. With 16 lights or more by the ratio estimator, whose samples depend on what other lights
- * give, and with the option "memory" it keeps nothing. SL_CHANGED_KINDS (objects that come, go or are
- * deformed are of these), lights of a kind that there was none of, and a light that is lit or put out in
- * multi-mesh: all is made anew, so that bits are those of a method that is created then. The paper of
+ * gathered again. With 16 lights or more by the ratio estimator samples depend on what other lights give, and
+ * go. Where meshes have ended at the option "memory" it keeps nothing. SL_CHANGED_KINDS (objects that come,
+ * go or are deformed are of these), lights of a kind that there was none of, and a light that is lit or put
+ * out in multi-mesh: all is made anew, so that bits are those of a method that is created then. The paper of
  * splatting keeps records of a scene that stands still, as this does. */
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
 /** Tells whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
@@ -818,10 +818,10 @@ SL_API sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_
  * *counters (may be NULL) gets the method's, and those of the frames. NULL is allowed. */
 SL_API void sl_live_stop(sl_live *live, sl_counters *counters);
 /** Moves camera, objects and lights to their keyframes' state at a time: the next frame shows it, whatever is
- * under way (methods without a display of their own, all but the Shading Cache, show it once a picture has
- * light there, and follow no other move before that). With shading-cache.hold the move waits until what
- * is shown is as good as that; the newest one counts. Fails as sl_scene_set_time() does, and stays where it
- * is. */
+ * under way (methods without a display of their own, all but the Shading Cache and multi-mesh caching, show
+ * it once a picture has light there, and follow no other move before that). With shading-cache.hold the move
+ * waits until what is shown is as good as that; the newest one counts. Fails as sl_scene_set_time() does,
+ * and stays where it is. */
 SL_API sl_status sl_live_move(sl_live *live, double time_seconds, sl_error *error);
 /** As sl_scene_set_camera(), whatever the keyframes say of the camera, from now on; fails likewise. */
 SL_API sl_status sl_live_look(sl_live *live, const float eye[3], const float target[3], const float up[3],
@@ -833,8 +833,8 @@ SL_API sl_status sl_live_frame(sl_live *live, const sl_image **frame, sl_live_st
 /* ---- the error of a picture, without a reference --------------------------------------------- */
 
 /** Error of a picture against the converged picture of the same light paths: that of --method path with the
- * same transport and pixel filter, and no noise. Judged are all pixels, and those that show no lamp and no sky
- * by themselves, whose error the lamps' brightness would hide: what is told is the worse of the two. */
+ * same transport and pixel filter, and no noise. Judged are all pixels, and those that show no lamp and no
+ * sky by themselves, whose error the lamps' brightness would hide: what is told is the worse of the two. */
 typedef struct sl_error_estimate {
     /** an estimate of sl_comparison.rel_rmse over them; 0 where the picture is better than the
      * probes can tell */

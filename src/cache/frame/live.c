@@ -113,7 +113,7 @@ static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
     return status == SL_OK && changes ? sl_method_edit(l->method, changes, error) : status;
 }
 
-/* Tells whether a move's change of light shows: the Shading Cache counts it when it is found, other methods
+/* Tells whether a move's change of light shows: methods with a display count it themselves, others
  * show whole light when their picture is finished. */
 static bool shows_change(const sl_live *l, uint64_t shown_before, const sl_progress *progress) {
     if (!l->window) return progress->frame_done;

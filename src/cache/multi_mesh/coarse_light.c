@@ -200,6 +200,7 @@ sl_rgb sl_coarse_gather(const sl_scene *scene, const sl_gather *gather, const sl
 
 typedef struct gathering {
     const sl_multi_mesh_state *s;
+    const sl_coarse_eye *eye;
     const sl_mesh_point *point;
 } gathering;
 
@@ -207,81 +208,134 @@ static void gather_one(void *context, size_t i, unsigned worker, void *result, s
     const gathering *g = context;
     sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     *(sl_rgb *)result =
-        sl_coarse_gather(g->s->scene, g->s->gather, &g->point[i], g->s->gatherer[worker], counters);
+        sl_coarse_gather(g->s->scene, g->eye->gather, &g->point[i], g->eye->scratch[worker], counters);
 }
 
-void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points,
-                          sl_rgb *irradiance) {
-    gathering g = {s, points};
-    const sl_batch batch = {count, gather_one, &g, irradiance, sizeof *irradiance};
-    sl_batch_run(&batch, s->settings.threads, &s->counters);
+static void forget_eye(sl_coarse_eye *eye, unsigned threads) {
+    for (unsigned t = 0; eye->scratch && t < threads; t++) sl_gather_scratch_destroy(eye->scratch[t]);
+    sl_free(eye->scratch);
+    sl_gather_destroy(eye->gather);
+    *eye = (sl_coarse_eye){.gather = NULL};
 }
 
-void sl_multi_mesh_forget_gather(sl_multi_mesh_state *s) {
-    for (unsigned t = 0; s->gatherer && t < s->settings.threads; t++)
-        sl_gather_scratch_destroy(s->gatherer[t]);
-    sl_free(s->gatherer);
-    sl_gather_destroy(s->gather);
-    s->gatherer = NULL;
-    s->gather = NULL;
+void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds, unsigned threads) {
+    for (int i = 0; i < 2; i++) forget_eye(&rounds->eye[i], threads);
 }
 
-static sl_status ready_gather(sl_multi_mesh_state *s, int size, sl_error *error) {
-    const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
-    if (s->gather && s->gather_pixels == size) return SL_OK;
-    sl_multi_mesh_forget_gather(s);
-    s->gather_pixels = size;
-    sl_lattice_colours colours = {s->coarse->face, s->coarse->colour};
+static sl_status make_eye(sl_multi_mesh_state *s, const sl_coarse *coarse, sl_coarse_eye *eye,
+                          sl_error *error) {
+    sl_lattice_colours colours = {coarse->face, coarse->colour};
     sl_gather_settings gather = {.kind = SL_GATHER_PLANE,
-                                 .size = size,
-                                 .plane_fov = (float)m->gather_fov,
+                                 .size = eye->pixels,
+                                 .plane_fov = (float)s->settings.multi_mesh.gather_fov,
                                  .border = SL_BORDER_LC04,
                                  .colours = &colours};
-    sl_status status = sl_gather_create(s->scene, s->raster, NULL, &gather, s->settings.threads, &s->gather,
+    sl_status status = sl_gather_create(s->scene, s->raster, NULL, &gather, s->settings.threads, &eye->gather,
                                         &s->counters, error);
-    s->gatherer = sl_allocate(s->settings.threads, sizeof *s->gatherer);
-    if (status == SL_OK && !s->gatherer) status = sl_fail_memory(error, "gathers");
+    eye->scratch = sl_allocate(s->settings.threads, sizeof *eye->scratch);
+    if (status == SL_OK && !eye->scratch) status = sl_fail_memory(error, "gathers");
     for (unsigned t = 0; t < s->settings.threads && status == SL_OK; t++)
-        status = sl_gather_scratch_create(s->gather, &s->gatherer[t], error);
+        status = sl_gather_scratch_create(eye->gather, &eye->scratch[t], error);
     return status;
+}
+
+/* A quarter of the pixels, unless that is too few to be drawn. */
+static int pixels_of(const sl_multi_mesh_state *s, bool quick) {
+    const int size = s->settings.gather_size;
+    return quick && size >= 4 * SL_GATHER_COLOURED_LEAST ? size / 4 : size;
+}
+
+sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick,
+                                  sl_error *error) {
+    sl_coarse_eye *eye = &rounds->eye[quick];
+    eye->pixels = pixels_of(s, quick);
+    sl_status status = eye->gather ? SL_OK : make_eye(s, rounds->coarse, eye, error);
+    if (status != SL_OK) forget_eye(eye, s->settings.threads);
+    return status;
+}
+
+sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick, size_t count,
+                               const sl_mesh_point *points, sl_rgb *irradiance, sl_error *error) {
+    sl_coarse_eye *eye = &rounds->eye[quick];
+    sl_status status = sl_multi_mesh_ready_eye(s, rounds, quick, error);
+    if (status != SL_OK) return status;
+    gathering g = {s, eye, points};
+    const sl_batch batch = {count, gather_one, &g, irradiance, sizeof *irradiance};
+    sl_batch_run(&batch, s->settings.threads, &s->counters);
+    return SL_OK;
 }
 
 /* ---- rounds ---- */
 
-/* Returns the pixels a side of a round's gathers: what the coarse mesh's vertices gather of each other is
- * seen by hundreds of them at once, so few pixels are enough; a sky may hold a sun. */
-static int round_pixels(const sl_multi_mesh_state *s, uint32_t rounds_left) {
-    const int size = s->settings.gather_size;
-    const bool sky = rounds_left == s->settings.bounces;
-    if (rounds_left == 0 || sky || size < 4 * SL_GATHER_COLOURED_LEAST) return size;
-    return size / 4;
+void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds, unsigned threads) {
+    sl_multi_mesh_forget_eyes(rounds, threads);
+    sl_free(rounds->shares);
+    sl_free(rounds->direct);
+    sl_free(rounds->indirect);
+    sl_coarse_destroy(rounds->coarse);
+    *rounds = (sl_coarse_rounds){.coarse = NULL};
 }
+
+/* Returns how often its vertices gather: the environment's light, and each bounce after the first. */
+static uint32_t rounds_of(const sl_multi_mesh_state *s) {
+    return s->settings.bounces - 1 + (s->scene->environment.present ? 1 : 0);
+}
+
+/* Of a coarse mesh that is the same but for colours. */
+static void inherit_shares(sl_multi_mesh_state *s) {
+    bool same = s->whole.coarse && !s->whole.rolls && s->whole.lit == s->lit &&
+                s->whole.coarse->vertex_count == s->next.coarse->vertex_count;
+    if (!same) return;
+    s->next.shares = s->whole.shares;
+    s->whole.shares = NULL;
+}
+
+sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error) {
+    bool moves = s->whole.coarse && s->whole.lit != s->lit, rolls = moves && rounds_of(s) > 0;
+    float edge = (float)sl_multi_mesh_coarse_edge(s->scene, &s->settings);
+    /* a quarter of the vertices while things move: what has gone on is soon seen */
+    sl_coarse_settings coarse = {rolls ? 2.0f * edge : edge, s->settings.multi_mesh.coarse_depth - rolls};
+    if (coarse.depth < 0) coarse.depth = 0;
+    s->next = (sl_coarse_rounds){.world = s->world, .lit = s->lit, .rolls = rolls};
+    sl_status status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->next.coarse, error);
+    if (status != SL_OK) return status;
+    size_t count = s->next.coarse->vertex_count;
+    if (!rolls) inherit_shares(s);
+    s->next.direct = sl_allocate(count, sizeof *s->next.direct);
+    if (s->next.rolls) s->next.indirect = sl_allocate(count, sizeof *s->next.indirect);
+    bool done = s->next.direct && (s->next.indirect || !s->next.rolls);
+    return done ? SL_OK : sl_fail_memory(error, "the coarse mesh");
+}
+
+/* Tells whether a round's gathers have few pixels: what the coarse mesh's vertices gather of each other is
+ * seen by hundreds of them at once, so few are enough; a sky may hold a sun. */
+static bool is_quick_round(const sl_multi_mesh_state *s) { return s->next.gathers != s->settings.bounces; }
 
 static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
     if (!s->plan.lights) return SL_OK;
-    const size_t all = s->coarse->vertex_count * s->lights->count;
-    if (!s->coarse_shares && !s->light.few_rays &&
-        !(s->coarse_shares = sl_allocate(all, sizeof *s->coarse_shares)))
+    size_t lights = s->lights->count;
+    sl_coarse_rounds *r = &s->next;
+    if (!r->shares && !s->light.few_rays &&
+        !(r->shares = sl_allocate(r->coarse->vertex_count * lights, sizeof *r->shares)))
         return sl_fail_memory(error, "the coarse mesh's light");
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
-    return sl_coarse_light_take(
-        &s->light, count, s->coarse->vertex + s->coarse_done,
-        s->coarse_shares ? s->coarse_shares + s->coarse_done * s->lights->count : NULL,
-        s->coarse_direct + s->coarse_done, &s->counters, error);
+    return sl_coarse_light_take(&s->light, count, r->coarse->vertex + r->done,
+                                r->shares ? r->shares + r->done * lights : NULL, r->direct + r->done,
+                                &s->counters, error);
 }
 
 /* U_dd, and E_i / pi where it is known, is what gathers see. */
-static void set_coarse(sl_multi_mesh_state *s) {
-    for (size_t i = 0; i < s->coarse->vertex_count; i++) {
-        sl_rgb more =
-            s->coarse_indirect ? sl_rgb_scale(s->coarse_indirect[i], (float)(1.0 / SL_PI)) : sl_grey(0.0f);
-        sl_coarse_set(s->coarse, i, sl_rgb_add(s->coarse_direct[i], more));
+static void set_coarse(sl_coarse_rounds *r, unsigned threads) {
+    for (size_t i = 0; i < r->coarse->vertex_count; i++) {
+        sl_rgb more = r->indirect ? sl_rgb_scale(r->indirect[i], (float)(1.0 / SL_PI)) : sl_grey(0.0f);
+        sl_coarse_set(r->coarse, i, sl_rgb_add(r->direct[i], more));
     }
+    sl_coarse_finish(r->coarse, threads);
 }
 
 /* All lights are hidden from all surfaces: nothing bounces, and there is nothing to be gathered. */
 static bool is_dark(const sl_multi_mesh_state *s) {
-    sl_rgb brightest = sl_coarse_brightest(s->coarse);
+    sl_rgb brightest = sl_coarse_brightest(s->next.coarse);
     return !s->scene->environment.present &&
            !(brightest.r > 0.0f || brightest.g > 0.0f || brightest.b > 0.0f);
 }
@@ -292,78 +346,85 @@ static void leave_out_indirect(sl_multi_mesh_state *s) {
     s->plan.indirect = false;
 }
 
+/* It takes the place of the one before. */
 static void end_coarse(sl_multi_mesh_state *s) {
-    sl_free(s->coarse_direct);
-    sl_free(s->coarse_indirect);
-    s->coarse_direct = s->coarse_indirect = NULL;
-    s->coarse_whole = true;
+    if (s->whole.coarse) sl_multi_mesh_carry(s);
+    sl_multi_mesh_forget_coarse(&s->whole, s->settings.threads);
+    s->whole = s->next;
+    s->next = (sl_coarse_rounds){.coarse = NULL};
+    sl_free(s->whole.direct);
+    s->whole.direct = NULL;
 }
 
 /* The environment's light is gathered past surfaces that are black. */
 static void blacken_coarse(sl_multi_mesh_state *s) {
-    for (size_t i = 0; i < s->coarse->vertex_count; i++) sl_coarse_set(s->coarse, i, sl_grey(0.0f));
-    sl_coarse_finish(s->coarse, s->settings.threads);
+    for (size_t i = 0; i < s->next.coarse->vertex_count; i++) sl_coarse_set(s->next.coarse, i, sl_grey(0.0f));
+    sl_coarse_finish(s->next.coarse, s->settings.threads);
 }
 
 /* The light of lamps is there. The environment's is yet to be gathered, and so is each bounce after the
  * first. */
 static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     bool sky = s->scene->environment.present;
-    set_coarse(s);
-    sl_coarse_finish(s->coarse, s->settings.threads);
+    set_coarse(&s->next, s->settings.threads);
     sl_announce_pass(&s->announcer, "coarse mesh", "for equation (7)");
     if (is_dark(s)) {
         leave_out_indirect(s);
         return SL_OK;
     }
     if (sky) blacken_coarse(s);
-    s->coarse_gathers = s->settings.bounces - 1 + (sky ? 1 : 0);
-    sl_status status = ready_gather(s, round_pixels(s, s->coarse_gathers), error);
-    if (status != SL_OK) return status;
-    if (s->coarse_gathers == 0) {
+    s->next.gathers = rounds_of(s);
+    if (s->next.gathers == 0) {
         end_coarse(s);
         return SL_OK;
     }
-    s->coarse_done = 0;
-    s->coarse_indirect = sl_allocate(s->coarse->vertex_count, sizeof *s->coarse_indirect);
-    return s->coarse_indirect ? SL_OK : sl_fail_memory(error, "the coarse mesh's gathers");
+    s->next.done = 0;
+    s->next.indirect = sl_allocate(s->next.coarse->vertex_count, sizeof *s->next.indirect);
+    return s->next.indirect ? SL_OK : sl_fail_memory(error, "the coarse mesh's gathers");
 }
 
-static void gather_for_coarse(sl_multi_mesh_state *s, size_t count) {
-    const sl_coarse_vertex *vertex = s->coarse->vertex + s->coarse_done;
+static sl_status gather_for_coarse(sl_multi_mesh_state *s, sl_coarse_rounds *seen, size_t count,
+                                   sl_error *error) {
+    const sl_coarse_vertex *vertex = s->next.coarse->vertex + s->next.done;
     sl_mesh_point points[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) {
         sl_root_place x = {vertex[i].face, vertex[i].lit_p, vertex[i].lit_q};
         points[i] = sl_mesh_point_at(s->primitives, x);
     }
-    sl_multi_mesh_gather(s, count, points, s->coarse_indirect + s->coarse_done);
+    return sl_multi_mesh_gather(s, seen, s->next.rolls || is_quick_round(s), count, points,
+                                s->next.indirect + s->next.done, error);
 }
 
-static sl_status finish_gathers(sl_multi_mesh_state *s, sl_error *error) {
-    bool sky = s->coarse_gathers == s->settings.bounces;
-    set_coarse(s);
-    sl_coarse_finish(s->coarse, s->settings.threads);
+static void finish_gathers(sl_multi_mesh_state *s) {
+    set_coarse(&s->next, s->settings.threads);
     sl_announce_pass(&s->announcer,
-                     sky ? "coarse mesh, the environment's light" : "coarse mesh, one more bounce",
+                     is_quick_round(s) ? "coarse mesh, one more bounce"
+                                       : "coarse mesh, the environment's light",
                      "for equation (7)");
-    sl_status status = ready_gather(s, round_pixels(s, s->coarse_gathers - 1), error);
-    if (status != SL_OK) return status;
-    if (--s->coarse_gathers) s->coarse_done = 0;
-    else end_coarse(s);
+    s->next.done = 0;
+    if (!--s->next.gathers) end_coarse(s);
+}
+
+static sl_status extend(sl_multi_mesh_state *s, sl_error *error) {
+    size_t all = s->next.coarse->vertex_count, left = all - s->next.done;
+    size_t share = s->world > 1 ? sl_multi_mesh_share(s, COARSE_VERTICES) : COARSE_VERTICES;
+    size_t count = left < share ? left : share;
+    sl_status status = SL_OK;
+    if (count && (s->next.rolls || !s->next.indirect)) status = light_coarse(s, count, error);
+    if (status == SL_OK && s->next.indirect)
+        status = gather_for_coarse(s, s->next.rolls ? &s->whole : &s->next, count, error);
+    s->next.done += count;
+    if (status != SL_OK || s->next.done < all) return status;
+    if (s->next.rolls) s->next.gathers = 1;
+    if (!s->next.indirect) return finish_direct(s, error);
+    finish_gathers(s);
     return SL_OK;
 }
 
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
-    size_t all = s->coarse->vertex_count, left = all - s->coarse_done;
-    size_t count = left < COARSE_VERTICES ? left : COARSE_VERTICES;
-    sl_status status = SL_OK;
-    if (s->coarse_indirect) gather_for_coarse(s, count);
-    else if (count) status = light_coarse(s, count, error);
-    s->coarse_done += count;
-    if (status != SL_OK || s->coarse_done < all) return status;
-    if (s->coarse_indirect) status = finish_gathers(s, error);
-    else status = finish_direct(s, error);
-    if (!s->coarse_whole) return status;
+    sl_status status = s->next.coarse ? SL_OK : sl_multi_mesh_begin_coarse(s, error);
+    if (status == SL_OK) status = extend(s, error);
+    if (status != SL_OK || s->next.coarse || !s->whole.coarse) return status;
     sl_multi_mesh_announce_gather(s);
     s->phase = SL_PHASE_FIRST; /* of the indirect mesh */
     s->priorities_stale = true;

@@ -17,6 +17,7 @@ sl_status sl_displayed_create(const sl_primitives *primitives, const sl_displaye
     if (!d) return sl_fail_memory(error, "displayed mesh");
     d->settings = *settings;
     d->chain_entry = SL_NO_INDEX;
+    d->world = d->put_as = 1;
     const sl_patches_settings mesh = {.channels = 3, .max_depth = settings->max_depth};
     sl_status status = sl_patches_create(primitives, &mesh, &d->mesh, error);
     if (status == SL_OK) status = sl_displayed_grow(d, error);
@@ -31,21 +32,30 @@ sl_status sl_displayed_create(const sl_primitives *primitives, const sl_displaye
 void sl_displayed_destroy(sl_displayed *d) {
     if (!d) return;
     sl_patches_destroy(d->mesh);
-    sl_free(d->first);
-    sl_free(d->order);
-    sl_free(d->root);
-    sl_free(d->highest);
-    sl_free(d);
+    void *blocks[] = {d->first, d->order, d->root, d->highest, d->world_of, d->weight, d->touched, d};
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
 }
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {
     return sizeof *d + sl_patches_memory_bytes(d->mesh) +
            (d->patch_capacity + d->order_capacity + d->leaves_room) * sizeof(uint32_t) +
-           2 * d->leaves_room * sizeof *d->highest;
+           2 * d->leaves_room * sizeof *d->highest +
+           d->vertex_room * (sizeof *d->world_of + sizeof *d->weight) + d->touched_room * sizeof *d->touched;
+}
+
+static bool grow_vertices(sl_displayed *d) {
+    size_t room = d->mesh->vertex_capacity, used = d->vertex_room;
+    if (room <= used) return true;
+    if (!sl_regrow(&d->world_of, used, room, sizeof *d->world_of) ||
+        !sl_regrow(&d->weight, used, room, sizeof *d->weight))
+        return false;
+    d->vertex_room = room;
+    return true;
 }
 
 sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
     size_t capacity = d->mesh->patch_capacity, used = d->patch_capacity;
+    if (!grow_vertices(d)) return sl_fail_memory(error, "displayed mesh");
     if (capacity <= used) return SL_OK;
     if (!sl_regrow(&d->first, used, capacity, sizeof *d->first))
         return sl_fail_memory(error, "displayed mesh");
@@ -181,12 +191,16 @@ size_t sl_displayed_missing(sl_displayed *d, uint32_t *vertex, size_t room) {
 
 void sl_displayed_put(sl_displayed *d, uint32_t vertex, sl_rgb value, bool valid, sl_counters *counters) {
     float *of = sl_vertex_value(d->mesh, vertex);
-    bool finite = sl_rgb_is_finite(value);
+    bool finite = sl_rgb_is_finite(value), was_known = d->world > 1 && d->world_of[vertex];
+    const float before[3] = {of[0], of[1], of[2]};
     if (!finite) sl_count(counters, SL_COUNT_NONFINITE, 1);
     of[0] = finite ? value.r : 0.0f;
     of[1] = finite ? value.g : 0.0f;
     of[2] = finite ? value.b : 0.0f;
-    sl_mesh_set_state(d->mesh, vertex, valid && finite ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
+    valid = valid && finite;
+    sl_mesh_set_state(d->mesh, vertex, valid ? SL_VERTEX_KNOWN : SL_VERTEX_INVALID);
+    d->world_of[vertex] = d->put_as;
+    if (was_known && (!valid || memcmp(before, of, sizeof before) != 0)) sl_displayed_touch(d, vertex);
 }
 
 void sl_displayed_restart(sl_displayed *d) {
@@ -195,6 +209,7 @@ void sl_displayed_restart(sl_displayed *d) {
     d->root_count = 0;
     d->dirty_all = d->corners_asked = false;
     d->chain_entry = SL_NO_INDEX;
+    d->touched_count = 0;
 }
 
 /* Gouraud (image pass 3): a leaf's pixels from its vertices and those that its neighbours put on its edges.

@@ -6,6 +6,7 @@
  *                  the paper's random chain
  *   refine.c       the test of a leaf and its edges, split, undo
  *   probes.c       leaves whose edges agree, and yet something lies between them
+ *   renew.c        values of before an edit, which are seen until they are taken again
  *
  * One step of refinement:
  *   leaf = sl_displayed_take(mesh)          the one that matters most; it is marked as taken
@@ -76,6 +77,15 @@ typedef struct sl_displayed {
     size_t leaves, leaves_room;
     uint32_t chain_entry;         /* the chain's current root */
     uint64_t chain_draws;
+    /* by vertex: the world that its value was taken in, 0: it never was. Edits make another world (renew.c)
+     * */
+    uint32_t *world_of;
+    uint32_t world;               /* as it is now: 1 before any edit */
+    uint32_t put_as;              /* the world that values are put for */
+    float *weight;                /* by vertex: 0, but while old ones are listed */
+    size_t vertex_room;
+    uint32_t *touched;            /* leaves whose edges are to be tested again, SL_NODE_TOUCHED */
+    size_t touched_count, touched_room;
     bool dirty_all;               /* all leaves are to be drawn, not those with SL_PATCH_DIRTY alone */
     /* roots' corners are being sampled: what touches them changes when they become known */
     bool corners_asked;
@@ -95,7 +105,8 @@ sl_status sl_displayed_see(sl_displayed *displayed, const sl_visible_pixels *pix
 /* Lists vertices of visible leaves that are UNKNOWN, ascending by first use, each marked REQUESTED; at most
  * `room`. Returns how many. */
 size_t sl_displayed_missing(sl_displayed *displayed, uint32_t *vertex, size_t room);
-/* A vertex's value: INVALID where it is not `valid`, or no number, which is counted. */
+/* A vertex's value: INVALID where it is not `valid`, or no number, which is counted. Where it is another than
+ * it was, the leaves around are touched. */
 void sl_displayed_put(sl_displayed *displayed, uint32_t vertex, sl_rgb value, bool valid,
                       sl_counters *counters);
 /* Priorities of visible leaves from what is known now: after values of missing vertices were filled in. */
@@ -128,9 +139,40 @@ int sl_displayed_wanted_depth(const sl_displayed *displayed, const sl_patch_plac
 void sl_displayed_draw(sl_displayed *displayed, unsigned threads, sl_rgb fallback, float *const planes[3],
                        sl_counters *counters);
 
+/* ---- renew.c: after edits. Values stay, and are shown, until they are taken again ---- */
+
+/* Makes another world: values for which `check` (NULL: none) does not hold are old from now on. */
+void sl_displayed_age(sl_displayed *displayed, uint32_t worlds, const sl_mesh_check *check);
+/* Forgets that leaves were probed, or put together: those for which `stays` does not hold. */
+typedef struct sl_leaf_check {
+    bool (*stays)(const void *context, const sl_patches *mesh, const sl_patch_place *leaf);
+    const void *context;
+} sl_leaf_check;
+void sl_displayed_doubt(sl_displayed *displayed, const sl_leaf_check *check);
+
+/* A vertex in view with an old value. */
+typedef struct sl_old_vertex {
+    uint32_t vertex, leaf;     /* a leaf that shows it */
+    float weight;              /* the pixels of leaves that show it, times the worlds since */
+} sl_old_vertex;
+/* Lists those that were taken in worlds before `world`, heaviest first; the caller's to free. */
+sl_status sl_displayed_list_old(sl_displayed *displayed, uint32_t world, sl_old_vertex **old, size_t *count,
+                                sl_error *error);
+/* Tests edges of touched leaves again, as far as their values are of now; closes and puts together. */
+void sl_displayed_settle(sl_displayed *displayed, sl_counters *counters);
+/* The same of all leaves in view: what else is seen beside them may have changed. */
+void sl_displayed_settle_all(sl_displayed *displayed, sl_counters *counters);
+
+static inline bool sl_is_old(const sl_displayed *d, uint32_t vertex) {
+    return d->world > 1 && vertex < d->vertex_room && d->world_of[vertex] < d->world;
+}
+/* Touches the leaves around a vertex whose value has changed. */
+void sl_displayed_touch(sl_displayed *displayed, uint32_t vertex);
+
 /* Flags of patches, beside those of patches.h and the states of their edges. */
 enum {
     SL_NODE_TAKEN = 0x40,  /* chosen for a batch that is not done yet */
+    SL_NODE_TOUCHED = 0x80, /* it is in the list of those to be tested again */
     SL_NODE_SMALL = 0x800, /* meets the size criterion in the view as it stands */
     SL_NODE_TESTED_SHIFT = 16 /* the upper half: sl_mesh_tested_size() or sl_mesh_probed_size() */
 };
@@ -239,6 +281,10 @@ void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node);
 
 /* A leaf stays as it is: parents whose children are all closed by now go, and priorities are raised. */
 void sl_displayed_close(sl_displayed *d, const sl_patch_place *leaf, sl_counters *counters);
+
+/* Tests edges again that have been tested, and whose values are of now. Returns true where one has changed.
+ * */
+bool sl_displayed_retest(sl_displayed *d, const sl_patch_place *leaf);
 
 /* ---- probes.c ---- */
 

@@ -175,15 +175,17 @@ void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
 
 void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     const sl_visible_pixels *pixels = s->visible;
-    if (!sl_announcing(&s->announcer) || !s->gatherer || !pixels || !pixels->face_count) return;
+    if (!sl_announcing(&s->announcer) || !pixels || !pixels->face_count) return;
+    if (sl_multi_mesh_ready_eye(s, &s->whole, false, NULL) != SL_OK) return;
+    const sl_coarse_eye *eye = &s->whole.eye[0];
     size_t widest = 0;
     for (size_t f = 1; f < pixels->face_count; f++)
         widest = pixels->face[f].count > pixels->face[widest].count ? f : widest;
     sl_root_place middle = sl_mesh_face_middle(pixels->face[widest].face);
     sl_mesh_point point = sl_mesh_point_at(s->primitives, middle);
     sl_counters nobodys = {{0}}; /* no sample of the picture's */
-    sl_coarse_gather(s->scene, s->gather, &point, s->gatherer[0], &nobodys);
-    sl_gather_picture picture = sl_gather_last_picture(s->gatherer[0]);
+    sl_coarse_gather(s->scene, eye->gather, &point, eye->scratch[0], &nobodys);
+    sl_gather_picture picture = sl_gather_last_picture(eye->scratch[0]);
     const float *planes[3] = {picture.r, picture.g, picture.b};
     sl_announce_planes(&s->announcer, "one gather", "equation (7)", picture.width, picture.height, planes);
 }

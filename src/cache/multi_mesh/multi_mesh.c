@@ -96,7 +96,9 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
         valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, NULL, wanted[i].vertex,
                                                 &points[i].lit, &moved, &s->counters);
     }
-    if (status == SL_OK) sl_multi_mesh_gather(s, count, points, irradiance); /* equation (7) */
+    bool quick = part->put_as < part->world;
+    if (status == SL_OK) /* equation (7) */
+        status = sl_multi_mesh_gather(s, &s->whole, quick, count, points, irradiance, error);
     for (size_t i = 0; i < count && status == SL_OK; i++)
         sl_displayed_put(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);
     sl_free(valid);
@@ -202,6 +204,8 @@ static sl_status serve_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *e
         if (leaf->probed)
             sl_displayed_probed(s->part[leaf->part], &leaf->place, leaf->contradicted, &s->counters);
     }
+    for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
+        if (s->part[i]) sl_displayed_settle(s->part[i], &s->counters);
     return status;
 }
 
@@ -226,37 +230,66 @@ static void end_picture(sl_multi_mesh_state *s) {
 /* Leaves were judged by the other components as they were then. Before the end all are judged by what there
  * is now. */
 static bool look_again(sl_multi_mesh_state *s) {
-    for (int i = 0; i < SL_COMPONENTS; i++)
-        if (sl_multi_mesh_takes_part(s, i)) sl_displayed_prioritise(s->part[i]);
+    for (int i = 0; i < SL_COMPONENTS; i++) {
+        if (!sl_multi_mesh_takes_part(s, i)) continue;
+        if (s->world > 1 && !s->judged) sl_displayed_settle_all(s->part[i], &s->counters);
+        sl_displayed_prioritise(s->part[i]);
+    }
+    s->judged = true;
     return most_urgent(s) >= 0;
 }
 
 static sl_status refine_and_extend(sl_multi_mesh_state *s, sl_error *error) {
     size_t served = 0;
-    bool coarse = s->plan.indirect && !s->coarse_whole && sl_is_in_view(s->part[SL_INDIRECT]);
+    bool coarse = s->plan.indirect && !sl_coarse_is_of_now(s) && sl_is_in_view(s->part[SL_INDIRECT]);
     bool full = sl_multi_mesh_is_full(s);
     sl_status status = full ? SL_OK : refine(s, &served, error);
     if (status == SL_OK && coarse) return sl_multi_mesh_extend_coarse(s, error);
-    if (status == SL_OK && served == 0 && (full || !look_again(s))) end_picture(s);
+    if (status == SL_OK && served == 0 && !s->old_left && (full || !look_again(s))) end_picture(s);
     return status;
 }
 
 /* ---- an update ---- */
+
+/* From then on frames may show it: the most visible edges of light are split, or at least the roots lit while
+ * something moves. */
+static void note_light(sl_multi_mesh_state *s) {
+    bool refines = s->phase == SL_PHASE_REFINE && (s->is_edited || s->fraction >= 0.25);
+    s->has_light = s->has_light || refines || s->phase == SL_PHASE_DONE;
+}
+
+/* The first picture: one phase after the other. */
+static sl_status update_phase(sl_multi_mesh_state *s, sl_error *error) {
+    switch (s->phase) {
+    case SL_PHASE_VIEW: return draw_view(s, error);
+    case SL_PHASE_FIRST: return first_vertices(s, error);
+    case SL_PHASE_REFINE: return refine_and_extend(s, error);
+    case SL_PHASE_DONE: break;
+    }
+    return SL_OK;
+}
+
+/* Once there has been an edit an update has a share for each: the view if it has changed, vertices that faces
+ * lack which have come into it, what edits have made old, refinement. So leaves are cut and put together
+ * whatever moves, and however often. */
+static sl_status update_shares(sl_multi_mesh_state *s, sl_error *error) {
+    sl_status status = s->phase == SL_PHASE_VIEW ? draw_view(s, error) : SL_OK;
+    if (status == SL_OK && s->phase == SL_PHASE_FIRST) status = first_vertices(s, error);
+    if (status == SL_OK && s->phase != SL_PHASE_DONE) status = sl_multi_mesh_renew(s, error);
+    return status == SL_OK && s->phase != SL_PHASE_DONE ? refine_and_extend(s, error) : status;
+}
 
 sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error) {
     sl_multi_mesh_state *s = state;
     if (!s->raster)
         return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = SL_OK;
-    switch (s->phase) {
-    case SL_PHASE_VIEW: status = draw_view(s, error); break;
-    case SL_PHASE_FIRST: status = first_vertices(s, error); break;
-    case SL_PHASE_REFINE: status = refine_and_extend(s, error); break;
-    case SL_PHASE_DONE: break;
-    }
+    if (s->is_edited) status = update_shares(s, error);
+    else status = update_phase(s, error);
     progress->fraction = sl_multi_mesh_fraction(s);
     progress->frame_done = progress->done = s->phase == SL_PHASE_DONE;
-    return status;
+    note_light(s);
+    return status == SL_OK && s->has_light ? sl_multi_mesh_show(s, error) : status;
 }
 
 /* ---- image pass 3: Gouraud; image pass 4: merge ---- */

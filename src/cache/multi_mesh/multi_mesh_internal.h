@@ -4,7 +4,8 @@
  *   plan.c             which passes a scene needs
  *   multi_mesh.c       the paper: the passes of a picture, update by update
  *   world.c, state.c   what a picture is made from; made, measured
- *   edit.c             what of that stays when the scene changes
+ *   edit.c, follow.c   lights and objects that move: what still holds, what is old, and is renewed
+ *   window.c           frames beside updates
  *   displayed.h        a mesh as the eye uses it: priorities, tests, drawing (progressive sampling, pass 3)
  *   direct.c           direct diffuse and specular radiance from them
  *   coarse.h           the coarse mesh of the whole scene, which indirect gathers see
@@ -24,10 +25,35 @@
 #include "cache/patches/irradiance.h"
 #include "cache/multi_mesh/merge.h"
 #include "cache/multi_mesh/plan.h"
+#include "cache/multi_mesh/window.h"
 
 typedef enum sl_mesh_phase { SL_PHASE_VIEW, SL_PHASE_FIRST, SL_PHASE_REFINE, SL_PHASE_DONE } sl_mesh_phase;
 
-enum { SL_DONE_VIEWS = 32 };
+enum {
+    SL_DONE_VIEWS = 32,
+    SL_WORLDS_GATHERED = 2 /* worlds of the indirect mesh by edit: values of quick gathers are in between */
+};
+
+/* Gathers of so many pixels a side. */
+typedef struct sl_coarse_eye {
+    sl_gather *gather;          /* NULL: to be made */
+    sl_gather_scratch **scratch; /* one a thread */
+    int pixels;
+} sl_coarse_eye;
+
+/* A coarse mesh with those who look at it, and how far its light has come. */
+typedef struct sl_coarse_rounds {
+    sl_coarse *coarse;          /* NULL: there is none */
+    uint32_t world, lit;        /* in which it was begun */
+    sl_coarse_share *shares;    /* F by vertex and light; NULL: few_rays, or none yet */
+    /* while things move: one round of gathers that see the coarse mesh before it, with all bounces */
+    bool rolls;
+    size_t done;                /* vertices of the round under way */
+    sl_rgb *direct;             /* U_dd of lamps at its vertices, and ... */
+    sl_rgb *indirect;           /* ... E_i of the environment or of later bounces; NULL: not yet, or none */
+    uint32_t gathers;           /* rounds of these that are left */
+    sl_coarse_eye eye[2];       /* of all pixels; of a quarter a side */
+} sl_coarse_rounds;
 
 typedef struct sl_multi_mesh_state {
     const sl_scene *scene;
@@ -44,18 +70,21 @@ typedef struct sl_multi_mesh_state {
     sl_light_sampling *sampling;
     sl_irradiance_settings light;   /* of these and of the coarse mesh */
     sl_irradiance_meshes *irradiance;
-    sl_coarse *coarse;
-    sl_gather *gather;
-    sl_gather_scratch **gatherer; /* one a thread */
-    int gather_pixels;              /* a side of it */
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
-    size_t coarse_done;             /* vertices of the coarse mesh that are there, */
-    sl_coarse_share *coarse_shares; /* F by vertex and light; NULL: few_rays, or none yet */
-    sl_rgb *coarse_direct;          /* U_dd of lamps at the coarse mesh's vertices, and ... */
-    /* ... E_i of the environment or of later bounces; NULL: not yet, or the coarse mesh is whole */
-    sl_rgb *coarse_indirect;
-    uint32_t coarse_gathers;        /* rounds of these that are left */
-    bool coarse_whole;
+    sl_coarse_rounds whole, next;   /* coarse meshes: that which gathers see, and one that is being made */
+    sl_object_places *places;       /* where objects are in it */
+    float scale;                    /* the scene's: tolerances follow it */
+    uint32_t world;                 /* 1, and one more with each edit of what is lit or lights it */
+    uint32_t lit;                   /* the last of them that was not of colours and powers alone */
+    uint32_t made;                  /* how often the world has been made anew */
+    sl_mesh_exchange *exchange;     /* with a window; NULL: nobody looks */
+    bool has_light;                 /* frames may show it */
+    bool change_waits;              /* a change of direct light is yet to be shown: that of ... */
+    uint32_t change_world;
+    bool is_edited;                 /* since the method began, the view included: updates are shared out */
+    size_t old_left;                /* values in view that an edit has left to be taken again */
+    uint32_t oldest_left;           /* the world of the oldest of direct light */
+    bool judged;                    /* all edges, since the last edit */
 
     /* what depends on the view */
     uint32_t *id;
@@ -120,24 +149,20 @@ const char *sl_multi_mesh_filled(const void *state);
 
 sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error);
 void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);
-/* Displayed levels follow the light that is in the scene, never a picture's content. */
-void sl_multi_mesh_set_perception(sl_multi_mesh_state *s);
+/* Parts of it that follow.c makes again: lights and their sampling; what irradiance meshes are made from; the
+ * levels of the display. */
+sl_status sl_multi_mesh_make_sampling(sl_multi_mesh_state *s, sl_error *error);
 sl_irradiance_settings sl_multi_mesh_irradiance_settings(const sl_multi_mesh_state *s);
-/* Makes the parts that the eye sees, without any value. */
-sl_status sl_multi_mesh_make_parts(sl_multi_mesh_state *s, sl_error *error);
-void sl_multi_mesh_forget_parts(sl_multi_mesh_state *s);
-/* Makes the coarse mesh, its light not yet asked for. */
-sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, sl_error *error);
-
-/* ---- edit.c ---- */
-
-sl_status sl_multi_mesh_edit(void *state, unsigned changes, sl_error *error);
+void sl_multi_mesh_set_perception(sl_multi_mesh_state *s);
 
 /* A vertex of a displayed mesh that is to be sampled. */
 typedef struct sl_wanted_vertex {
     uint32_t vertex;
     int wanted_depth;
 } sl_wanted_vertex;
+/* Takes samples and puts them. */
+sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t count,
+                               const sl_wanted_vertex *wanted, sl_error *error);
 /* ---- probes.c ---- */
 
 /* A leaf that is served. */
@@ -148,14 +173,55 @@ typedef struct sl_taken_leaf {
 } sl_taken_leaf;
 void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_taken_leaf *leaves);
 
+/* Returns an update's share of what it is at 512 x 512 pixels, once lights or objects have changed: as much a
+ * pixel in smaller pictures, as long as that is a sixteenth of it. */
+static inline size_t sl_multi_mesh_share(const sl_multi_mesh_state *s, size_t of_large) {
+    size_t share = of_large * sl_multi_mesh_pixels(s) / (512 * 512);
+    return share >= of_large ? of_large : share > of_large / 16 ? share : of_large / 16;
+}
+
+/* ---- edit.c ---- */
+
+sl_status sl_multi_mesh_edit(void *state, unsigned changes, sl_error *error);
+
+/* ---- follow.c ---- */
+
+/* Lights or objects have changed. What cannot have changed stays as it is; the rest is old, and seen until it
+ * is taken again. *followed false: nothing holds, the world is to be made anew. After a failure it can be
+ * forgotten, no more. */
+sl_status sl_multi_mesh_follow(sl_multi_mesh_state *s, unsigned changes, bool *followed, sl_error *error);
+/* An update's share for what an edit has made old: direct light first, as far as so many samples go, then
+ * what is gathered. */
+sl_status sl_multi_mesh_renew(sl_multi_mesh_state *s, sl_error *error);
+
+/* The coarse mesh that is made takes the place of the one before: what was gathered from that is old, and is
+ * scaled as the irradiance of its surroundings has changed. */
+void sl_multi_mesh_carry(sl_multi_mesh_state *s);
+
+/* ---- window.c ---- */
+
+/* Leaves copies of the meshes for a window, if there is one. */
+sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error);
+
 /* ---- coarse_light.c ---- */
 
-void sl_multi_mesh_forget_gather(sl_multi_mesh_state *s);
-/* Irradiance that points gather from the coarse mesh. */
-void sl_multi_mesh_gather(sl_multi_mesh_state *s, size_t count, const sl_mesh_point *points,
-                          sl_rgb *irradiance);
-/* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins. */
+void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds, unsigned threads);
+/* Gathers are made anew: the hardware's vertices have moved. */
+void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds, unsigned threads);
+/* Makes the gather of all pixels, or of a quarter of them a side, where there is none. */
+sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick,
+                                  sl_error *error);
+/* Irradiance that points gather from a coarse mesh, through all pixels or a quarter of them a side. */
+sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick, size_t count,
+                               const sl_mesh_point *points, sl_rgb *irradiance, sl_error *error);
+/* Makes a coarse mesh, its light not yet asked for. */
+sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error);
+/* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins, or is old. */
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error);
+/* Tells whether gathers see the world as it is now. */
+static inline bool sl_coarse_is_of_now(const sl_multi_mesh_state *s) {
+    return s->whole.coarse && s->whole.world == s->world && !s->whole.rolls;
+}
 
 /* ---- explanation.c: what made a pixel, and what can be seen of the meshes, for those who look on ---- */
 

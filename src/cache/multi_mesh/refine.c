@@ -16,10 +16,11 @@ static bool will_split(const sl_displayed *d, const sl_patch_place *leaf) {
     return sl_needs_cut(&d->mesh->patch[leaf->patch]) && sl_may_split(d, leaf);
 }
 
-/* again: what is known, too. */
+/* Old values are asked for again. again: what is known, too. */
 static void ask(sl_displayed *d, uint32_t v, bool again, uint32_t *vertex, size_t *count) {
     sl_vertex_state state = sl_mesh_state(d->mesh, v);
-    if (state != SL_VERTEX_UNKNOWN && !(again && state == SL_VERTEX_KNOWN)) return;
+    bool old = state != SL_VERTEX_REQUESTED && sl_is_old(d, v);
+    if (state != SL_VERTEX_UNKNOWN && !(again && state == SL_VERTEX_KNOWN) && !old) return;
     sl_mesh_set_state(d->mesh, v, SL_VERTEX_REQUESTED);
     vertex[(*count)++] = v;
 }
@@ -39,7 +40,7 @@ sl_status sl_displayed_request(sl_displayed *d, const sl_patch_place *leaf, uint
         if (status != SL_OK) return status;
         if (middle != SL_NO_INDEX) ask(d, middle, again, vertex, count);
     }
-    return SL_OK;
+    return sl_displayed_grow(d, error);
 }
 
 /* ---- edges: what an eye can tell ---- */
@@ -103,6 +104,27 @@ static bool test_edges(sl_displayed *d, const sl_patch_place *leaf) {
     return complete;
 }
 
+static bool is_of_now(const sl_displayed *d, const sl_patch_place *leaf, int edge) {
+    bool old = sl_is_old(d, sl_mesh_find_middle(d->mesh, leaf, edge));
+    for (int k = 1; k < 3; k++) old |= sl_is_old(d, sl_patch_corner(d->mesh, leaf->patch, (edge + k) % 3));
+    return !old;
+}
+
+bool sl_displayed_retest(sl_displayed *d, const sl_patch_place *leaf) {
+    sl_patch *node = &d->mesh->patch[leaf->patch];
+    bool changed = false;
+    for (int e = 0; e < 3; e++) {
+        sl_edge_state before = sl_edge_of(node, e), now = before;
+        if (before != SL_EDGE_UNTESTED && is_of_now(d, leaf, e)) now = test_edge(d, leaf, e);
+        if (now == SL_EDGE_UNTESTED || now == before) continue;
+        sl_set_edge(node, e, now);
+        changed = true;
+    }
+    if (changed) sl_mesh_set_tested_size(node, 0.0f);
+    if (changed && sl_all_edges_closed(node)) sl_displayed_judge_probes(d, node, sl_displayed_size(d, leaf));
+    return changed;
+}
+
 /* ---- split ---- */
 
 static sl_status split(sl_displayed *d, const sl_patch_place *leaf, sl_error *error) {
@@ -136,18 +158,20 @@ static bool is_closed(const sl_displayed *d, const sl_patch_place *leaf) {
     return sl_all_edges_closed(node) || sl_displayed_corner_contrast(d, leaf) <= 1.0f;
 }
 
-/* Collapses a node if all its children are closed. */
+/* Collapses a node if all its children are closed. What its edges were when it was cut says nothing once
+ * there has been an edit: they are tested again. */
 static bool undo(sl_displayed *d, const sl_patch_place *place) {
     sl_patches *mesh = d->mesh;
     sl_patch *node = &mesh->patch[place->patch];
-    if (node->child == SL_NO_INDEX || !sl_all_edges_closed(node)) return false;
+    if (node->child == SL_NO_INDEX || !(d->world > 1 || sl_all_edges_closed(node))) return false;
     for (int c = 0; c < 4; c++) {
         sl_patch_place child = sl_patch_child_place(mesh, place, c);
         if (!is_closed(d, &child)) return false;
     }
     for (int e = 0; e < 3; e++) { /* neighbours may have seen more on it by now */
-        if (test_edge(d, place, e) == SL_EDGE_SPLIT) return false;
+        if (test_edge(d, place, e) != SL_EDGE_CLOSED) return false;
     }
+    for (int e = 0; e < 3; e++) sl_set_edge(node, e, SL_EDGE_CLOSED);
     sl_patch_drop_children(mesh, place->patch);
     sl_mesh_set_tested_size(node, sl_displayed_size(d, place).edge);
     node->flags |= SL_NODE_SMALL;

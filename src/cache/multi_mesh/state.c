@@ -23,6 +23,7 @@ static void multi_mesh_destroy(void *state) {
     if (!s) return;
     sl_multi_mesh_forget_view(s);
     sl_multi_mesh_forget_world(s);
+    sl_mesh_exchange_leave(s->exchange);
     sl_free(s->id);
     sl_free(s->plane_memory);
     sl_free(s);
@@ -35,6 +36,7 @@ static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *set
     if (!s) return sl_fail_memory(error, "the meshes");
     s->scene = scene;
     s->settings = *settings;
+    s->world = 1;
     s->plan = sl_multi_mesh_plan_make(scene, settings);
     s->announcer =
         (sl_announcer){.observer = settings->observer, .method = "multi-mesh", .counters = &s->counters};
@@ -115,7 +117,7 @@ void sl_multi_mesh_remember_done(sl_multi_mesh_state *s) {
 
 bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part) {
     bool done = s->seen_before && part != SL_DIRECT_SPECULAR;
-    return s->part[part] && !done && (part != SL_INDIRECT || s->coarse_whole);
+    return s->part[part] && !done && (part != SL_INDIRECT || s->whole.coarse);
 }
 
 int sl_multi_mesh_light_depth(const sl_multi_mesh_state *s, int wanted) {
@@ -225,9 +227,12 @@ static size_t multi_mesh_bytes(const void *state) {
     if (s->primitives) bytes += sl_primitives_memory_bytes(s->primitives);
     if (s->sampling) bytes += sl_light_sampling_memory_bytes(s->sampling);
     if (s->irradiance) bytes += sl_irradiance_meshes_bytes(s->irradiance);
-    if (s->coarse) bytes += sl_coarse_memory_bytes(s->coarse);
-    if (s->coarse_shares) bytes += s->coarse->vertex_count * s->lights->count * sizeof *s->coarse_shares;
-    if (s->gather) bytes += sl_gather_memory_bytes(s->gather);
+    const sl_coarse_rounds *rounds[2] = {&s->whole, &s->next};
+    for (int i = 0; i < 4; i++) {
+        const sl_coarse_rounds *r = rounds[i / 2];
+        if (i % 2 == 0 && r->coarse) bytes += sl_coarse_memory_bytes(r->coarse);
+        if (r->eye[i % 2].gather) bytes += sl_gather_memory_bytes(r->eye[i % 2].gather);
+    }
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);
     return bytes;
@@ -235,12 +240,6 @@ static size_t multi_mesh_bytes(const void *state) {
 
 static const sl_raster *multi_mesh_raster(const void *state) {
     return ((const sl_multi_mesh_state *)state)->raster;
-}
-
-/* The most visible edges of light are split by then. */
-static bool multi_mesh_shows(const void *state) {
-    const sl_multi_mesh_state *s = state;
-    return s->phase == SL_PHASE_REFINE && s->fraction >= 0.25;
 }
 
 const sl_method_class sl_multi_mesh_method = {
@@ -259,6 +258,6 @@ const sl_method_class sl_multi_mesh_method = {
     .transport = sl_multi_mesh_transport,
     .plan = sl_multi_mesh_plan_write,
     .raster = multi_mesh_raster,
-    .shows = multi_mesh_shows,
+    .window = &sl_multi_mesh_window,
     .explanation = sl_multi_mesh_explanation,
 };

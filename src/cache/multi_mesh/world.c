@@ -1,6 +1,5 @@
 /* The world that a picture is made from, as long as lights and objects stay where they are: rays, corners,
- * lights and how they are sampled, irradiance meshes, the coarse mesh, the meshes that the eye sees. When
- * lights or objects move all of it is made anew. */
+ * lights and how they are sampled, irradiance meshes, the coarse mesh, the meshes that the eye sees. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include <math.h>
@@ -47,29 +46,21 @@ static sl_rgb shown_radiance(const void *context, sl_component part, uint32_t fa
 
 /* ---- what there is, and its end ---- */
 
-void sl_multi_mesh_forget_parts(sl_multi_mesh_state *s) {
+void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     for (int i = 0; i < SL_COMPONENTS; i++) {
         sl_displayed_destroy(s->part[i]);
         s->part[i] = NULL;
     }
-}
-
-void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
-    sl_multi_mesh_forget_parts(s);
-    sl_free(s->coarse_shares);
-    sl_free(s->coarse_direct);
-    sl_free(s->coarse_indirect);
-    sl_multi_mesh_forget_gather(s);
-    sl_coarse_destroy(s->coarse);
+    sl_multi_mesh_forget_coarse(&s->whole, s->settings.threads);
+    sl_multi_mesh_forget_coarse(&s->next, s->settings.threads);
     sl_irradiance_meshes_destroy(s->irradiance);
     sl_light_sampling_destroy(s->sampling);
     sl_sampled_lights_destroy(s->lights);
+    sl_object_places_destroy(s->places);
     sl_primitives_destroy(s->primitives);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
-    s->coarse_shares = NULL;
-    s->coarse_direct = s->coarse_indirect = NULL;
-    s->coarse = NULL;
+    s->places = NULL;
     s->irradiance = NULL;
     s->sampling = NULL;
     s->lights = NULL;
@@ -78,7 +69,7 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     s->raster = NULL;
 }
 
-static sl_status make_sampling(sl_multi_mesh_state *s, sl_error *error) {
+sl_status sl_multi_mesh_make_sampling(sl_multi_mesh_state *s, sl_error *error) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     sl_light_sample_settings sampling = sl_light_sample_defaults();
     sampling.estimator = m->estimator;
@@ -107,7 +98,7 @@ sl_irradiance_settings sl_multi_mesh_irradiance_settings(const sl_multi_mesh_sta
 }
 
 static sl_status make_lights(sl_multi_mesh_state *s, sl_error *error) {
-    sl_status status = make_sampling(s, error);
+    sl_status status = sl_multi_mesh_make_sampling(s, error);
     if (status != SL_OK) return status;
     s->light = sl_multi_mesh_irradiance_settings(s);
     return sl_irradiance_meshes_create(&s->light, &s->irradiance, error);
@@ -155,27 +146,16 @@ static sl_status make_part(sl_multi_mesh_state *s, sl_component part, sl_error *
     return sl_displayed_create(s->primitives, &settings, &s->part[part], error);
 }
 
-sl_status sl_multi_mesh_make_coarse(sl_multi_mesh_state *s, sl_error *error) {
-    sl_coarse_settings coarse = {(float)sl_multi_mesh_coarse_edge(s->scene, &s->settings),
-                                 s->settings.multi_mesh.coarse_depth};
+static sl_status make_pictures(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    s->coarse_done = 0;
-    s->coarse_whole = false;
-    if (!s->coarse) status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->coarse, error);
-    if (status != SL_OK) return status;
-    sl_free(s->coarse_direct);
-    s->coarse_direct = sl_allocate(s->coarse->vertex_count, sizeof *s->coarse_direct);
-    return s->coarse_direct ? SL_OK : sl_fail_memory(error, "the coarse mesh");
-}
-
-sl_status sl_multi_mesh_make_parts(sl_multi_mesh_state *s, sl_error *error) {
-    sl_status status = SL_OK;
-    if (s->plan.direct_diffuse) status = make_part(s, SL_DIRECT_DIFFUSE, error);
+    if (s->plan.indirect) status = sl_multi_mesh_begin_coarse(s, error);
+    if (status == SL_OK && s->plan.direct_diffuse) status = make_part(s, SL_DIRECT_DIFFUSE, error);
     if (status == SL_OK && s->plan.direct_specular) status = make_part(s, SL_DIRECT_SPECULAR, error);
     if (status == SL_OK && s->plan.indirect) status = make_part(s, SL_INDIRECT, error);
     return status;
 }
 
+/* Displayed levels follow the light that is in the scene, never a picture's content. */
 void sl_multi_mesh_set_perception(sl_multi_mesh_state *s) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     s->ambient = sl_ambient_irradiance(s->scene);
@@ -193,6 +173,7 @@ sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error) {
         status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     if (status == SL_OK) status = sl_primitives_of_triangles(s->scene, &s->primitives, error);
     if (status == SL_OK && s->plan.lights) status = make_lights(s, error);
-    if (status == SL_OK && s->plan.indirect) status = sl_multi_mesh_make_coarse(s, error);
-    return status == SL_OK ? sl_multi_mesh_make_parts(s, error) : status;
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    s->scale = s->scene->scale;
+    return status == SL_OK ? make_pictures(s, error) : status;
 }

@@ -5,7 +5,8 @@
  *   wanted, and the fetch waits;
  *   samples: all that are wanted are taken, by all threads, and put into the meshes in the order in which
  *   they were wanted;
- *   rounds (sl_irradiance_at()): fetches for many points and all lights, then samples, until none waits. */
+ *   rounds (sl_irradiance_at()): fetches for many points and all lights, then samples, until none waits;
+ *   what moves: samples that no longer hold are forgotten. */
 #include "cache/patches/irradiance.h"
 
 #include "base/batch.h"
@@ -313,7 +314,21 @@ sl_status sl_irradiance_at(sl_irradiance_meshes *m, size_t count, const sl_face_
 
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *m, bool sparing) { m->sparing = sparing; }
 
-/* ---- thresholds and colours that are new ---- */
+/* ---- what moves ---- */
+
+typedef struct checked_light {
+    const sl_light_moves *moves;
+    uint32_t light;
+    double reach;
+} checked_light;
+
+/* What lies inside other geometry is asked for again: solids and what lights them have moved. */
+static bool holds(const void *context, const sl_patches *mesh, uint32_t vertex) {
+    const checked_light *c = context;
+    return sl_mesh_state(mesh, vertex) == SL_VERTEX_KNOWN &&
+           !sl_has_triangle_moved(c->moves, mesh->vertex[vertex].root / 2) &&
+           !sl_light_may_differ(c->moves, c->light, sl_vertex_position(mesh, vertex), c->reach);
+}
 
 /* A closed edge's halves were closed with it; where it differs now they are to be tested themselves. */
 static void hand_down_edges(sl_patches *mesh, const sl_patch *parent) {
@@ -340,14 +355,59 @@ static void judge_below(sl_irradiance_meshes *m, uint32_t light, const sl_patch_
     }
 }
 
-void sl_irradiance_meshes_judge(sl_irradiance_meshes *m, const sl_irradiance_settings *settings) {
-    m->settings = *settings;
-    for (uint32_t l = 0; l < settings->lights->count; l++) {
-        for (size_t r = 0; r < m->mesh[l]->root_count; r++) {
-            sl_patch_place root = sl_patch_root_place(m->mesh[l], m->mesh[l]->root[r].root);
-            judge_below(m, l, &root);
-        }
+static void judge_all(sl_irradiance_meshes *m, uint32_t light) {
+    for (size_t r = 0; r < m->mesh[light]->root_count; r++) {
+        sl_patch_place root = sl_patch_root_place(m->mesh[light], m->mesh[light]->root[r].root);
+        judge_below(m, light, &root);
     }
+}
+
+/* Samples of few rays go by all the light that there is. */
+static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_light_moves *moves, bool anew) {
+    if (!moves || moves->light_moved[light] || (anew && m->settings.few_rays)) {
+        sl_patches_clear(m->mesh[light]);
+        return;
+    }
+    const checked_light checked = {moves, light, 2.0 * m->inwards};
+    if (moves->box_count) sl_mesh_forget(m->mesh[light], &(sl_mesh_check){holds, &checked});
+    if (anew) judge_all(m, light);
+}
+
+/* Tells whether edges are judged by other light than before. */
+static bool is_judged_anew(const sl_irradiance_settings *a, const sl_irradiance_settings *b) {
+    const float was[4] = {a->perception.exposure, a->ambient.r, a->ambient.g, a->ambient.b};
+    const float is[4] = {b->perception.exposure, b->ambient.r, b->ambient.g, b->ambient.b};
+    bool anew = false;
+    for (int i = 0; i < 4; i++) anew |= was[i] != is[i];
+    return anew;
+}
+
+static double inwards_of(const sl_irradiance_settings *settings) {
+    return 5.0 * sl_light_sampling_step(settings->sampling);
+}
+
+static void forget_scratch(sl_irradiance_meshes *m) {
+    for (unsigned t = 0; m->scratch && t < m->settings.threads; t++) {
+        sl_light_sample_scratch_destroy(m->scratch[t]);
+        m->scratch[t] = NULL;
+    }
+}
+
+static sl_status make_scratch(sl_irradiance_meshes *m, sl_error *error) {
+    sl_status status = SL_OK;
+    for (unsigned t = 0; t < m->settings.threads && status == SL_OK; t++)
+        status = sl_light_sample_scratch_create(m->settings.sampling, &m->scratch[t], error);
+    return status;
+}
+
+sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *m, const sl_irradiance_settings *settings,
+                                      const sl_light_moves *moves, sl_error *error) {
+    const bool anew = is_judged_anew(&m->settings, settings) || (moves && moves->recoloured);
+    forget_scratch(m);
+    m->settings = *settings;
+    m->inwards = inwards_of(settings);
+    for (uint32_t l = 0; l < settings->lights->count; l++) follow_light(m, l, moves, anew);
+    return make_scratch(m, error);
 }
 
 /* ---- life ---- */
@@ -358,7 +418,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     sl_irradiance_meshes *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "irradiance meshes");
     m->settings = *settings;
-    m->inwards = 5.0 * sl_light_sampling_step(settings->sampling);
+    m->inwards = inwards_of(settings);
     const sl_patches_settings mesh = {.channels = 1, .max_depth = settings->max_depth};
     size_t lights = settings->lights->count;
     m->mesh = sl_allocate(lights, sizeof(sl_patches *));
@@ -366,8 +426,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     sl_status status = m->mesh && m->scratch ? SL_OK : sl_fail_memory(error, "irradiance meshes");
     for (size_t l = 0; l < lights && status == SL_OK; l++)
         status = sl_patches_create(settings->primitives, &mesh, &m->mesh[l], error);
-    for (unsigned t = 0; t < settings->threads && status == SL_OK; t++)
-        status = sl_light_sample_scratch_create(settings->sampling, &m->scratch[t], error);
+    if (status == SL_OK) status = make_scratch(m, error);
     if (status != SL_OK) {
         sl_irradiance_meshes_destroy(m);
         return status;
@@ -379,8 +438,7 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *m) {
     if (!m) return;
     for (size_t l = 0; m->mesh && l < m->settings.lights->count; l++) sl_patches_destroy(m->mesh[l]);
-    for (unsigned t = 0; m->scratch && t < m->settings.threads; t++)
-        sl_light_sample_scratch_destroy(m->scratch[t]);
+    forget_scratch(m);
     sl_free(m->mesh);
     sl_free(m->scratch);
     sl_free(m->wanted);

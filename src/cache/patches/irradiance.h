@@ -13,6 +13,7 @@
 #define SL_PATCHES_IRRADIANCE_H
 
 #include "cache/light/light_sample.h"
+#include "cache/light/moves.h"
 #include "cache/patches/mesh.h"
 #include "cache/patches/perception.h"
 
@@ -39,10 +40,6 @@ typedef struct sl_irradiance_settings {
 typedef struct sl_irradiance_meshes sl_irradiance_meshes;
 sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl_irradiance_meshes **meshes,
                                       sl_error *error);
-/* Colours of lights and surfaces, or thresholds, are others: all samples stay, and edges are judged by them
- * anew. Lights, their places and geometry are as they were, and so are all settings but perception and
- * ambient; not with few_rays, whose samples depend on what other lights give. */
-void sl_irradiance_meshes_judge(sl_irradiance_meshes *meshes, const sl_irradiance_settings *settings);
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *meshes);
 size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *meshes);
 /* Returns a light's mesh. Values are F (light_sample.h). */
@@ -56,6 +53,11 @@ sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_
 /* Gives the sample at a place of a light's mesh, or what is interpolated there, however coarsely. False:
  * there is neither. */
 bool sl_irradiance_known(const sl_patches *mesh, sl_root_place at, float *share);
+/* Takes the world as it is now: settings with as many lights of the same kinds, over the same primitives.
+ * Keeps samples that still hold; moves NULL: none does. After a failure the meshes can be destroyed, no
+ * more. */
+sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *meshes, const sl_irradiance_settings *settings,
+                                      const sl_light_moves *moves, sl_error *error);
 /* Sets whether what is known will do, whatever depth is wanted: samples are taken then only where there is
  * nothing to interpolate. */
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *meshes, bool sparing);

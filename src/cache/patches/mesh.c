@@ -107,6 +107,35 @@ sl_edge_state sl_mesh_test_edge(const sl_patches *mesh, const sl_patch_place *le
     return sl_mesh_edge_differs(mesh, leaf, edge, SL_NO_INDEX, test) ? SL_EDGE_SPLIT : SL_EDGE_CLOSED;
 }
 
+/* ---- samples that no longer hold -------------------------------------------------------------- */
+
+/* REQUESTED, until all edges have been looked at. */
+static bool is_forgotten(const sl_patches *mesh, uint32_t vertex) {
+    return vertex != SL_NO_INDEX && sl_mesh_state(mesh, vertex) == SL_VERTEX_REQUESTED;
+}
+
+static void reopen(sl_patches *mesh, uint32_t patch) {
+    sl_patch_place leaf = sl_patch_place_of(mesh, patch);
+    for (int e = 0; e < 3; e++) {
+        bool gone = is_forgotten(mesh, sl_mesh_find_middle(mesh, &leaf, e));
+        for (int k = 1; k < 3; k++) gone |= is_forgotten(mesh, end_of(mesh, &leaf, e + k).vertex);
+        if (gone) sl_set_edge(&mesh->patch[patch], e, SL_EDGE_UNTESTED);
+    }
+}
+
+void sl_mesh_forget(sl_patches *mesh, const sl_mesh_check *check) {
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        if (mesh->vertex[v].references && sl_mesh_is_sampled(mesh, v) &&
+            !check->holds(check->context, mesh, v))
+            sl_mesh_set_state(mesh, v, SL_VERTEX_REQUESTED);
+    for (uint32_t n = 0; n < mesh->patch_count; n++)
+        if (sl_patch_is_alive(mesh, n) && sl_patch_is_leaf(mesh, n) && mesh->patch[n].flags & SL_PATCH_EDGES)
+            reopen(mesh, n);
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        if (mesh->vertex[v].references && is_forgotten(mesh, v))
+            sl_mesh_set_state(mesh, v, SL_VERTEX_UNKNOWN);
+}
+
 /* ---- fans ------------------------------------------------------------------------------------ */
 
 /* The values of the leaf's corners; the mean of the known ones at those that are of no use. */

@@ -74,6 +74,14 @@ sl_edge_state sl_mesh_test_edge(const sl_patches *mesh, const sl_patch_place *le
 bool sl_mesh_edge_differs(const sl_patches *mesh, const sl_patch_place *leaf, int edge, uint32_t only,
                           const sl_edge_test *test);
 
+/* Forgets samples that no longer hold: their vertices are UNKNOWN, and edges of leaves on which one of them
+ * lies UNTESTED. What was cut stays cut. None is REQUESTED. */
+typedef struct sl_mesh_check {
+    bool (*holds)(const void *context, const sl_patches *mesh, uint32_t vertex);
+    const void *context;
+} sl_mesh_check;
+void sl_mesh_forget(sl_patches *mesh, const sl_mesh_check *check);
+
 /* Returns the leaf that holds a point of a face, told by its weights of corners 1 and 2: those outside the
  * face are first moved onto it (NaN: 0). */
 sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, float w2);

@@ -36,6 +36,52 @@ void sl_patches_destroy(sl_patches *p) {
     sl_free(p);
 }
 
+/* Copies `count` elements into a block that had room for `had`, or into another. */
+static bool copy_block(void *to, size_t had, const void *from, size_t count, size_t size) {
+    void *block;
+    memcpy(&block, to, sizeof block);
+    if (count > had || !block) {
+        void *larger = sl_allocate_unset(count, size);
+        if (!larger) return false;
+        sl_free(block);
+        block = larger;
+        memcpy(to, &block, sizeof block);
+    }
+    if (count) memcpy(block, from, count * size);
+    return true;
+}
+
+static bool copy_all(const sl_patches *p, sl_patches *c) {
+    size_t value = (size_t)p->settings.channels * sizeof *p->value;
+    return copy_block(&c->root, c->root_capacity, p->root, p->root_capacity, sizeof *p->root) &&
+           copy_block(&c->root_slot, c->root_slots, p->root_slot, p->root_slots, sizeof *p->root_slot) &&
+           copy_block(&c->patch, c->patch_capacity, p->patch, p->patch_capacity, sizeof *p->patch) &&
+           copy_block(&c->block, c->patch_capacity / 4, p->block, p->patch_capacity / 4, sizeof *p->block) &&
+           copy_block(&c->vertex, c->vertex_capacity, p->vertex, p->vertex_capacity, sizeof *p->vertex) &&
+           copy_block(&c->value, c->vertex_capacity, p->value, p->vertex_capacity, value) &&
+           copy_block(&c->slot, c->slots, p->slot, p->slots, sizeof *p->slot) &&
+           (!p->sets ||
+            copy_block(&c->sets, c->vertex_capacity, p->sets, p->vertex_capacity, sizeof *p->sets));
+}
+
+sl_status sl_patches_copy(const sl_patches *p, sl_patches **copy, sl_error *error) {
+    sl_patches *c = *copy ? *copy : sl_allocate(1, sizeof *c);
+    if (!c) return sl_fail_memory(error, "a copy of patches");
+    *copy = c;
+    if (!copy_all(p, c)) return sl_fail_memory(error, "a copy of patches");
+    sl_patches all = *p;
+    all.root = c->root;
+    all.root_slot = c->root_slot;
+    all.patch = c->patch;
+    all.block = c->block;
+    all.vertex = c->vertex;
+    all.value = c->value;
+    all.slot = c->slot;
+    all.sets = c->sets;
+    *c = all;
+    return SL_OK;
+}
+
 void sl_patches_clear(sl_patches *p) {
     memset(p->root_slot, 0xff, p->root_slots * sizeof *p->root_slot); /* SL_NO_INDEX */
     memset(p->slot, 0xff, p->slots * sizeof *p->slot);

@@ -136,6 +136,9 @@ typedef struct sl_patches {
 sl_status sl_patches_create(const sl_primitives *primitives, const sl_patches_settings *settings,
                             sl_patches **patches, sl_error *error);
 void sl_patches_destroy(sl_patches *patches);
+/* Makes *copy (NULL, or a copy of before, whose memory serves again) the same as the patches. After a
+ * failure it can be destroyed, no more. */
+sl_status sl_patches_copy(const sl_patches *patches, sl_patches **copy, sl_error *error);
 /* Removes all roots, patches and vertices; the memory stays for the next ones. */
 void sl_patches_clear(sl_patches *patches);
 /* Returns the bytes of all that grows with the patches. */

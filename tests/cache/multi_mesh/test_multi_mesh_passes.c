@@ -108,7 +108,7 @@ static void meshes_are_served_so_that_their_largest_priorities_fall_together(voi
     int together = 0, apart = 0;
     while (!r.done) {
         step(&r);
-        if (!r.s->coarse_whole || r.s->phase != SL_PHASE_REFINE) continue;
+        if (!r.s->whole.coarse || r.s->phase != SL_PHASE_REFINE) continue;
         float a = sl_displayed_priority(r.s->part[SL_DIRECT_DIFFUSE]),
               b = sl_displayed_priority(r.s->part[SL_INDIRECT]);
         float high = fmaxf(a, b), low = fminf(a, b);
@@ -142,13 +142,13 @@ static void after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_
            gathered = known_in(indirect);
     assert_true(specular->leaves_alive > specular->root_count);
     look_from(&r, 20.0f);
-    step(&r); /* the view */
+    step(&r); /* the view, the roots, and a batch of leaves */
+    size_t served = 3 * (size_t)r.s->settings.multi_mesh.batch;
     assert_true(specular->root_count > 0);
-    assert_int_equal(specular->leaves_alive, specular->root_count);
-    assert_int_equal(known_in(specular), 0);
-    assert_int_equal(direct->leaves_alive, leaves + direct->root_count - roots);
-    assert_int_equal(known_in(direct), known);
-    assert_int_equal(known_in(indirect), gathered);
+    assert_in_range(specular->leaves_alive, specular->root_count, specular->root_count + served);
+    assert_true(direct->leaves_alive + served >= leaves + direct->root_count - roots);
+    assert_true(known_in(direct) >= known);
+    assert_true(known_in(indirect) >= gathered);
     finish(&r);
     discard(&r);
 }
@@ -176,7 +176,7 @@ static void what_a_scene_has_no_use_for_is_not_done(void **state) {
     run r = run_of_floor("\"diffuse\": 0, \"specular\": 0.5, \"exponent\": 20", point);
     assert_null(r.s->part[SL_DIRECT_DIFFUSE]);
     assert_null(r.s->part[SL_INDIRECT]);
-    assert_null(r.s->coarse);
+    assert_null(r.s->next.coarse);
     assert_null(r.s->materials->emission[0]);
     assert_true(r.s->counters.value[SL_COUNT_LIGHT_SAMPLES] > 0);
     assert_int_equal(r.s->counters.value[SL_COUNT_COARSE_SAMPLES], 0);

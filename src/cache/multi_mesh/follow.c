@@ -1,0 +1,300 @@
+/* Lights and objects that move. A sample of a light holds unless something moved between the two
+ * (cache/light/moves.h), colours of lamps and walls change none; of direct radiance that is what it was the
+ * same is true, and indirect light is all a little older. Old values stay to be seen; each update takes some
+ * of them again, those that show most and are oldest first, and refines beside that. */
+#include "cache/multi_mesh/multi_mesh_internal.h"
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+
+/* An update's at 512 x 512 pixels: pictures of lights, and vertices, gathers of few pixels, those of all.
+ * Together with the coarse mesh's vertices and the leaves that are served they take about as long as a frame
+ * at 25 frames a second on two cores: a light sample 20 to 40 us, a gather of few pixels 30 to 60, one of
+ * all 350, a coarse vertex's direct light 5. */
+enum { PICTURES = 1024, VERTICES = 8192, QUICK_GATHERS = 256, GATHERS = 64, A_SLICE = 64 };
+
+/* ---- the world as it is now, beside what is left of the old one ---- */
+
+typedef struct old_world {
+    sl_sampled_lights *lights;
+    sl_light_sampling *sampling;
+    sl_tracer *tracer;
+    sl_object_places *places;
+    double step;
+} old_world;
+
+static void forget_old_world(old_world *old) {
+    sl_light_sampling_destroy(old->sampling);
+    sl_sampled_lights_destroy(old->lights);
+    sl_object_places_destroy(old->places);
+    sl_tracer_destroy(old->tracer);
+}
+
+static bool same_numbers(const uint32_t *a, const uint32_t *b, size_t count) {
+    return memcmp(a, b, count * sizeof *a) == 0;
+}
+
+/* Tells whether faces share the same corners and edges as before: vertices are keys of both. */
+static sl_status check_structure(const sl_multi_mesh_state *s, bool *same, sl_error *error) {
+    sl_primitives *now;
+    const sl_primitives *was = s->primitives;
+    *same = s->scene->triangle_count == was->count;
+    if (!*same) return SL_OK;
+    sl_status status = sl_primitives_of_triangles(s->scene, &now, error);
+    if (status != SL_OK) return status;
+    *same = same_numbers(now->edge_next, was->edge_next, 4 * was->count) &&
+            same_numbers(now->corner_next, was->corner_next, 4 * was->count) &&
+            same_numbers(now->corner_first, was->corner_first, 4 * was->count);
+    sl_primitives_destroy(now);
+    return SL_OK;
+}
+
+static sl_status renew_lights(sl_multi_mesh_state *s, old_world *old, sl_error *error) {
+    old->lights = s->lights;
+    old->sampling = s->sampling;
+    old->step = s->sampling ? sl_light_sampling_step(s->sampling) : 0.0;
+    s->lights = NULL;
+    s->sampling = NULL;
+    return s->plan.lights ? sl_multi_mesh_make_sampling(s, error) : SL_OK;
+}
+
+static sl_status move_objects(sl_multi_mesh_state *s, old_world *old, sl_error *error) {
+    unsigned threads = s->settings.threads;
+    sl_status status = sl_raster_move(s->raster, threads, error);
+    if (status != SL_OK || !s->plan.lights) return status;
+    old->tracer = s->tracer;
+    s->tracer = NULL;
+    return sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+}
+
+static sl_status renew_world(sl_multi_mesh_state *s, unsigned changes, old_world *old, sl_error *error) {
+    sl_status status = changes & SL_CHANGED_OBJECTS ? move_objects(s, old, error) : SL_OK;
+    old->places = s->places;
+    s->places = NULL;
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    if (status == SL_OK) status = renew_lights(s, old, error);
+    sl_solids_edit(s->primitives->solids);
+    sl_multi_mesh_set_perception(s);
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        if (s->part[i]) s->part[i]->settings.perception = s->perception;
+    sl_multi_mesh_forget_eyes(&s->whole, s->settings.threads);
+    sl_multi_mesh_forget_eyes(&s->next, s->settings.threads);
+    return status;
+}
+
+/* ---- what still holds ---- */
+
+typedef struct holding {
+    const sl_light_moves *moves;
+    double reach;              /* how far off a point its samples are taken */
+} holding;
+
+static bool may_differ(const holding *h, sl_vec3 point, double reach) {
+    for (size_t l = 0; l < h->moves->lights->count; l++)
+        if (sl_light_may_differ(h->moves, l, point, reach)) return true;
+    return false;
+}
+
+/* What lies inside other geometry is asked for again. */
+static bool value_holds(const void *context, const sl_patches *mesh, uint32_t vertex) {
+    const holding *h = context;
+    return sl_mesh_state(mesh, vertex) == SL_VERTEX_KNOWN &&
+           !sl_has_triangle_moved(h->moves, mesh->vertex[vertex].root / 2) &&
+           !may_differ(h, sl_vertex_position(mesh, vertex), h->reach);
+}
+
+/* Probes may see what has come between a leaf's corners. */
+static bool leaf_holds(const void *context, const sl_patches *mesh, const sl_patch_place *leaf) {
+    const holding *h = context;
+    if (sl_has_triangle_moved(h->moves, leaf->root / 2)) return false;
+    sl_vec3 corner[3], middle = sl_v3(0.0f, 0.0f, 0.0f);
+    double reach = 0.0;
+    for (int c = 0; c < 3; c++) {
+        corner[c] = sl_root_position(mesh->primitives, leaf->root, leaf->u[c], leaf->v[c]);
+        middle = sl_mad(middle, 1.0f / 3.0f, corner[c]);
+    }
+    for (int c = 0; c < 3; c++) reach = fmax(reach, (double)sl_length(sl_sub(corner[c], middle)));
+    return !may_differ(h, middle, reach + h->reach);
+}
+
+/* moves NULL: nothing holds. */
+static void age_direct(sl_displayed *d, const sl_light_moves *moves, double reach) {
+    const holding h = {moves, reach};
+    /* of lights of another colour each sample holds, and no sum of them */
+    const sl_mesh_check check = {value_holds, &h};
+    sl_displayed_age(d, 1, moves && !moves->recoloured ? &check : NULL);
+    if (moves) sl_displayed_doubt(d, &(sl_leaf_check){leaf_holds, &h});
+}
+
+static sl_status age(sl_multi_mesh_state *s, const sl_light_moves *moves, sl_error *error) {
+    const double reach = s->sampling ? 10.0 * sl_light_sampling_step(s->sampling) : 0.0;
+    for (int i = 0; i < SL_INDIRECT; i++)
+        if (s->part[i]) age_direct(s->part[i], moves, reach);
+    if (s->part[SL_INDIRECT]) sl_displayed_age(s->part[SL_INDIRECT], SL_WORLDS_GATHERED, NULL);
+    if (!s->irradiance) return SL_OK;
+    s->light = sl_multi_mesh_irradiance_settings(s);
+    return sl_irradiance_meshes_follow(s->irradiance, &s->light, moves, error);
+}
+
+/* Other tolerances, other samples. */
+static bool same_tolerances(const sl_multi_mesh_state *s, const old_world *old) {
+    return s->scale == s->scene->scale && (!s->sampling || old->step == sl_light_sampling_step(s->sampling));
+}
+
+static sl_status compare(sl_multi_mesh_state *s, const old_world *old, bool *followed, sl_error *error) {
+    sl_light_moves *moves = NULL;
+    sl_status status = SL_OK;
+    if (s->plan.lights) {
+        status = sl_light_moves_find(s->scene, old->places, s->places, old->lights, s->lights, &moves, error);
+        *followed = moves;
+    }
+    if (status == SL_OK && *followed) status = age(s, same_tolerances(s, old) ? moves : NULL, error);
+    sl_light_moves_destroy(moves);
+    s->scale = s->scene->scale;
+    return status;
+}
+
+/* What is left of the indirect mesh where all is dark is not what the plan says. */
+static bool is_planned_so(const sl_multi_mesh_state *s) {
+    const sl_multi_mesh_plan now = sl_multi_mesh_plan_make(s->scene, &s->settings);
+    return memcmp(&now, &s->plan, sizeof now) == 0;
+}
+
+sl_status sl_multi_mesh_follow(sl_multi_mesh_state *s, unsigned changes, bool *followed, sl_error *error) {
+    old_world old = {.lights = NULL};
+    sl_status status = SL_OK;
+    *followed = is_planned_so(s);
+    if (*followed && changes & SL_CHANGED_OBJECTS) status = check_structure(s, followed, error);
+    if (status != SL_OK || !*followed) return status;
+    status = renew_world(s, changes, &old, error);
+    if (status == SL_OK) status = compare(s, &old, followed, error);
+    if (status != SL_OK || !*followed) { /* they may hold the old lights still */
+        sl_irradiance_meshes_destroy(s->irradiance);
+        s->irradiance = NULL;
+    }
+    forget_old_world(&old);
+    return status;
+}
+
+/* ---- indirect light between two coarse meshes ---- */
+
+/* Gives E_i at a place as the vertices of a coarse mesh have gathered it. False: they have not. */
+static bool coarse_irradiance(const sl_coarse_rounds *r, sl_root_place at, float value[3]) {
+    if (!r->indirect || r->coarse->level[at.root] == SL_COARSE_ABSENT) return false;
+    const int n = r->coarse->face[at.root].rows;
+    double u = (double)at.u * n / SL_PATCH_DYADIC, v = (double)at.v * n / SL_PATCH_DYADIC;
+    int i = (int)fmin(u, n - 1), j = (int)fmin(v, n - 1 - i);
+    double a = u - i, b = v - j;
+    bool on_head = a + b > 1.0 && i + j < n - 1;
+    if (on_head) i++, j++, a = 1.0 - a, b = 1.0 - b;
+    int step = on_head ? -1 : 1;
+    const double weight[3] = {1.0 - a - b, a, b};
+    const int corner[3][2] = {{i, j}, {i + step, j}, {i, j + step}};
+    for (int c = 0; c < 3; c++) value[c] = 0.0f;
+    for (int k = 0; k < 3; k++) {
+        sl_rgb e = r->indirect[sl_coarse_lattice_vertex(r->coarse, at.root, corner[k][0], corner[k][1])];
+        value[0] += (float)weight[k] * e.r;
+        value[1] += (float)weight[k] * e.g;
+        value[2] += (float)weight[k] * e.b;
+    }
+    return true;
+}
+
+/* What a change of light does to details that were gathered before it, at most so much. */
+static float scaled(float value, float before, float now) {
+    static const float MOST = 16.0f;
+    if (!(before > 0.0f) || !(now >= 0.0f)) return value;
+    return value * fminf(fmaxf(now / before, 1.0f / MOST), MOST);
+}
+
+void sl_multi_mesh_carry(sl_multi_mesh_state *s) {
+    sl_displayed *d = s->part[SL_INDIRECT];
+    for (uint32_t v = 0; v < d->mesh->vertex_count; v++) {
+        float before[3], now[3], *value = sl_vertex_value(d->mesh, v);
+        sl_root_place at = d->mesh->vertex[v].place;
+        if (!d->mesh->vertex[v].references || sl_mesh_state(d->mesh, v) != SL_VERTEX_KNOWN) continue;
+        if (!coarse_irradiance(&s->whole, at, before) || !coarse_irradiance(&s->next, at, now)) continue;
+        for (int c = 0; c < 3; c++) value[c] = scaled(value[c], before[c], now[c]);
+    }
+    d->dirty_all = true;
+    sl_displayed_age(d, SL_WORLDS_GATHERED, NULL);
+}
+
+/* ---- what is renewed ---- */
+
+/* In pictures of lights: sixteen rays take no longer than one of them. */
+static uint64_t work_done(const sl_multi_mesh_state *s) {
+    return s->counters.value[SL_COUNT_RASTER_PASSES] + s->counters.value[SL_COUNT_SHADOW_RAYS] / 16;
+}
+
+static sl_status renew_slice(sl_multi_mesh_state *s, sl_component part, size_t count,
+                             const sl_old_vertex *old, sl_error *error) {
+    sl_wanted_vertex wanted[A_SLICE];
+    for (size_t i = 0; i < count; i++) {
+        sl_patch_place leaf = sl_patch_place_of(s->part[part]->mesh, old[i].leaf);
+        wanted[i] = (sl_wanted_vertex){old[i].vertex, sl_displayed_wanted_depth(s->part[part], &leaf)};
+    }
+    return sl_multi_mesh_sample(s, part, count, wanted, error);
+}
+
+/* Returns in which of the method's worlds a value was taken. */
+static uint32_t world_of(const sl_multi_mesh_state *s, sl_component part, uint32_t vertex) {
+    return s->world - (s->part[part]->world - s->part[part]->world_of[vertex]);
+}
+
+static size_t fewer(size_t a, size_t b) { return a < b ? a : b; }
+
+/* As many slices as the share allows; what is left is counted. */
+static sl_status renew_part(sl_multi_mesh_state *s, sl_component part, uint32_t world, size_t most,
+                            sl_error *error) {
+    sl_old_vertex *old;
+    size_t count, at = 0;
+    const uint64_t end = work_done(s) + sl_multi_mesh_share(s, PICTURES);
+    sl_status status = sl_displayed_list_old(s->part[part], world, &old, &count, error);
+    while (status == SL_OK && at < count && at < most && work_done(s) < end) {
+        size_t some = fewer(fewer(count - at, most - at), A_SLICE);
+        status = renew_slice(s, part, some, old + at, error);
+        at += some;
+    }
+    s->old_left += count - at;
+    for (; status == SL_OK && part != SL_INDIRECT && at < count; at++)
+        s->oldest_left = s->oldest_left < world_of(s, part, old[at].vertex)
+                             ? s->oldest_left
+                             : world_of(s, part, old[at].vertex);
+    sl_free(old);
+    return status;
+}
+
+/* Through few pixels as long as there are older ones, or the coarse mesh is of another world. */
+static sl_status renew_indirect(sl_multi_mesh_state *s, sl_error *error) {
+    sl_displayed *d = s->part[SL_INDIRECT];
+    const size_t before = s->old_left;
+    d->put_as = d->world - 1;
+    sl_status status = renew_part(s, SL_INDIRECT, d->world - 1, sl_multi_mesh_share(s, QUICK_GATHERS), error);
+    if (status != SL_OK || s->old_left > before || !sl_coarse_is_of_now(s)) return status;
+    d->put_as = d->world;
+    return renew_part(s, SL_INDIRECT, d->world, sl_multi_mesh_share(s, GATHERS), error);
+}
+
+sl_status sl_multi_mesh_renew(sl_multi_mesh_state *s, sl_error *error) {
+    sl_status status = SL_OK;
+    s->old_left = 0;
+    s->oldest_left = s->world;
+    if (s->world == 1) return SL_OK;
+    const size_t most = sl_multi_mesh_share(s, VERTICES);
+    for (int i = 0; i < SL_INDIRECT && status == SL_OK; i++)
+        if (sl_multi_mesh_takes_part(s, i))
+            status = renew_part(s, (sl_component)i, s->part[i]->world, most, error);
+    if (status == SL_OK && s->change_waits && s->oldest_left >= s->change_world) {
+        s->change_waits = false;
+        sl_count(&s->counters, SL_COUNT_CHANGES_SHOWN, 1);
+    }
+    if (status == SL_OK && sl_multi_mesh_takes_part(s, SL_INDIRECT)) status = renew_indirect(s, error);
+    for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
+        if (s->part[i]) sl_displayed_settle(s->part[i], &s->counters);
+    return status;
+}

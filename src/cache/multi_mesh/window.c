@@ -1,0 +1,260 @@
+/* Frames beside updates. An update leaves copies of the meshes, when it has light everywhere; another thread
+ * draws them from where its own copy of the scene stands, geometry and eye included. Of two sets of copies
+ * one is drawn from while the other is written to; neither waits: an update whose set is still being drawn
+ * leaves none. */
+#include "cache/multi_mesh/window.h"
+
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/thread.h"
+#include "cache/multi_mesh/multi_mesh_internal.h"
+
+typedef struct mesh_copies {
+    sl_patches *part[SL_COMPONENTS]; /* NULL: there is none */
+    sl_rgb ambient;            /* indirect irradiance where no mesh has any */
+    uint32_t made;             /* which of the method's worlds they are of */
+} mesh_copies;
+
+/* What the method and a window share, until both are gone. */
+struct sl_mesh_exchange {
+    sl_monitor meeting;        /* guards what follows but for the copies themselves */
+    int owners;
+    int shown, drawn;          /* the newest set, and the one that a frame is drawn from; -1: none */
+    uint64_t versions;
+    mesh_copies set[2];
+};
+
+typedef struct window {
+    sl_mesh_exchange *exchange;
+    const sl_scene *scene;
+    sl_settings settings;
+    sl_raster *raster;
+    sl_primitives *primitives; /* as the scene copy has them */
+    uint32_t made;             /* the world for which they were found */
+    uint32_t *id;
+    float *planes;             /* three for each mesh */
+} window;
+
+/* ---- what both share ------------------------------------------------------------------------- */
+
+static void forget_copies(mesh_copies *set) {
+    for (int i = 0; i < SL_COMPONENTS; i++) sl_patches_destroy(set->part[i]);
+}
+
+void sl_mesh_exchange_leave(sl_mesh_exchange *e) {
+    if (!e) return;
+    sl_monitor_enter(&e->meeting);
+    bool last = --e->owners == 0;
+    sl_monitor_leave(&e->meeting);
+    if (!last) return;
+    for (int i = 0; i < 2; i++) forget_copies(&e->set[i]);
+    sl_monitor_close(&e->meeting);
+    sl_free(e);
+}
+
+static sl_status exchange_create(sl_mesh_exchange **exchange, sl_error *error) {
+    sl_mesh_exchange *e = sl_allocate(1, sizeof *e);
+    if (!e) return sl_fail_memory(error, "frames beside updates");
+    *e = (sl_mesh_exchange){.owners = 2, .shown = -1, .drawn = -1};
+    if (!sl_monitor_open(&e->meeting)) {
+        sl_free(e);
+        return sl_fail(error, SL_ERROR_RESOURCES, "no lock could be had for frames beside updates");
+    }
+    *exchange = e;
+    return SL_OK;
+}
+
+/* ---- the update's side ----------------------------------------------------------------------- */
+
+/* Returns the set that may be written to; -1: none. */
+static int hidden_set(sl_mesh_exchange *e) {
+    sl_monitor_enter(&e->meeting);
+    int hidden = e->shown == 0 ? 1 : 0;
+    if (hidden == e->drawn) hidden = -1;
+    sl_monitor_leave(&e->meeting);
+    return hidden;
+}
+
+static sl_status copy_part(const sl_displayed *part, sl_patches **copy, sl_error *error) {
+    if (part && part->mesh->root_count) return sl_patches_copy(part->mesh, copy, error);
+    sl_patches_destroy(*copy);
+    *copy = NULL;
+    return SL_OK;
+}
+
+sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error) {
+    sl_mesh_exchange *e = s->exchange;
+    int hidden = e ? hidden_set(e) : -1;
+    sl_status status = SL_OK;
+    if (hidden < 0) return SL_OK;
+    mesh_copies *set = &e->set[hidden];
+    for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
+        status = copy_part(s->part[i], &set->part[i], error);
+    if (status != SL_OK) return status;
+    set->ambient = s->plan.indirect ? s->ambient : sl_grey(0.0f);
+    set->made = s->made;
+    sl_monitor_enter(&e->meeting);
+    e->shown = hidden;
+    e->versions++;
+    sl_monitor_leave(&e->meeting);
+    return SL_OK;
+}
+
+/* ---- the window's side ----------------------------------------------------------------------- */
+
+static void window_destroy(void *it) {
+    window *w = it;
+    if (!w) return;
+    sl_mesh_exchange_leave(w->exchange);
+    sl_primitives_destroy(w->primitives);
+    sl_raster_destroy(w->raster);
+    sl_free(w->id);
+    sl_free(w->planes);
+    sl_free(w);
+}
+
+static sl_status window_open(window *w, sl_error *error) {
+    size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
+    w->id = sl_allocate(pixels, sizeof *w->id);
+    w->planes = sl_allocate(3 * SL_COMPONENTS * pixels, sizeof *w->planes);
+    if (!w->id || !w->planes) return sl_fail_memory(error, "frames beside updates");
+    sl_status status = sl_raster_create(w->scene, 1, &w->raster, error);
+    return status == SL_OK ? sl_primitives_of_triangles(w->scene, &w->primitives, error) : status;
+}
+
+static sl_status window_create(void *state, const sl_scene *scene_copy, void **made, sl_error *error) {
+    sl_multi_mesh_state *s = state;
+    window *w = sl_allocate(1, sizeof *w);
+    *made = NULL;
+    if (!w) return sl_fail_memory(error, "frames beside updates");
+    w->scene = scene_copy;
+    w->settings = s->settings;
+    w->made = s->made;
+    sl_status status = exchange_create(&w->exchange, error);
+    if (status == SL_OK) {
+        sl_mesh_exchange_leave(s->exchange);
+        s->exchange = w->exchange;
+        status = window_open(w, error);
+    }
+    if (status == SL_OK) *made = w;
+    else window_destroy(w);
+    return status;
+}
+
+static sl_status window_move(void *it, sl_error *error) {
+    window *w = it;
+    return sl_raster_move(w->raster, 1, error);
+}
+
+/* Corners that were one may have come apart when the method's world was made anew. */
+static sl_status follow_structure(window *w, uint32_t made, sl_error *error) {
+    if (w->made == made) return SL_OK;
+    sl_primitives_destroy(w->primitives);
+    w->primitives = NULL;
+    w->made = made;
+    return sl_primitives_of_triangles(w->scene, &w->primitives, error);
+}
+
+/* Where a mesh knows nothing `otherwise` shows. Pixels of a face lie side by side: most are in the leaf of
+ * the one before. */
+static void draw_face(const sl_patches *mesh, const sl_visible_pixels *seen, const sl_visible_face *face,
+                      sl_rgb otherwise, float *const planes[3]) {
+    sl_patch_place leaf = {.patch = SL_NO_INDEX};
+    sl_mesh_fan fan;
+    bool known = false;
+    for (uint32_t i = face->first; i < face->first + face->count; i++) {
+        float value[3] = {otherwise.r, otherwise.g, otherwise.b}, w1, w2;
+        sl_patch_place at = sl_mesh_locate(mesh, face->face, seen->w1[i], seen->w2[i]);
+        if (at.patch != leaf.patch && at.patch != SL_NO_INDEX) {
+            leaf = at;
+            known = sl_mesh_fan_shown(mesh, &at, true, &fan);
+            if (known && at.patch != leaf.patch) leaf.patch = SL_NO_INDEX; /* an ancestor's */
+        }
+        if (at.patch != SL_NO_INDEX && known) {
+            sl_mesh_weights_within(&at, seen->w1[i], seen->w2[i], &w1, &w2);
+            sl_mesh_fan_value(&fan, w1, w2, value);
+        }
+        for (int c = 0; c < 3; c++) planes[c][seen->pixel[i]] = value[c];
+    }
+}
+
+static void draw_meshes(window *w, const mesh_copies *set, const sl_visible_pixels *seen, sl_merge *merge) {
+    const float **const target[] = {merge->direct_diffuse, merge->direct_specular, merge->indirect};
+    size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
+    for (int i = 0; i < SL_COMPONENTS; i++) {
+        float *planes[3];
+        if (!set->part[i]) continue;
+        set->part[i]->primitives = w->primitives;
+        for (int c = 0; c < 3; c++) target[i][c] = planes[c] = w->planes + (size_t)(3 * i + c) * pixels;
+        memset(planes[0], 0, 3 * pixels * sizeof *planes[0]);
+        sl_rgb otherwise = i == SL_INDIRECT ? set->ambient : sl_grey(0.0f);
+        for (size_t f = 0; f < seen->face_count; f++)
+            draw_face(set->part[i], seen, &seen->face[f], otherwise, planes);
+    }
+}
+
+static sl_status merge_into(const sl_merge *merge, sl_image *image, sl_error *error) {
+    static const char *const names[3] = {"R", "G", "B"};
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    sl_image *whole;
+    sl_status status = sl_merge_picture(merge, &whole, error);
+    for (size_t c = 0; c < 3 && status == SL_OK; c++)
+        memcpy(image->planes + c * pixels, sl_image_channel(whole, names[c]), pixels * sizeof(float));
+    if (status == SL_OK) sl_image_destroy(whole);
+    return status;
+}
+
+static sl_status draw_set(window *w, const mesh_copies *set, sl_image *image, sl_counters *counters,
+                          sl_error *error) {
+    sl_view view = sl_view_scene(w->scene, w->settings.width, w->settings.height);
+    sl_target target = {w->settings.width, w->settings.height, w->id, NULL};
+    sl_visible_pixels *seen = NULL;
+    sl_merge merge = {.threads = 1};
+    sl_materials_seen *materials = NULL;
+    const sl_materials_wanted wanted = {set->part[SL_DIRECT_SPECULAR] != NULL, true};
+    sl_status status = follow_structure(w, set->made, error);
+    if (status == SL_OK) status = sl_raster_id(w->raster, &view, 1, &target, counters, error);
+    if (status == SL_OK)
+        status = sl_visible_pixels_sort(w->primitives, w->raster, &view, w->id, 1, &seen, counters, error);
+    if (status == SL_OK)
+        status = sl_materials_resolve(w->scene, w->raster, &view, w->id, wanted, 1, &materials, counters,
+                                      error);
+    if (status == SL_OK) {
+        draw_meshes(w, set, seen, &merge);
+        merge.materials = materials;
+        status = merge_into(&merge, image, error);
+    }
+    sl_materials_destroy(materials);
+    sl_visible_pixels_destroy(seen);
+    return status;
+}
+
+static int take_set(sl_mesh_exchange *e, uint64_t *versions) {
+    sl_monitor_enter(&e->meeting);
+    int set = e->drawn = e->shown;
+    *versions = e->versions;
+    sl_monitor_leave(&e->meeting);
+    return set;
+}
+
+static void give_set_back(sl_mesh_exchange *e) {
+    sl_monitor_enter(&e->meeting);
+    e->drawn = -1;
+    sl_monitor_leave(&e->meeting);
+}
+
+static sl_status window_draw(void *it, sl_image *image, uint64_t *versions, sl_counters *counters,
+                             sl_error *error) {
+    window *w = it;
+    int set = take_set(w->exchange, versions);
+    if (set < 0) return SL_OK; /* black, as it was made */
+    sl_status status = draw_set(w, &w->exchange->set[set], image, counters, error);
+    give_set_back(w->exchange);
+    return status;
+}
+
+const sl_window_class sl_multi_mesh_window = {
+    .create = window_create, .destroy = window_destroy, .move = window_move, .draw = window_draw};

@@ -1,0 +1,297 @@
+/* Lights and objects that move while updates go on: counters and pictures, no clocks. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+#include "cache/light/moves.h"
+#include "cache/multi_mesh/multi_mesh_internal.h"
+#include "rendering.h"
+
+enum { SIDE = 40, PIXELS = SIDE * SIDE };
+
+/* A box on the floor of a room slides about, and so does its lamp. */
+static sl_scene *moving_room(void) {
+    static const char cube[] = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\n"
+                               "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+                               "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
+    return scene_from_text(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"room\", \"material\": \"wall\"}, "
+        "{\"file\": \"mesh.obj\", \"name\": \"box\", \"material\": \"box\", "
+        "\"transform\": {\"scale\": 0.25}, "
+        "\"keyframes\": [{\"time\": 0, \"translate\": [-0.6, -0.7, -0.5]}, {\"time\": 1, \"translate\": "
+        "[0.6, -0.7, -0.4]}, {\"time\": 2, \"translate\": [0.1, 0, 0.3]}, {\"time\": 3, \"translate\": "
+        "[-0.6, -0.7, -0.5]}]}], "
+        "\"materials\": {\"wall\": {\"diffuse\": [0.7, 0.6, 0.5]}, \"box\": {\"diffuse\": [0.2, "
+        "0.6, 0.3]}}, \"lights\": [{\"type\": \"quad\", \"corner\": [-0.2, 0.95, -0.2], \"edge1\": [0.4, 0, "
+        "0], \"edge2\": [0, 0, 0.4], \"radiance\": 9}, {\"type\": \"point\", \"position\": [0.7, 0.5, 0.7], "
+        "\"intensity\": 0.1, \"keyframes\": [{\"time\": 0, \"position\": [0.7, 0.5, 0.7]}, {\"time\": 3, "
+        "\"position\": [0.7, 0.5, 0.7]}, {\"time\": 4, \"position\": [-0.7, 0.4, 0.6]}]}], \"camera\": "
+        "{\"eye\": [0, 0, 0.98], \"target\": [0, 0, 0], \"fov_deg\": 80}}",
+        cube);
+}
+
+static sl_settings mesh_settings(unsigned threads) {
+    sl_settings s = small_settings("multi-mesh", SIDE, SIDE);
+    s.quality = SL_QUALITY_DRAFT;
+    s.filter = SL_FILTER_CENTRE;
+    s.threads = threads;
+    s.gather_size = 64;
+    s.bounces = 2;
+    return s;
+}
+
+static sl_method *begin(sl_scene *scene, const sl_settings *settings) {
+    sl_method *method;
+    assert_int_equal(sl_method_create(scene, settings, &method, NULL), SL_OK);
+    return method;
+}
+
+static void finish(sl_method *method) {
+    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
+}
+
+/* An edit, and one update. */
+static void move_to(sl_method *method, sl_scene *scene, double time) {
+    unsigned changes;
+    assert_int_equal(sl_scene_set_time(scene, time, &changes, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+}
+
+static sl_image *picture_of(sl_method *method) {
+    sl_image *image;
+    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    return image;
+}
+
+static double difference(const sl_image *image, const sl_image *reference, const char *layer) {
+    const float *a = sl_image_channel(image, layer), *b = sl_image_channel(reference, layer);
+    double sum = 0.0, all = 0.0;
+    for (int i = 0; i < PIXELS; i++) {
+        sum += pow((double)a[i] - (double)b[i], 2.0);
+        all += pow((double)b[i], 2.0);
+    }
+    return sqrt(sum / all);
+}
+
+static double mean_of(const sl_image *image) {
+    const float *g = sl_image_channel(image, "G");
+    double sum = 0.0;
+    for (int i = 0; i < PIXELS; i++) sum += (double)g[i] / PIXELS;
+    return sum;
+}
+
+static uint64_t counted(const sl_method *method, sl_counter counter) {
+    return sl_method_counters(method)->value[counter];
+}
+
+/* Against pictures that begin with the scene as it is. */
+static void look(sl_method *method, const sl_scene *scene, const sl_settings *settings, double most) {
+    sl_image *seen = picture_of(method), *fresh = render(scene, settings, NULL);
+    double all = difference(seen, fresh, "G"), direct = difference(seen, fresh, "direct.G");
+    print_message("%.1f %% off, direct light %.1f %%\n", 100.0 * all, 100.0 * direct);
+    assert_true(all < most && direct < most);
+    sl_image_destroy(seen);
+    sl_image_destroy(fresh);
+}
+
+/* Leaves that are seen, known to be too large or to have an edge that differs, and may be cut. */
+static size_t leaves_to_be_cut(const sl_method *method) {
+    const sl_multi_mesh_state *s = method->state;
+    size_t count = 0;
+    for (int i = 0; i < SL_COMPONENTS; i++) {
+        const sl_displayed *d = s->part[i];
+        for (uint32_t n = 0; d && n < d->mesh->patch_count; n++) {
+            const sl_patch *node = &d->mesh->patch[n];
+            if (!sl_patch_is_alive(d->mesh, n) || node->child != SL_NO_INDEX || !node->pixels) continue;
+            sl_patch_place leaf = sl_patch_place_of(d->mesh, n);
+            count += sl_needs_cut(node) && sl_may_split(d, &leaf);
+        }
+    }
+    return count;
+}
+
+static void light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while(void **state) {
+    (void)state;
+    sl_scene *scene = moving_room();
+    const sl_settings settings = mesh_settings(2);
+    sl_method *method = begin(scene, &settings);
+    finish(method);
+    sl_image *still = picture_of(method);
+    const double light = mean_of(still);
+    uint64_t splits = counted(method, SL_COUNT_SPLITS), undone = counted(method, SL_COUNT_COLLAPSES);
+    for (int k = 1; k <= 400; k++) {
+        move_to(method, scene, fmod(0.04 * k, 4.0));
+        sl_image *seen = picture_of(method);
+        assert_in_range((int)(100.0 * mean_of(seen) / light), 70, 140);
+        sl_image_destroy(seen);
+        if (k % 10 == 0) {
+            assert_true(counted(method, SL_COUNT_SPLITS) > splits || leaves_to_be_cut(method) == 0);
+            splits = counted(method, SL_COUNT_SPLITS);
+        }
+        if (k % 45 == 0) look(method, scene, &settings, 0.10);
+    }
+    assert_true(counted(method, SL_COUNT_COLLAPSES) > undone);
+    sl_image_destroy(still);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void pictures_in_motion_have_the_same_bits_with_any_threads(void **state) {
+    (void)state;
+    sl_scene *scene[2] = {moving_room(), moving_room()};
+    sl_method *method[2];
+    for (int i = 0; i < 2; i++) {
+        const sl_settings settings = mesh_settings(i ? 3 : 1);
+        method[i] = begin(scene[i], &settings);
+    }
+    for (int k = 0; k < 60; k++) {
+        sl_image *seen[2];
+        for (int i = 0; i < 2; i++) {
+            if (k < 20) assert_int_equal(sl_method_update(method[i], &(sl_progress){0}, NULL), SL_OK);
+            else move_to(method[i], scene[i], 2.0 + 0.05 * (k - 20));
+            seen[i] = picture_of(method[i]);
+        }
+        assert_true(same_picture(seen[0], seen[1]));
+        for (int i = 0; i < 2; i++) sl_image_destroy(seen[i]);
+    }
+    for (int i = 0; i < 2; i++) {
+        sl_method_destroy(method[i]);
+        sl_scene_destroy(scene[i]);
+    }
+}
+
+static void after_edits_that_undo_each_other_a_picture_is_as_good_as_a_fresh_one(void **state) {
+    (void)state;
+    sl_scene *scene = moving_room();
+    const sl_settings settings = mesh_settings(2);
+    sl_settings truth = small_settings("path", SIDE, SIDE);
+    truth.transport = "matched:multi-mesh";
+    truth.bounces = settings.bounces;
+    truth.filter = SL_FILTER_CENTRE;
+    truth.spp = 256;
+    sl_method *method = begin(scene, &settings);
+    for (int k = 0; k < 31; k++) move_to(method, scene, k % 2 ? 1.0 : 3.7);
+    finish(method);
+    sl_image *seen = picture_of(method), *fresh = render(scene, &settings, NULL),
+             *reference = render(scene, &truth, NULL);
+    double ours = difference(seen, reference, "G"), theirs = difference(fresh, reference, "G");
+    print_message("%.2f %%, a fresh one %.2f %%\n", 100.0 * ours, 100.0 * theirs);
+    assert_true(ours < 1.1 * theirs);
+    sl_image_destroy(seen);
+    sl_image_destroy(fresh);
+    sl_image_destroy(reference);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+/* ---- samples that survive ---- */
+
+static sl_multi_mesh_state *state_of(const sl_scene *scene, sl_settings settings) {
+    sl_transport transport;
+    void *state;
+    sl_multi_mesh_complete(&settings);
+    sl_multi_mesh_transport(&settings, &transport);
+    assert_int_equal(sl_multi_mesh_method.create(scene, &settings, &transport, &state, NULL), SL_OK);
+    return state;
+}
+
+static void update_to_the_end(sl_multi_mesh_state *s) {
+    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_multi_mesh_method.update(s, &p, NULL), SL_OK);
+}
+
+static size_t known_alike(const sl_patches *ours, const sl_patches *fresh) {
+    size_t alike = 0;
+    for (uint32_t v = 0; v < fresh->vertex_count; v++) {
+        uint32_t own = sl_vertex_find(ours, fresh->vertex[v].place);
+        if (sl_mesh_state(fresh, v) != SL_VERTEX_KNOWN || !sl_mesh_is_sampled(ours, own)) continue;
+        assert_int_equal(sl_mesh_state(ours, own), SL_VERTEX_KNOWN);
+        assert_true(*sl_vertex_value(ours, own) == *sl_vertex_value(fresh, v));
+        alike++;
+    }
+    return alike;
+}
+
+static void samples_that_survive_a_move_are_those_of_a_fresh_method(void **state) {
+    (void)state;
+    sl_scene *scene = moving_room();
+    sl_multi_mesh_state *s = state_of(scene, mesh_settings(2));
+    update_to_the_end(s);
+    for (int k = 1; k <= 6; k++) {
+        unsigned changes;
+        assert_int_equal(sl_scene_set_time(scene, 0.3 * k, &changes, NULL), SL_OK);
+        uint64_t before = s->counters.value[SL_COUNT_LIGHT_SAMPLES];
+        assert_int_equal(sl_multi_mesh_method.edit(s, changes, NULL), SL_OK);
+        assert_int_equal(s->counters.value[SL_COUNT_LIGHT_SAMPLES], before);
+        sl_multi_mesh_state *fresh = state_of(scene, mesh_settings(2));
+        update_to_the_end(fresh);
+        size_t kept = 0;
+        for (size_t l = 0; l < 2; l++)
+            kept += known_alike(sl_irradiance_mesh(s->irradiance, l),
+                                sl_irradiance_mesh(fresh->irradiance, l));
+        print_message("%zu samples have survived\n", kept);
+        assert_true(kept > 100);
+        update_to_the_end(s);
+        sl_multi_mesh_method.destroy(fresh);
+    }
+    sl_multi_mesh_method.destroy(s);
+    sl_scene_destroy(scene);
+}
+
+static size_t known_samples(const sl_multi_mesh_state *s) {
+    size_t known = 0;
+    for (size_t l = 0; l < s->lights->count; l++) {
+        const sl_patches *mesh = sl_irradiance_mesh(s->irradiance, l);
+        for (uint32_t v = 0; v < mesh->vertex_count; v++) known += sl_mesh_state(mesh, v) == SL_VERTEX_KNOWN;
+    }
+    return known;
+}
+
+static void change_colours(sl_scene *scene) {
+    sl_scene_edit *edit;
+    sl_material_data wall;
+    const float strength[3] = {0.02f, 0.3f, 0.1f};
+    uint32_t number = sl_scene_find_material(scene, "wall");
+    assert_true(sl_scene_material(scene, number, &wall));
+    wall.diffuse[0] = 0.2f;
+    assert_int_equal(sl_scene_edit_begin(scene, &edit, NULL), SL_OK);
+    assert_int_equal(sl_edit_material(edit, number, &wall, NULL), SL_OK);
+    assert_int_equal(sl_edit_light(edit, 1, strength, NULL, NULL, NULL), SL_OK);
+    assert_int_equal(sl_scene_edit_commit(edit, NULL, NULL), SL_OK);
+}
+
+static void a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once(void **state) {
+    (void)state;
+    sl_scene *scene = moving_room();
+    const sl_settings settings = mesh_settings(2);
+    sl_method *method = begin(scene, &settings);
+    finish(method);
+    const size_t known = known_samples(method->state);
+    change_colours(scene);
+    assert_int_equal(sl_method_edit(method, 0, NULL), SL_OK);
+    assert_int_equal(known_samples(method->state), known);
+    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+    sl_image *seen = picture_of(method), *fresh = render(scene, &settings, NULL);
+    print_message("direct light %.2f %% off\n", 100.0 * difference(seen, fresh, "direct.G"));
+    assert_true(difference(seen, fresh, "direct.G") < 0.08);
+    sl_image_destroy(seen);
+    sl_image_destroy(fresh);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while),
+        cmocka_unit_test(pictures_in_motion_have_the_same_bits_with_any_threads),
+        cmocka_unit_test(after_edits_that_undo_each_other_a_picture_is_as_good_as_a_fresh_one),
+        cmocka_unit_test(samples_that_survive_a_move_are_those_of_a_fresh_method),
+        cmocka_unit_test(a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
