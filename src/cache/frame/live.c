@@ -237,6 +237,8 @@ static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error)
     sl_transport ignored;
     sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, NULL, error);
     own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
+    /* as long as anything is above the stop size */
+    if (!settings->shading_cache.updates) own.shading_cache.updates = 1000000000;
     own.filter = SL_FILTER_CENTRE;           /* frames are drawn beside updates, once each */
     if (!own.records_per_frame) own.records_per_frame = RECORDS_PER_FRAME;
     if (status == SL_OK)

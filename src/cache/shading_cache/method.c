@@ -245,7 +245,7 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     s->done = s->scene->sub_frame.purpose != SL_SUB_FRAME_BOTH; /* the others draw what there is */
     if (s->done) return SL_OK;
     sl_status status = note_motion(s, of_the_eye(s, changes), error);
-    s->done = s->late = false;
+    s->done = false;
     if (!s->edited && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
     sl_fades_finish(&s->fades, s->patches);
     s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;

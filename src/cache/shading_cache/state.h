@@ -57,7 +57,7 @@ typedef struct sl_shading_state {
     uint32_t edited;               /* the first update after an edit whose change is not found yet; 0: none */
     bool shows_only;               /* the next frame of a series waits for no update */
     double error_levels;           /* of what was seen when the last update began */
-    /* half of the choices were finished leaves: these are left out until the next edit */
+    /* half of the choices were finished leaves: these are left out from then on */
     bool late;
     bool drawn;                    /* the display knows the view */
     bool done;

@@ -1,4 +1,4 @@
-/* A scene that moves without rest, an update a move: what is seen is refined all the while, and is near what a
+/* Scenes that move without rest, an update a move: what is seen is refined all the while, and is near what a
  * fresh picture of it would be. Counters and pictures, no clocks. */
 #include "shading_cache_support.h"
 
@@ -11,7 +11,7 @@
 
 enum { SIZE = 16, PIXELS = SIZE * SIZE, WINDOW = 10, FRESH = 100 };
 
-static const char ball[] = "scenes/moving-ball.json";
+static const char ball[] = "scenes/moving-ball.json", light[] = "scenes/moving-light.json";
 
 static sl_settings motion_settings(unsigned threads) {
     sl_settings s = small_settings("shading-cache", SIZE, SIZE);
@@ -121,9 +121,43 @@ static void while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh
     moves_without_rest(ball, 400, 0.15);
 }
 
+/* Without its shadows it would be apart by .5. */
+static void while_a_light_moves_its_shadows_are_there(void **state) {
+    (void)state;
+    moves_without_rest(light, 400, 0.25);
+}
+
+static sl_image *after_moves(const char *path, unsigned threads) {
+    sl_scene *scene = load_scene(path);
+    sl_settings settings = motion_settings(threads);
+    sl_method *method = method_of(scene, &settings);
+    for (int move = 0; move < 30; move++) {
+        go_to(scene, method, time_of(move));
+        update(method);
+    }
+    for (int i = 0; i < 5; i++) update(method);
+    sl_image *image = picture_of(method);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+    return image;
+}
+
+static void motion_has_the_same_bits_at_any_number_of_threads(void **state) {
+    (void)state;
+    const char *const paths[] = {ball, light};
+    for (int i = 0; i < 2; i++) {
+        sl_image *one = after_moves(paths[i], 1), *three = after_moves(paths[i], 3);
+        assert_true(same_picture(one, three));
+        sl_image_destroy(one);
+        sl_image_destroy(three);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh_one),
+        cmocka_unit_test(while_a_light_moves_its_shadows_are_there),
+        cmocka_unit_test(motion_has_the_same_bits_at_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
