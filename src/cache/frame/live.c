@@ -236,13 +236,13 @@ static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error)
     sl_settings own;
     sl_transport ignored;
     sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, NULL, error);
+    if (status != SL_OK) return status;
     own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
     /* as long as anything is above the stop size */
     if (!settings->shading_cache.updates) own.shading_cache.updates = 1000000000;
-    own.filter = SL_FILTER_CENTRE;           /* frames are drawn beside updates, once each */
+    own.filter = SL_FILTER_CENTRE; /* frames are drawn beside updates, once each */
     if (!own.records_per_frame) own.records_per_frame = RECORDS_PER_FRAME;
-    if (status == SL_OK)
-        status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
+    status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
     if (status == SL_OK) status = sl_scene_copy(l->scene, &l->scene_copy, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = l->method->class;

@@ -179,6 +179,7 @@ typedef struct {
     const sl_direct *direct;
     const sl_gbuffer *gbuffer;
     int first, row, end;    /* row: of the strip with its margin; of the pass, and behind its last */
+    int each;               /* rows of a task */
     sl_direct_sums *sums;
     float *out[3];
     sl_counters *counters;  /* one a row of the strip */
@@ -233,10 +234,11 @@ static void sample_row(const pass *p, int y, sl_lit_block *block, unsigned worke
     }
 }
 
-/* A task: a few rows, so that what is left of a block is little. */
+/* A task: a few rows, so that what is left of a block is little; by maps one, whose blocks tell how many
+ * samples their pixels get. */
 static void sample_rows(void *context, size_t index, unsigned worker) {
     const pass *p = context;
-    const int first = p->row + (int)index * SAMPLED_ROWS, end = smaller(first + SAMPLED_ROWS, p->end);
+    const int first = p->row + (int)index * p->each, end = smaller(first + p->each, p->end);
     sl_lit_block block;
     block.count = 0;
     for (int y = first; y < end; y++) sample_row(p, y, &block, worker, counters_of(p, first));
@@ -296,12 +298,13 @@ static void finish_row(void *context, size_t index, unsigned worker) {
 static void run(pass *p, sl_task *task, int each, int row0, int row1, int margin) {
     p->row = larger(row0 - margin, 0);
     p->end = smaller(row1 + margin, p->gbuffer->height);
+    p->each = each;
     sl_parallel_for(p->direct->settings.threads, (size_t)((p->end - p->row + each - 1) / each), task, p);
 }
 
 static void run_all(pass *p, int row0, int row1) {
     const bool maps = p->direct->settings.maps != NULL;
-    run(p, sample_rows, SAMPLED_ROWS, row0, row1, maps ? 0 : PENUMBRA_MARGIN + FILTER_MARGIN);
+    run(p, sample_rows, maps ? 1 : SAMPLED_ROWS, row0, row1, maps ? 0 : PENUMBRA_MARGIN + FILTER_MARGIN);
     p->refine = true;
     if (!maps && samples_with_refinement(p->direct) > pilot_samples(p->direct))
         run(p, sample_rows, SAMPLED_ROWS, row0, row1, FILTER_MARGIN);
@@ -321,7 +324,7 @@ sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int
     bool made = make_sums((size_t)first * width, lines * width, &sums) && costs && scratch;
     *row = row1;
     if (made) {
-        pass p = {direct, gbuffer, first, first, end, &sums, {radiance[0], radiance[1], radiance[2]},
+        pass p = {direct, gbuffer, first, first, end, 1, &sums, {radiance[0], radiance[1], radiance[2]},
                   costs,  scratch, false};
         run_all(&p, row0, row1);
         for (size_t i = 0; i < lines; i++) sl_counters_add(counters, &costs[i]);
