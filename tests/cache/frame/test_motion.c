@@ -9,9 +9,10 @@
 
 #include <math.h>
 
+#include "base/sanitized.h"
 #include "rendering.h"
 
-enum { SIZE = 24, WINDOW = 10 };
+enum { SIZE = 24, WINDOW = 10, MOVES = SL_SANITIZED ? 50 : 400 };
 
 typedef struct motion {
     const char *method, *scene;
@@ -20,9 +21,9 @@ typedef struct motion {
 } motion;
 
 /* Photons that are other ones make 0.06 of the octree's. Direct radiance mapping does all of a frame anew. */
-static const motion motions[] = {{"light-octree", "scenes/moving-ball.json", 400, 0.12},
+static const motion motions[] = {{"light-octree", "scenes/moving-ball.json", MOVES, 0.12},
                                  {"light-octree", "scenes/moving-light.json", 50, 0.12},
-                                 {"direct-radiance", "scenes/moving-ball.json", 400, 1e-6},
+                                 {"direct-radiance", "scenes/moving-ball.json", MOVES, 1e-6},
                                  {"direct-radiance", "scenes/moving-light.json", 100, 1e-6}};
 
 static void good(sl_status status, const sl_error *error) {

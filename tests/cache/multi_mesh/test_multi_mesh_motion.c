@@ -8,11 +8,12 @@
 
 #include <math.h>
 
+#include "base/sanitized.h"
 #include "cache/light/moves.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 #include "rendering.h"
 
-enum { SIDE = 40, PIXELS = SIDE * SIDE };
+enum { SIDE = 40, PIXELS = SIDE * SIDE, MOVES = SL_SANITIZED ? 90 : 400 };
 
 /* A box on the floor of a room slides about, and so does its lamp. */
 static sl_scene *moving_room(void) {
@@ -125,7 +126,7 @@ static void light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while(vo
     sl_image *still = picture_of(method);
     const double light = mean_of(still);
     uint64_t splits = counted(method, SL_COUNT_SPLITS), undone = counted(method, SL_COUNT_COLLAPSES);
-    for (int k = 1; k <= 400; k++) {
+    for (int k = 1; k <= MOVES; k++) {
         move_to(method, scene, fmod(0.04 * k, 4.0));
         sl_image *seen = picture_of(method);
         assert_in_range((int)(100.0 * mean_of(seen) / light), 70, 140);
