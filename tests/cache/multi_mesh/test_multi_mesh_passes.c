@@ -98,7 +98,7 @@ static void meshes_are_served_so_that_their_largest_priorities_fall_together(voi
     r.s->settings.multi_mesh.batch = 4; /* leaves between two looks */
     step(&r);
     step(&r);
-    sl_image *first;
+    sl_image *first = NULL;
     assert_int_equal(sl_multi_mesh_method.resolve(r.s, &first, NULL), SL_OK);
     sl_rgb ambient = sl_ambient_irradiance(r.scene);
     for (size_t i = 0; i < 96 * 96; i++)
@@ -236,7 +236,7 @@ static void where_no_light_falls_nothing_is_gathered(void **state) {
                       (unsigned long long)count[SL_COUNT_INDIRECT_SAMPLES]);
         assert_true((count[SL_COUNT_COARSE_SAMPLES] > 0) == cases[k].coarse);
         assert_true((count[SL_COUNT_INDIRECT_SAMPLES] > 0) == cases[k].gathers);
-        sl_image *image;
+        sl_image *image = NULL;
         assert_int_equal(sl_multi_mesh_method.resolve(r.s, &image, NULL), SL_OK);
         const float *indirect = sl_image_channel(image, "indirect.G");
         for (int i = 0; i < 24 * 24 && !cases[k].gathers; i++) assert_true(indirect[i] == 0.0f);

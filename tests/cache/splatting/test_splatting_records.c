@@ -25,7 +25,7 @@ typedef struct {
 
 static drawn draw(const sl_scene *scene, sl_settings settings) {
     sl_transport transport;
-    drawn d;
+    drawn d = {.image = NULL};
     void *state;
     settings.threads = 2;
     settings.filter = SL_FILTER_CENTRE;
