@@ -711,6 +711,11 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
  * out in multi-mesh: all is made anew, so that bits are those of a method that is created then. The paper of
  * splatting keeps records of a scene that stands still, as this does. */
 SL_API sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error);
+/** Sets shading-cache.nominal-rate from the next update on, to how many samples a second (as
+ * sl_live_state.samples counts them) there have turned out to be: by that the Shading Cache settles how fine
+ * patches are while things move. An event like an edit: told of the same after as many updates a method has
+ * the same bits. Other methods take no notice. USAGE: not from 1 to 1e9. */
+SL_API sl_status sl_method_rate(sl_method *method, double samples_a_second, sl_error *error);
 /** Tells whether the two functions below do anything: splatting keeps a cache on disk, the others do not. */
 SL_API bool sl_method_keeps_cache(const sl_method *method);
 /** Writes the method's cache to a file, for another run: the records of splatting, and what they took hold
@@ -807,8 +812,18 @@ typedef struct sl_live_state {
     uint64_t change_frames;
     bool held;            /**< a move waits for shading-cache.hold */
     bool done;            /**< nothing is left to refine: updates rest until something moves */
-    uint64_t reserved[8]; /**< 0 */
+    /** that updates have taken since all was made anew last, where of one with direct and indirect light a
+     * part counts as what it costs; 0: of methods that take no notice of sl_live_rate() */
+    double samples;
+    uint64_t reserved[7]; /**< 0 */
 } sl_live_state;
+
+/** What an update of a show was led by: a rate, or a move. */
+typedef struct sl_live_event {
+    uint64_t updates;     /**< that were done before it */
+    bool rate;            /**< sl_method_rate(); else sl_scene_set_time(), and sl_method_edit() */
+    double value;         /**< samples a second; else seconds */
+} sl_live_event;
 
 /** Makes a method and starts to update it, with workers of its own. Until sl_live_stop() the scene is the
  * show's own: nobody else may change it. An observer is called in the updating thread. All calls on one show
@@ -826,6 +841,16 @@ SL_API sl_status sl_live_move(sl_live *live, double time_seconds, sl_error *erro
 /** As sl_scene_set_camera(), whatever the keyframes say of the camera, from now on; fails likewise. */
 SL_API sl_status sl_live_look(sl_live *live, const float eye[3], const float target[3], const float up[3],
                               float vertical_fov_rad, sl_error *error);
+/** As sl_method_rate(), before the next update; fails likewise. The library itself reads no clock. */
+SL_API sl_status sl_live_rate(sl_live *live, double samples_a_second, sl_error *error);
+/** Gives the first `room` of all events that updates have followed so far, in their order, and returns how
+ * many there are. events may be NULL where room is 0. A method that is led through them, each after as many
+ * updates, has the same picture, to the bit, as the show after that number of updates, at any number of
+ * threads: from the scene as the show found it, with the show's settings but for filter=centre,
+ * shading-cache.frames-per-update=1 and, where they were left open, shading-cache.updates=1000000000 and
+ * splatting.records-per-frame=256. Not so with the option "memory", of which a show takes a part for itself,
+ * and after sl_live_look(), which stands in no event. */
+SL_API size_t sl_live_log(sl_live *live, sl_live_event *events, size_t room);
 /** The picture as it is now, R, G, B, drawn by the calling thread alone; *frame is the show's own, and valid
  * until the next call. state may be NULL. Black until there is anything. Fails once an update has failed. */
 SL_API sl_status sl_live_frame(sl_live *live, const sl_image **frame, sl_live_state *state, sl_error *error);

@@ -368,6 +368,7 @@ static void a_method_takes_no_null(void **state) {
     USAGE(sl_method_update(NULL, &progress, error));
     USAGE(sl_method_update(method, NULL, error));
     assert_true(progress.batches == 77);
+    USAGE(sl_method_rate(NULL, 100.0, error));
     USAGE(sl_method_resolve(NULL, &image, error));
     USAGE(sl_method_resolve(method, NULL, error));
     assert_null(image);
@@ -553,6 +554,10 @@ static void a_show_goes_on_after_what_it_refuses(void **state) {
         USAGE(sl_live_move(live, NAN, error));
         USAGE(sl_live_move(live, INFINITY, error));
         INPUT(sl_live_move(live, 1.0, error)); /* the eye at its target */
+        USAGE(sl_live_rate(NULL, 100.0, error));
+        USAGE(sl_live_rate(live, 0.5, error));
+        USAGE(sl_live_rate(live, NAN, error));
+        assert_int_equal(sl_live_log(NULL, NULL, 0), 0);
         USAGE(sl_live_look(NULL, eye, target, up, 1.0f, error));
         USAGE(sl_live_look(live, NULL, target, up, 1.0f, error));
         USAGE(sl_live_look(live, eye, NULL, up, 1.0f, error));

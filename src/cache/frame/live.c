@@ -13,6 +13,7 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "base/thread.h"
 #include "cache/frame/method.h"
@@ -57,7 +58,10 @@ struct sl_live {
     uint64_t changes_found;
     uint64_t followed;         /* number of the pose that updates are at */
     sl_progress progress;
-    double error_levels;
+    double error_levels, samples;
+    double rate;               /* to be told of; 0: none is */
+    sl_live_event *log;
+    size_t events, log_room;
     sl_image *picture;         /* the newest, not taken yet; NULL: none */
     double picture_time;
     uint64_t pictures;
@@ -91,6 +95,24 @@ static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl
 
 /* ---- the thread ------------------------------------------------------------------------------ */
 
+static sl_status note(sl_live *l, bool rate, double value, sl_error *error) {
+    sl_monitor_enter(&l->meeting);
+    bool fits = sl_make_room(&l->log, l->events, &l->log_room, sizeof *l->log);
+    if (fits) l->log[l->events++] = (sl_live_event){l->method->progress.batches, rate, value};
+    sl_monitor_leave(&l->meeting);
+    return fits ? SL_OK : sl_fail_memory(error, "the log of a live show");
+}
+
+static sl_status take_rate(sl_live *l, sl_error *error) {
+    sl_monitor_enter(&l->meeting);
+    double rate = l->rate;
+    l->rate = 0.0;
+    sl_monitor_leave(&l->meeting);
+    if (!(rate > 0.0)) return SL_OK;
+    sl_status status = note(l, true, rate, error);
+    return status == SL_OK ? sl_method_rate(l->method, rate, error) : status;
+}
+
 /* Waits while there is nothing to do; false: it is to end. Moves on once a picture of where things were has
  * been shown. */
 static bool next_turn(sl_live *l, bool shown, pose *turn, change *moved) {
@@ -110,6 +132,7 @@ static bool next_turn(sl_live *l, bool shown, pose *turn, change *moved) {
 static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
     unsigned changes = 0;
     sl_status status = take_pose(l->scene, p, &changes, error);
+    if (status == SL_OK && changes) status = note(l, false, p->time, error);
     return status == SL_OK && changes ? sl_method_edit(l->method, changes, error) : status;
 }
 
@@ -148,12 +171,16 @@ static sl_status resolve(sl_live *l, sl_image **frame, sl_error *error) {
 /* moved: what the update has brought; NULL: nothing of the kind. */
 static void tell(sl_live *l, const pose *p, const change *moved, const sl_progress *progress,
                  sl_image *picture, sl_status status, const sl_error *error) {
-    double levels = l->method->class->error_levels ? l->method->class->error_levels(l->method->state) : -1.0;
+    const sl_method_class *class = l->method->class;
+    const void *state = l->method->state; /* NULL: an edit that was to make all anew has failed */
+    double levels = state && class->error_levels ? class->error_levels(state) : -1.0;
+    double samples = state && class->samples ? class->samples(state) : 0.0;
     sl_image *old = NULL;
     sl_monitor_enter(&l->meeting);
     l->followed = p->number;
     l->progress = *progress;
     l->error_levels = levels;
+    l->samples = samples;
     if (moved && !l->found.waits) l->found = *moved;
     if (moved) l->changes_found++;
     if (picture) {
@@ -184,6 +211,7 @@ static void update_on_and_on(void *context) {
         sl_status status = turn.number == at ? SL_OK : follow(l, &turn, &error);
         shown = shown && turn.number == at;
         at = turn.number;
+        if (status == SL_OK) status = take_rate(l, &error);
         if (status == SL_OK) status = sl_method_update(l->method, &progress, &error);
         if (status == SL_OK && shows(l, &progress)) {
             status = resolve(l, &picture, &error);
@@ -217,6 +245,7 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
     sl_scene_copy_destroy(l->scene_copy);
     sl_image_destroy(l->frame);
     sl_image_destroy(l->picture);
+    sl_free(l->log);
     sl_monitor_close(&l->meeting);
     sl_free(l);
 }
@@ -353,6 +382,25 @@ sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], co
     return go_if_it_may(l, error);
 }
 
+sl_status sl_live_rate(sl_live *l, double samples_a_second, sl_error *error) {
+    if (!l) return sl_fail_null(error, "a live show");
+    sl_status status = sl_rate_check(samples_a_second, error);
+    if (status != SL_OK) return status;
+    sl_monitor_enter(&l->meeting);
+    l->rate = samples_a_second;
+    sl_monitor_leave(&l->meeting);
+    return SL_OK;
+}
+
+size_t sl_live_log(sl_live *l, sl_live_event *events, size_t room) {
+    if (!l) return 0;
+    sl_monitor_enter(&l->meeting);
+    size_t count = l->events, given = count < room ? count : room;
+    if (events && given) memcpy(events, l->log, given * sizeof *events);
+    sl_monitor_leave(&l->meeting);
+    return count;
+}
+
 /* ---- frames ---------------------------------------------------------------------------------- */
 
 /* Reads how far updates have come, and takes the newest picture, where they leave pictures. */
@@ -360,6 +408,7 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
     sl_monitor_enter(&l->meeting);
     l->state.updates = l->progress.batches;
     l->state.error_levels = l->error_levels;
+    l->state.samples = l->samples;
     l->state.done = l->progress.done && l->followed == l->shown.number;
     *picture = l->status == SL_OK ? l->picture : NULL; /* else nobody would take it */
     *picture_time = l->picture_time;

@@ -365,6 +365,21 @@ static sl_status edit_state(sl_method *m, unsigned changes, sl_error *error) {
     return m->class->edit(m->state, changes & told, error);
 }
 
+sl_status sl_rate_check(double samples_a_second, sl_error *error) {
+    return samples_a_second >= 1.0 && samples_a_second <= 1e9
+               ? SL_OK
+               : sl_fail(error, SL_ERROR_USAGE, "rate: expected 1 to 1e9 samples a second");
+}
+
+sl_status sl_method_rate(sl_method *method, double samples_a_second, sl_error *error) {
+    if (!method) return sl_fail_null(error, "a method");
+    sl_status status = sl_rate_check(samples_a_second, error);
+    if (status != SL_OK || !method->class->rate) return status;
+    method->settings.shading_cache.nominal_rate = samples_a_second; /* also of states that are to come */
+    if (method->state) method->class->rate(method->state, samples_a_second);
+    return SL_OK;
+}
+
 sl_status sl_method_edit(sl_method *method, unsigned changes, sl_error *error) {
     const unsigned everything = SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS;
     if (!method) return sl_fail_null(error, "a method");

@@ -100,6 +100,9 @@ typedef struct sl_method_class {
     /* Estimates the error of what is seen, in displayed levels (0 to 255), as the last update found it; NULL:
      * nobody knows. */
     double (*error_levels)(const void *state);
+    /* sl_live_state.samples of this state, and sl_method_rate(); NULL: no rate steers it. */
+    double (*samples)(const void *state);
+    void (*rate)(void *state, double samples_a_second);
 } sl_method_class;
 
 struct sl_method {
@@ -138,6 +141,9 @@ extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 /* As sl_method_create(), for one that takes so many bytes itself, within settings->memory_bytes. */
 sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes,
                                   sl_method **method, sl_error *error);
+
+/* Refuses what sl_method_rate() does. */
+sl_status sl_rate_check(double samples_a_second, sl_error *error);
 
 /* Returns what a show's method does less than was asked for, so as to keep within settings->memory_bytes, as
  * far as that was known before its start; "": nothing. */

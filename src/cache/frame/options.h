@@ -194,8 +194,8 @@
     O(double, cache_limit, "cache-limit", "X", 0.01, 100, IS(1.5), "", RESEARCH, "patches a pixel") \
     O(double, clean_up_seconds, "clean-up", "SECONDS", 0.01, 1e6, IS(5), "T_c", RESEARCH, \
       "in which what changes is to look right again") \
-    O(double, nominal_rate, "nominal-rate", "R", 1, 1e9, IS(2000), "", RESEARCH, \
-      "samples a second that is reckoned with") \
+    O(double, nominal_rate, "nominal-rate", "R", 1, 1e9, \
+      TOLD("2000; live: as many as are had"), "", RESEARCH, "samples a second that is reckoned with") \
     O(double, change_threshold, "change-threshold", "LEVELS", 0.01, 255, IS(2), "", RESEARCH, \
       "of change that count") \
     O(int, change_window, "change-window", "N", 1, 1e6, IS(3), "", RESEARCH, \

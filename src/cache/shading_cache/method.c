@@ -270,6 +270,12 @@ static double shading_error_levels(const void *state) {
     return ((const sl_shading_state *)state)->error_levels;
 }
 
+static double shading_samples(const void *state) { return ((const sl_shading_state *)state)->samples; }
+
+static void shading_rate(void *state, double samples_a_second) {
+    ((sl_shading_state *)state)->settings.shading_cache.nominal_rate = samples_a_second;
+}
+
 static size_t shading_bytes(const void *state) {
     const sl_shading_state *s = state;
     size_t bytes = sizeof *s + sl_shading_pixels(s) * (2 * sizeof *s->ids.patch + 2 * sizeof *s->ids.u) +
@@ -317,4 +323,6 @@ const sl_method_class sl_shading_cache_method = {
     .explanation = sl_shading_explanation,
     .window = &shading_window_class,
     .error_levels = shading_error_levels,
+    .samples = shading_samples,
+    .rate = shading_rate,
 };

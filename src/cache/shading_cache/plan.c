@@ -6,7 +6,7 @@
 #include "scene/features.h"
 
 enum { AREA_SAMPLES = 64, AREA_SAMPLES_ALONE = 100, PATH_DEPTH = 6, FEW = 1024, SMALL_SIDE = 24,
-      SMALL = 64 * 64 };
+      SMALL = 64 * 64, NOMINAL_RATE = 2000 };
 
 /* A picture of a still scene is done after so many points a pixel: the paper's cache has its quality at 0.03.
  * But every primitive wants its corners and every shadow its edge, however few pixels there are: there are
@@ -41,6 +41,7 @@ void sl_shading_complete(sl_settings *settings) {
     sl_settings_complete(settings);
     if (!c->area_samples) c->area_samples = settings->quality == SL_QUALITY_HIGH ? 4 * area : area;
     if (!(c->stop_size > 0.0)) c->stop_size = stop_size_for(settings);
+    if (!(c->nominal_rate > 0.0)) c->nominal_rate = NOMINAL_RATE;
     if (c->updates == 0) c->updates = updates_for(settings);
 }
 

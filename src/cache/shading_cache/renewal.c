@@ -27,6 +27,15 @@ double sl_shading_cheap_samples(const sl_shading_state *s) {
     return s->layers.kept ? 0.5 * (cheap + rays_of(s, SL_LAYER_DEAR)) / cheap : 1.0;
 }
 
+void sl_shading_count_samples(sl_shading_state *s, size_t requests) {
+    double cheap = rays_of(s, SL_LAYER_CHEAP), dear = rays_of(s, SL_LAYER_DEAR), rays = 0.0;
+    for (size_t i = 0; i < requests; i++) {
+        unsigned layers = s->request[i].layers;
+        rays += (layers & SL_LAYER_CHEAP ? cheap : 0.0) + (layers & SL_LAYER_DEAR ? dear : 0.0);
+    }
+    s->samples += rays / (cheap + dear);
+}
+
 /* An update at rest shades about four vertices for each of its points. As much is there for renewal: half of
  * it for either layer, and what the cheap one leaves for the dear one. */
 static double samples_of(const sl_shading_state *s) { return 4.0 * (double)s->settings.shading_cache.points; }

@@ -75,6 +75,7 @@ void sl_shading_sample(sl_shading_state *s, size_t count) {
             first += run;
         }
     }
+    sl_shading_count_samples(s, count);
     sl_count(&s->counters, SL_COUNT_POINTS_SHADED, count);
     sl_announce_pass(&s->announcer, "samples", "lazy evaluation");
 }

@@ -51,6 +51,7 @@ typedef struct sl_shading_state {
     size_t stale_left;             /* vertices that are stale after this update */
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
+    double samples;                /* so far: parts of one count as what they cost */
     uint64_t last_update;          /* after which a picture is done: an edit allows as many again */
     sl_vec3 eye;                   /* as the last edit left it */
     uint32_t edits;                /* ... of a series: frames */
@@ -87,6 +88,8 @@ bool sl_shading_nothing_is_left(const sl_shading_state *s);
 sl_status sl_shading_renew(sl_shading_state *s, size_t *count, sl_error *error);
 /* Returns how many cheap samples take half the time of one of all layers. */
 double sl_shading_cheap_samples(const sl_shading_state *s);
+/* Adds the requests made to the samples so far. */
+void sl_shading_count_samples(sl_shading_state *s, size_t requests);
 /* untouched.c. Before an edit is noted: marks as new direct light that no moved object can have touched. */
 void sl_shading_keep_untouched(sl_shading_state *s, unsigned what, const sl_object_places *after,
                                const bool *moved);

@@ -1,9 +1,10 @@
 /* Scenes that move without rest, an update a move: what is seen is refined all the while, and is near what a
- * fresh picture of it would be. Counters and pictures, no clocks. */
+ * fresh picture of it would be; what has come to rest is as good as one. Counters and pictures, no clocks. */
 #include "shading_cache_support.h"
 
 #include <math.h>
 #include <string.h>
+#include <time.h>
 
 #include "cache/frame/method.h"
 #include "cache/shading_cache/state.h"
@@ -153,11 +154,127 @@ static void motion_has_the_same_bits_at_any_number_of_threads(void **state) {
     }
 }
 
+/* Moves, and moves that undo each other, an edit in every batch: at rest nothing is left from before the last
+ * one, and the picture is that of where things are, but for patches that only the other one has. */
+static void an_edited_scene_that_rests_is_as_good_as_a_fresh_one(void **state) {
+    (void)state;
+    static const double times[] = {0.5, 0.5, 1.5, 0.5, 3.0, 0.0, 3.0, 1.2};
+    const char *const paths[] = {ball, light};
+    for (int i = 0; i < 2; i++) {
+        sl_scene *scene = load_scene(paths[i]);
+        sl_settings settings = motion_settings(2);
+        sl_method *method = method_of(scene, &settings);
+        for (int k = 0; k < 8; k++) {
+            go_to(scene, method, times[k]);
+            for (int updates = 0; updates < 1 + (k == 3) * 20; updates++) update(method);
+        }
+        to_the_end(method);
+        const sl_shading_state *inside = method->state;
+        assert_int_equal(inside->stale_left, 0);
+        assert_false(inside->may_be_stale);
+        double difference = apart_from_a_fresh_one(method, scene, &settings);
+        print_message("%s: %.4f from a fresh picture\n", paths[i], difference);
+        assert_true(difference < 0.04);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
+/* ---- the rate that was measured is an event ---- */
+
+static void the_rate_settles_how_fine_patches_are_while_things_change(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(light);
+    sl_settings settings = motion_settings(1);
+    sl_method *method = method_of(scene, &settings);
+    sl_shading_state *s = method->state;
+    update(method);
+    sl_changes_begin(&s->changes, 0, s->now);
+    float nominal = sl_shading_coarsest(s);
+    assert_int_equal(sl_method_rate(method, 200.0, NULL), SL_OK);
+    assert_true(nominal > 0.0f && fabsf(sl_shading_coarsest(s) / nominal - 10.0f) < 1e-3f);
+    assert_int_equal(sl_method_rate(method, (double)NAN, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_method_rate(method, 0.0, NULL), SL_ERROR_USAGE);
+    assert_int_equal(sl_method_rate(method, 2000.0, NULL), SL_OK);
+    assert_true(sl_shading_coarsest(s) == nominal);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void what_is_made_anew_keeps_the_rate(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(light);
+    sl_settings settings = motion_settings(1);
+    sl_method *method = method_of(scene, &settings);
+    assert_int_equal(sl_method_rate(method, 200.0, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_KINDS, NULL), SL_OK);
+    assert_true(((sl_shading_state *)method->state)->settings.shading_cache.nominal_rate == 200.0);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void pause_a_millisecond(void) { nanosleep(&(struct timespec){0, 1000000}, NULL); }
+
+static sl_live_state next_frame(sl_live *live, const sl_image **frame) {
+    sl_live_state now;
+    pause_a_millisecond();
+    assert_int_equal(sl_live_frame(live, frame, &now, NULL), SL_OK);
+    return now;
+}
+
+static void assert_log_gives(const sl_live_event *log, size_t events, uint64_t updates,
+                             const sl_image *frame) {
+    sl_scene *scene = load_scene(light);
+    sl_settings settings = motion_settings(3);
+    sl_method *method = method_of(scene, &settings);
+    size_t next = 0;
+    for (uint64_t done = 0; done < updates; done++) {
+        for (; next < events && log[next].updates == done; next++) {
+            if (log[next].rate) assert_int_equal(sl_method_rate(method, log[next].value, NULL), SL_OK);
+            else go_to(scene, method, log[next].value);
+        }
+        update(method);
+    }
+    assert_int_equal(next, events);
+    sl_image *image = picture_of(method);
+    assert_memory_equal(image->planes, frame->planes, 3 * PIXELS * sizeof *frame->planes);
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
+static void a_show_is_repeated_from_its_log_to_the_bit(void **state) {
+    (void)state;
+    sl_live_event log[16];
+    sl_scene *scene = load_scene(light);
+    sl_settings settings = motion_settings(1);
+    sl_live *live;
+    const sl_image *frame;
+    assert_int_equal(sl_live_start(scene, &settings, &live, NULL), SL_OK);
+    for (int move = 1; move <= 6; move++) {
+        uint64_t before = next_frame(live, &frame).updates;
+        assert_int_equal(sl_live_move(live, 0.3 * move, NULL), SL_OK);
+        assert_int_equal(sl_live_rate(live, 50.0 * move, NULL), SL_OK);
+        while (next_frame(live, &frame).updates == before) {}
+    }
+    while (!next_frame(live, &frame).done) {}
+    sl_live_state last = next_frame(live, &frame);
+    size_t events = sl_live_log(live, log, 16);
+    assert_true(events >= 4 && events <= 12 && last.samples > 0.0);
+    assert_log_gives(log, events, last.updates, frame);
+    sl_live_stop(live, NULL);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh_one),
         cmocka_unit_test(while_a_light_moves_its_shadows_are_there),
         cmocka_unit_test(motion_has_the_same_bits_at_any_number_of_threads),
+        cmocka_unit_test(an_edited_scene_that_rests_is_as_good_as_a_fresh_one),
+        cmocka_unit_test(the_rate_settles_how_fine_patches_are_while_things_change),
+        cmocka_unit_test(what_is_made_anew_keeps_the_rate),
+        cmocka_unit_test(a_show_is_repeated_from_its_log_to_the_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
