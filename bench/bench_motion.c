@@ -68,6 +68,8 @@ typedef struct contestant {
     double times, budget; /* of a frame: in times, in nanoseconds */
     sl_scene *scene;      /* a copy: where the method's updates are */
     sl_method *method;
+    void *window;         /* NULL: pictures are resolved between updates */
+    sl_counters drawing;  /* by the window */
     sl_image *shown, *before;
     double balance, spent;
     bool may_move;        /* what was last told of has been shown */
@@ -95,10 +97,13 @@ static void open_contestant(contestant *c, const sl_scene *scene, const char *me
     settings.records_per_frame = 256;
     check(sl_scene_copy(scene, &c->scene, &error), &error);
     check(sl_method_create(c->scene, &settings, &c->method, &error), &error);
+    const sl_window_class *window = c->method->class->window;
+    if (window) check(window->create(c->method->state, c->scene, &c->window, &error), &error);
     for (int i = 0; i < FRAMES; i++) c->error[i] = NAN;
 }
 
 static void close_contestant(contestant *c) {
+    if (c->window) c->method->class->window->destroy(c->window);
     sl_method_destroy(c->method);
     sl_scene_copy_destroy(c->scene);
     if (c->shown != c->before) sl_image_destroy(c->before);
@@ -106,15 +111,24 @@ static void close_contestant(contestant *c) {
 }
 
 static void pay(contestant *c) {
-    double now = nanoseconds(sl_method_counters(c->method));
+    double now = nanoseconds(sl_method_counters(c->method)) + nanoseconds(&c->drawing);
     c->balance -= now - c->spent;
     c->spent = now;
+}
+
+static void draw_window(contestant *c, sl_image **image) {
+    const sl_settings *settings = &c->method->settings;
+    uint64_t versions;
+    sl_error error;
+    check(sl_image_create(settings->width, settings->height, 3, NULL, image, &error), &error);
+    check(c->method->class->window->draw(c->window, *image, &versions, &c->drawing, &error), &error);
 }
 
 static void show(contestant *c) {
     sl_error error;
     sl_image *image;
-    check(sl_method_resolve(c->method, &image, &error), &error);
+    if (c->window) draw_window(c, &image);
+    else check(sl_method_resolve(c->method, &image, &error), &error);
     if (c->shown != c->before) sl_image_destroy(c->shown);
     c->shown = image;
     c->shows++;
@@ -126,7 +140,9 @@ static void follow(contestant *c, double time) {
     sl_error error;
     check(sl_scene_set_time(c->scene, time, &changes, &error), &error);
     if (changes) check(sl_method_edit(c->method, changes, &error), &error);
-    c->may_move = c->method->class->window != NULL;
+    if (c->window && (changes & SL_CHANGED_OBJECTS))
+        check(c->method->class->window->move(c->window, &error), &error);
+    c->may_move = c->window != NULL;
 }
 
 static bool shows(const contestant *c, const sl_progress *progress) {
@@ -136,7 +152,6 @@ static bool shows(const contestant *c, const sl_progress *progress) {
 
 /* One frame: updates while the budget lasts; what is left over or owed is the next frame's. */
 static void play(contestant *c, double time) {
-    bool window = c->method->class->window != NULL;
     sl_progress progress = {0};
     sl_error error;
     if (c->shown != c->before) sl_image_destroy(c->before);
@@ -146,12 +161,12 @@ static void play(contestant *c, double time) {
     while (c->balance > 0.0 && !progress.done) {
         check(sl_method_update(c->method, &progress, &error), &error);
         pay(c);
-        if (window || !shows(c, &progress)) continue;
+        if (c->window || !shows(c, &progress)) continue;
         show(c);
         if (c->balance > 0.0 && !c->may_move) follow(c, time);
         c->may_move = true;
     }
-    if (window) show(c);
+    if (c->window) show(c);
     if (c->balance > 0.0) c->balance = 0.0;
 }
 
