@@ -7,10 +7,11 @@
 #include <time.h>
 
 #include "cache/frame/method.h"
+#include "base/sanitized.h"
 #include "cache/shading_cache/state.h"
 #include "rendering.h"
 
-enum { SIZE = 16, PIXELS = SIZE * SIZE, WINDOW = 10, FRESH = 100 };
+enum { SIZE = 16, PIXELS = SIZE * SIZE, WINDOW = 10, FRESH = 100, MOVES = SL_SANITIZED ? 100 : 400 };
 
 static const char ball[] = "scenes/moving-ball.json", light[] = "scenes/moving-light.json";
 
@@ -119,13 +120,13 @@ static void moves_without_rest(const char *path, int moves, double most) {
 
 static void while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh_one(void **state) {
     (void)state;
-    moves_without_rest(ball, 400, 0.15);
+    moves_without_rest(ball, MOVES, 0.15);
 }
 
 /* Without its shadows it would be apart by .5. */
 static void while_a_light_moves_its_shadows_are_there(void **state) {
     (void)state;
-    moves_without_rest(light, 400, 0.25);
+    moves_without_rest(light, MOVES, 0.25);
 }
 
 static sl_image *after_moves(const char *path, unsigned threads) {
