@@ -83,8 +83,13 @@ static void *follow(void *context) {
     sl_progress progress = {0};
     sl_settings settings = small_settings(f->name, 16, 16);
     settings.quality = SL_QUALITY_DRAFT;
+    settings.filter = SL_FILTER_CENTRE;
     settings.spp = 1;
     settings.bounces = 1;
+    settings.light_octree.photons = 4096;
+    settings.light_octree.depth = 3;
+    settings.shading_cache.indirect_samples = 4;
+    settings.shading_cache.updates = 10;
     sl_status status = f->method ? sl_method_edit(f->method, 0, NULL)
                                  : sl_method_create(f->scene, &settings, &f->method, NULL);
     while (status == SL_OK && !progress.done) status = sl_method_update(f->method, &progress, NULL);
