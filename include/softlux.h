@@ -818,7 +818,7 @@ typedef struct sl_live_state {
     uint64_t reserved[7]; /**< 0 */
 } sl_live_state;
 
-/** What an update of a show was led by: a rate, or a move. */
+/** An event that led the updates of a show: a rate, or a move. */
 typedef struct sl_live_event {
     uint64_t updates;     /**< that were done before it */
     bool rate;            /**< sl_method_rate(); else sl_scene_set_time(), and sl_method_edit() */

@@ -167,7 +167,7 @@ sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *er
     start.write_fn = sink_write;
     start.zip_level = 4; /* said, so that the bytes do not change with the library's defaults */
     exr_context_t context = NULL;
-    const char **names = sl_image_sorted_names(image); /* as OpenEXR wants them */
+    const char **names = sl_image_sorted_names(image); /* in OpenEXR's order */
     exr_result_t result = names ? exr_start_write(&context, file->name, EXR_WRITE_FILE_DIRECTLY, &start)
                                 : EXR_ERR_OUT_OF_MEMORY;
     if (result == EXR_ERR_SUCCESS) result = write_header(context, image, names);

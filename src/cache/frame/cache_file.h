@@ -36,7 +36,7 @@ typedef struct sl_cache_part {
 sl_status sl_cache_file_write(const char *path, const sl_cache_header *header, const sl_cache_part *parts,
                               size_t part_count, sl_error *error);
 
-/* What the method wrote, from `at` on. */
+/* Points to the method's own part, from `at` on. */
 typedef struct sl_cache_content {
     uint8_t *file;
     size_t at, end;

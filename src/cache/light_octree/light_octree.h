@@ -87,7 +87,7 @@ typedef struct sl_octree_level {
 
 enum { SL_OCTREE_SLICES = 4 };
 
-/* What frames in motion are drawn by. */
+/* Holds the light of frames in motion. */
 typedef struct sl_octree_motion {
     bool asked;                 /* an edit came: the next update draws a whole frame */
     bool shown;                 /* the octree that is shown is one of slices */

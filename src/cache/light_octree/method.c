@@ -205,7 +205,7 @@ static sl_status octree_resolve(void *state, sl_image **image, sl_error *error) 
     return status;
 }
 
-/* Photons and voxels do not know the camera. A film's sub-frames are no motion. */
+/* Keeps photons and voxels when only the camera moves. A film's sub-frames are no motion. */
 static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
     sl_octree_state *s = state;
     sl_status status = SL_OK;

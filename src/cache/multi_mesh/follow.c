@@ -99,7 +99,7 @@ static bool may_differ(const holding *h, sl_vec3 point, double reach) {
     return false;
 }
 
-/* What lies inside other geometry is asked for again. */
+/* Asks again for vertices inside other geometry. */
 static bool value_holds(const void *context, const sl_patches *mesh, uint32_t vertex) {
     const holding *h = context;
     return sl_mesh_state(mesh, vertex) == SL_VERTEX_KNOWN &&

@@ -18,7 +18,7 @@ typedef struct mesh_copies {
     uint32_t made;             /* which of the method's worlds they are of */
 } mesh_copies;
 
-/* What the method and a window share, until both are gone. */
+/* Shared by the method and a window, until both are gone. */
 struct sl_mesh_exchange {
     sl_monitor meeting;        /* guards what follows but for the copies themselves */
     int owners;

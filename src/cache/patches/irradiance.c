@@ -322,7 +322,7 @@ typedef struct checked_light {
     double reach;
 } checked_light;
 
-/* What lies inside other geometry is asked for again: solids and what lights them have moved. */
+/* Asks again for vertices inside other geometry: solids and their lights have moved. */
 static bool holds(const void *context, const sl_patches *mesh, uint32_t vertex) {
     const checked_light *c = context;
     return sl_mesh_state(mesh, vertex) == SL_VERTEX_KNOWN &&

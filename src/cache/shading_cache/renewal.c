@@ -63,7 +63,7 @@ static int most_urgent_first(const void *a, const void *b) {
     return x->vertex < y->vertex ? -1 : x->vertex > y->vertex;
 }
 
-/* What hangs on a vertex: pixels of the largest patch in view that it is a corner of (where it hangs on an
+/* Weighs a vertex: pixels of the largest patch in view that it is a corner of (where it hangs on an
  * edge, of the leaf); and of its dear layer those times what it adds to what lies between coarser ones,
  * which falls as second differences do. */
 typedef struct vertex_weight {

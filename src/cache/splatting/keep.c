@@ -11,7 +11,7 @@
 
 enum { SETTINGS = 15 };
 
-/* What a class's records begin with. */
+/* Begins a class's records. */
 typedef struct class_head {
     uint32_t count, clamped, coefficients;
 } class_head;

@@ -121,7 +121,7 @@ static void every_record_is_its_gather_done_anew(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* What is older is on its way out: it is shown until its turn comes. */
+/* An older value is shown until its turn comes. */
 static void shading_since_the_last_edit_is_what_a_fresh_cache_computes(void **state) {
     (void)state;
     sl_error error;
