@@ -314,9 +314,7 @@ typedef struct sl_viewpoint {
 } sl_viewpoint;
 /** Which axis of a mesh file points up. */
 typedef enum sl_up_axis {
-    /** as the format has it; formats that do not say (STL, PLY, OFF, OBJ) are y up, but where the shape
-     * tells that they are z up */
-    SL_UP_AUTO,
+    SL_UP_AUTO, /**< as the format has it; formats that do not say (STL, PLY, OFF, OBJ) are y up */
     SL_UP_Y,
     SL_UP_Z     /**< (x, y, z) becomes (x, z, -y) */
 } sl_up_axis;

@@ -25,7 +25,7 @@ static void add_reading(sl_option *options, size_t *count, sl_reading *r) {
         SL_REAL("fov", &r->fov_degrees, &v->has_fov, "DEGREES", 0.01, 179.0,
                 "field of view from top to bottom [the scene's]"),
         SL_CHOICE("up-axis", &r->up_axis, "AXIS", "auto|y|z",
-                  "of a mesh file, y or z points up [auto: as its format says; else by its shape]"),
+                  "of a mesh file, y or z points up [auto: as its format says, else y]"),
         SL_FLAG("allow-outside", &r->allow_outside,
                 "files that the scene names may lie outside of its folder"),
     };

@@ -19,8 +19,6 @@ typedef struct importer {
     const sl_affine *placement;
     placed *nodes; /* in the order of their tree */
     size_t node_count;
-    bool *stands; /* some node has that mesh */
-    bool lost;    /* a child was not there */
     uint32_t first_material;
     sl_model *model;
     sl_error *error;
@@ -85,7 +83,6 @@ static sl_status add_meshes(importer *in, const struct aiNode *node, const sl_af
     sl_status status = SL_OK;
     for (unsigned i = 0, made = 0; i < node->mNumMeshes && status == SL_OK; i++) {
         if (!is_sound(in, node->mMeshes[i])) continue;
-        in->stands[node->mMeshes[i]] = true;
         if (made++ == 0) status = sl_model_add_object(in->model, node->mName.data, &object, in->error);
         if (status == SL_OK) status = add_mesh(in, in->scene->mMeshes[node->mMeshes[i]], to_world, object);
     }
@@ -106,18 +103,6 @@ static sl_status add_node(importer *in, const struct aiNode *node, const sl_affi
     sl_status status = add_meshes(in, node, &here->to_world);
     for (unsigned i = 0; i < node->mNumChildren && status == SL_OK; i++) {
         if (node->mChildren[i]) status = add_node(in, node->mChildren[i], &here->to_world);
-        else in->lost = true;
-    }
-    return status;
-}
-
-/* Of a RAW file's groups Assimp keeps the last one's node alone: the others' meshes stand where they are. */
-static sl_status add_lost_meshes(importer *in) {
-    uint32_t object;
-    sl_status status = in->lost ? sl_model_add_object(in->model, "", &object, in->error) : SL_OK;
-    for (unsigned i = 0; in->lost && i < in->scene->mNumMeshes && status == SL_OK; i++) {
-        if (is_sound(in, i) && !in->stands[i])
-            status = add_mesh(in, in->scene->mMeshes[i], in->placement, object);
     }
     return status;
 }
@@ -211,18 +196,15 @@ sl_status sl_import_scene(const char *path, const struct aiScene *scene, const c
                    .gltf = gltf,
                    .placement = placement,
                    .nodes = sl_allocate(count_nodes(scene->mRootNode), sizeof *in.nodes),
-                   .stands = sl_allocate(scene->mNumMeshes, sizeof *in.stands),
                    .first_material = (uint32_t)model->scene.material_count,
                    .model = model,
                    .error = error};
-    sl_status status = in.nodes && in.stands ? sl_import_materials(path, scene, gltf, model, error)
-                                             : sl_fail_memory(error, path);
+    sl_status status = in.nodes ? sl_import_materials(path, scene, gltf, model, error)
+                                : sl_fail_memory(error, path);
     if (status == SL_OK) status = add_node(&in, scene->mRootNode, placement);
-    if (status == SL_OK) status = add_lost_meshes(&in);
     for (unsigned i = 0; i < scene->mNumLights && status == SL_OK; i++)
         status = add_light(&in, scene->mLights[i]);
     if (status == SL_OK) add_camera(&in);
     sl_free(in.nodes);
-    sl_free(in.stands);
     return status;
 }

@@ -10,7 +10,6 @@
 #include "scene/import_reply.h"
 #include "scene/mesh_file.h"
 #include "scene/scene_file.h"
-#include "scene/up_axis.h"
 
 /* ---- mesh files ------------------------------------------------------------------------------ */
 
@@ -31,22 +30,11 @@ sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_mod
         sl_status (*load)(const char *, const sl_affine *, sl_model *, sl_error *);
     } formats[] = {{".bpt", sl_bicubic_file_load},
                    {".obj", sl_obj_file_load},
-                   {".off", sl_off_file_load},
                    {"", import}};
     size_t i = 0;
     while (!sl_ends_with(path, formats[i].extension)) i++;
     sl_status status = sl_model_note_file(model, path, error);
     return status == SL_OK ? formats[i].load(path, placement, model, error) : status;
-}
-
-/* Turns a model that seems to lie on its side, in a format that does not say. */
-static void guess_up_axis(const char *path, sl_model *model) {
-    if (!sl_up_axis_is_unsaid(path) || !sl_model_stands_on_z(model)) return;
-    sl_model_turn_z_up(model);
-    sl_scene_warn(&model->scene,
-                  "%s: by its shape z points up, which its format does not say: turned to (x, z, -y); "
-                  "--up-axis y (sl_load_options) leaves it",
-                  path);
 }
 
 static sl_status load_mesh_alone(const char *path, const sl_load_options *options, sl_scene **scene,
@@ -57,7 +45,6 @@ static sl_status load_mesh_alone(const char *path, const sl_load_options *option
     sl_status status =
         sl_file_exists(path) && !options->allow_outside ? sl_model_confine(&model, path, error) : SL_OK;
     if (status == SL_OK) status = sl_mesh_file_load(path, &placement, &model, error);
-    if (status == SL_OK && options->up_axis == SL_UP_AUTO) guess_up_axis(path, &model);
     if (status == SL_OK) {
         status = sl_model_build(&model, scene, &problem);
         if (status == SL_ERROR_INPUT) sl_fail(error, status, "%s: %s", path, problem.message);

@@ -9,9 +9,8 @@
  * comes after the file's own node transforms. */
 sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error);
 
-/* Of one format: OBJ with its material libraries, OFF, bicubic surfaces. */
+/* Of one format: OBJ with its material libraries, bicubic surfaces. */
 sl_status sl_obj_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error);
-sl_status sl_off_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error);
 sl_status sl_bicubic_file_load(const char *path, const sl_affine *placement, sl_model *model,
                                sl_error *error);
 

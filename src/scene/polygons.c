@@ -120,13 +120,16 @@ sl_status sl_polygons_place(sl_polygons *p, const char *path, uint32_t material,
                             const sl_affine *placement, sl_model *model, sl_error *error) {
     const size_t count = p->corner_count;
     if (!make_room(p)) return sl_fail_memory(error, path);
-    sl_mesh mesh = {"", count, count - 2, NULL, NULL, NULL, p->cut, material, object};
-    if (count >= 3) {
-        mesh.positions = gather(p, SL_CORNER_POSITION, 3, p->gathered);
-        mesh.normals = gather(p, SL_CORNER_NORMAL, 3, p->gathered + 3 * count);
-        mesh.uvs = gather(p, SL_CORNER_UV, 2, p->gathered + 6 * count);
-        cut_polygon(mesh.positions, (uint32_t)count, p->cut);
-    }
+    const sl_mesh mesh = {"",
+                          count,
+                          count - 2,
+                          gather(p, SL_CORNER_POSITION, 3, p->gathered),
+                          gather(p, SL_CORNER_NORMAL, 3, p->gathered + 3 * count),
+                          gather(p, SL_CORNER_UV, 2, p->gathered + 6 * count),
+                          p->cut,
+                          material,
+                          object};
+    cut_polygon(mesh.positions, (uint32_t)count, p->cut);
     p->corner_count = 0;
-    return count < 3 ? SL_OK : sl_model_add_mesh(model, path, &mesh, placement, error);
+    return sl_model_add_mesh(model, path, &mesh, placement, error);
 }

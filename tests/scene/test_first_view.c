@@ -159,50 +159,18 @@ static void a_camera_that_stands_in_a_dark_room_gets_a_lamp_there(void **state) 
 
 #define SPIRE_ON_Z                                                                                           \
     "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 3\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
-#define SPIRE_ON_Y                                                                                           \
-    "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv 0 3 0\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
-static const char spire_ply[] = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float "
-                                "y\nproperty float z\nelement face 5\n"
-                                "property list uchar int vertex_indices\nend_header\n-1 -1 0\n1 -1 0\n1 1 "
-                                "0\n-1 1 0\n0 0 3\n4 3 2 1 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n";
 
-static void what_stands_on_z_is_turned_where_its_format_does_not_say(void **state) {
+static void a_mesh_file_is_turned_where_one_asks_for_it(void **state) {
     (void)state;
-    for (int ply = 0; ply < 2; ply++) {
-        const char *path =
-            ply ? scene_file_text("spire.ply", spire_ply) : scene_file_text("spire.obj", SPIRE_ON_Z);
-        sl_scene *s = load(path);
-        assert_true(s->box_max.y == 3.0f && s->box_min.y == 0.0f && s->box_max.z == 1.0f);
-        assert_true(s->geometric_normal_y[0] == -1.0f && s->normal_y[s->vertex[0][0]] == -1.0f);
-        assert_true(scene_warns_of(s, "z points up") && scene_warns_of(s, "--up-axis y"));
-        sl_scene_destroy(s);
-        s = load_with(path, &(sl_load_options){.up_axis = SL_UP_Y});
-        assert_true(s->box_max.z == 3.0f && !scene_warns_of(s, "z points up"));
-        sl_scene_destroy(s);
-    }
-}
-
-static void what_may_stand_on_y_is_left_as_it_is(void **state) {
-    (void)state;
-    static const char *const left[] = {SPIRE_ON_Y, ROOM SIDES RIGHT,
-                                       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n" /* hangs on a wall */
-                                       ,
-                                       "v 0 0 0\nv 1 0 0\nv 1 0 -1\nv 0 0 -1\nv 0 1 -1\nv 1 1 -1\nf 1 2 3 "
-                                       "4\nf 4 3 6 5\n" /* a floor and a wall */};
-    for (size_t i = 0; i < sizeof left / sizeof *left; i++) {
-        sl_scene *s = obj(left[i]);
-        assert_false(scene_warns_of(s, "z points up"));
-        sl_scene_destroy(s);
-    }
-    sl_scene *s = load_with(scene_file_text("first.obj", SPIRE_ON_Y), &(sl_load_options){.up_axis = SL_UP_Z});
-    assert_true(s->box_min.z == -3.0f && s->box_max.y == 1.0f);
+    sl_scene *s = load(scene_file_text("spire.obj", SPIRE_ON_Z));
+    assert_true(s->box_max.z == 3.0f && s->box_min.z == 0.0f);
     sl_scene_destroy(s);
-    s = load(scene_file_text(
-        "first.json",
-        "{\"softlux\": 1, \"meshes\": [{\"file\": \"spire.obj\"}]}")); /* a scene file says "up", or y is */
-    assert_true(s->box_max.z == 3.0f);
+    s = load_with(scene_file_path("spire.obj"), &(sl_load_options){.up_axis = SL_UP_Z});
+    assert_true(s->box_max.y == 3.0f && s->box_min.y == 0.0f);
+    assert_true(s->geometric_normal_y[0] == -1.0f && s->normal_y[s->vertex[0][0]] == -1.0f);
     sl_scene_destroy(s);
-    sl_error error;
+    scene_file_text("first.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"spire.obj\"}]}");
+    sl_error error; /* a scene file says "up", or y is */
     assert_int_equal(
         sl_scene_load_with(scene_file_path("first.json"), &(sl_load_options){.up_axis = SL_UP_Z}, &s, &error),
         SL_ERROR_USAGE);
@@ -285,8 +253,7 @@ int main(void) {
         cmocka_unit_test(what_has_its_lamps_in_a_solid_is_lit_from_outside),
         cmocka_unit_test(the_sun_stands_to_the_left_behind_the_camera_wherever_that_looks),
         cmocka_unit_test(a_camera_that_stands_in_a_dark_room_gets_a_lamp_there),
-        cmocka_unit_test(what_stands_on_z_is_turned_where_its_format_does_not_say),
-        cmocka_unit_test(what_may_stand_on_y_is_left_as_it_is),
+        cmocka_unit_test(a_mesh_file_is_turned_where_one_asks_for_it),
         cmocka_unit_test(a_viewpoint_takes_the_place_of_the_files_camera_and_its_keyframes),
         cmocka_unit_test(a_viewpoint_that_shows_nothing_is_refused),
         cmocka_unit_test(a_lamp_is_put_where_the_viewpoint_stands_in_the_dark),

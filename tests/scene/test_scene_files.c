@@ -163,14 +163,6 @@ static void files_that_are_no_meshes_are_refused_by_name(void **state) {
     refuse(scene_file_text("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), ": no triangles");
 }
 
-/* Of the groups' nodes Assimp makes the last one alone. */
-static void all_groups_of_a_raw_file_are_there(void **state) {
-    (void)state;
-    sl_scene *s = load_scene(scene_file_text("groups.raw", "a\n0 0 0 1 0 0 0 1 0\nb\n0 0 1 1 0 1 0 1 1\n"));
-    assert_int_equal(sl_scene_triangle_count(s), 2);
-    sl_scene_destroy(s);
-}
-
 static void headers_that_announce_too_much_are_refused(void **state) {
     (void)state;
     const char *head =
@@ -189,31 +181,6 @@ static void headers_that_announce_too_much_are_refused(void **state) {
                "long.ply",
                "ply\nformat ascii 1.0\nelement vertex 3000000000\nproperty float x\nend_header\n0\n"),
            ": expected at least 6000000000 bytes");
-}
-
-static void mistakes_of_off_files_are_told_by_line(void **state) {
-    (void)state;
-    static const char counts[] = "expected how many vertices, faces and edges", face[] = "expected a face",
-                      vertex[] = "expected the numbers of a vertex";
-    static const struct {
-        const char *text, *line, *what;
-    } cases[] = {{"OFF\n353535235358 6 0\n0 0 0\n", ":2: ", counts},
-                 {"OFF BINARY\n3 1 0\n", ":1: ", counts},
-                 {"OFF\n3 1\n0.5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", ":3: ", counts},
-                 {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0\n 0\n3 0 1 2\n", ":6: ", face},
-                 {"OFF\r\n3 2 0\r\n\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n", ":8: ", face},
-                 {"OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 3\n", ":7: ", face},
-                 {"OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n3 0 1 2\n", ":6: ", face},
-                 {"OFF3\n 1 0\n0 0 2\n1 0 0\n0 0 0\nthree\n", ":6: ", face},
-                 {"OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", ":4: ", vertex},
-                 {"OFF\n3000000000 0 0\n0 0 0\n", ":4: ", vertex},
-                 {"# vertices come first\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", ":2: ",
-                  "expected an OFF file, which begins with 'OFF'"}};
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        char rest[100];
-        snprintf(rest, sizeof rest, "%s%s", cases[i].line, cases[i].what);
-        refuse(scene_file_text("bad.off", cases[i].text), rest);
-    }
 }
 
 static void the_header_of_an_off_file_may_be_written_in_all_the_ways_that_people_do(void **state) {
@@ -514,9 +481,7 @@ int main(void) {
         cmocka_unit_test(a_normal_map_is_no_height_map_and_is_told),
         cmocka_unit_test(missing_textures_and_libraries_are_warnings),
         cmocka_unit_test(files_that_are_no_meshes_are_refused_by_name),
-        cmocka_unit_test(all_groups_of_a_raw_file_are_there),
         cmocka_unit_test(headers_that_announce_too_much_are_refused),
-        cmocka_unit_test(mistakes_of_off_files_are_told_by_line),
         cmocka_unit_test(the_header_of_an_off_file_may_be_written_in_all_the_ways_that_people_do),
         cmocka_unit_test(gltf_gives_camera_lights_and_materials),
         cmocka_unit_test(what_is_no_gltf_is_refused),
