@@ -11,7 +11,6 @@
 
 #include <cmocka.h>
 
-#include <cjson/cJSON.h>
 #include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
@@ -31,7 +30,6 @@
 #include "base/values.h"
 #include "command.h"
 #include "scene_files.h"
-#include "softlux.h"
 
 /* ---- moments --------------------------------------------------------------------------------- */
 
@@ -42,8 +40,6 @@ enum { MOMENTS = 4096 };
 static struct {
     atomic_long moments;
     bool tears[MOMENTS]; /* writes */
-    /* the last of them that was to the end of a file with a name, which a journal is; -1: none */
-    long appended;
     atomic_bool came; /* the moment that was to be the last */
     char call[16];    /* what was to be called then */
 } *board;
@@ -101,9 +97,6 @@ int open(const char *path, int flags, ...) {
 
 ssize_t write(int descriptor, const void *data, size_t bytes) {
     REAL(writer, "write");
-    if (is_file(descriptor) && getpid() == plan.program && plan.how == RUNS_TO_ITS_END &&
-        (fcntl(descriptor, F_GETFL) & O_APPEND))
-        board->appended = atomic_load(&board->moments);
     if (!is_file(descriptor) || !is_last("write", true)) return real(descriptor, data, bytes);
     if (plan.how == REFUSED) return errno = ENOSPC, -1;
     if (real(descriptor, data, bytes / 2) >= 0) kill(getpid(), SIGKILL);
@@ -159,47 +152,18 @@ int mkdir(const char *path, mode_t mode) {
 typedef struct work {
     const char *name;
     command *command;
-    const char *line;          /* a %/ stands for the folder */
-    bool over_old_files;       /* files of the same names may be there before it */
-    bool by_the_clock;         /* what comes out is not the same each time */
-    bool goes_on;              /* with less: a scene whose reference cannot be kept has no errors */
+    const char *line; /* a %/ stands for the folder */
 } work;
 
 static const work works[] = {
-    {"render, EXR",
-     sl_command_render,
-     "scenes/cornell.json -m path --spp 1 -s 8x8 -t 1 --quiet -o %/a.exr",
-     .over_old_files = true},
-    {"render, frames",
-     sl_command_render,
-     "scenes/moving-light.json -m path --spp 1 -s 8x8 -t 1 --frames 2 --fps 1 --quiet -o %/a%d.pfm",
-     .over_old_files = true},
-    {"render, a cache",
-     sl_command_render,
-     "scenes/cornell.json -q draft -s 8x8 -t 1 --save-cache %/a.cache --quiet -o %/a.pfm",
-     .over_old_files = true},
-    {"steps",
-     sl_command_steps,
-     "scenes/cornell.json -m direct-radiance -q draft -s 8x8 -t 1 --reference-spp 1 --quiet -o "
-     "%/page",
-     .over_old_files = true},
-    {"live, a stream",
-     sl_command_live,
-     "scenes/moving-light.json -m path --spp 1 -s 8x8 -t 1 --frames 2 --fps 100 --quiet -o %/a.y4m",
-     .over_old_files = true,
-     .by_the_clock = true},
-    {"live, pictures",
-     sl_command_live,
-     "scenes/moving-light.json -m path --spp 1 -s 8x8 -t 1 --frames 2 --fps 100 --quiet -o "
-     "%/a%d.png",
-     .over_old_files = true,
-     .by_the_clock = true},
-    {"bench",
-     sl_command_bench,
-     "scenes/cornell-point.json -m path -q draft -s 8x8 --repeats 1 --reference-budget 0.1 "
-     "--references %/references --reference-threads 1 --quiet -o %/report",
-     .by_the_clock = true,
-     .goes_on = true},
+    {"render, EXR", sl_command_render,
+     "scenes/cornell.json -m path --spp 1 -s 8x8 -t 1 --quiet -o %/a.exr"},
+    {"render, frames", sl_command_render,
+     "scenes/moving-light.json -m path --spp 1 -s 8x8 -t 1 --frames 2 --fps 1 --quiet -o %/a%d.pfm"},
+    {"render, a cache", sl_command_render,
+     "scenes/cornell.json -q draft -s 8x8 -t 1 --save-cache %/a.cache --quiet -o %/a.pfm"},
+    {"steps", sl_command_steps,
+     "scenes/cornell.json -m direct-radiance -q draft -s 8x8 -t 1 --reference-spp 1 --quiet -o %/page"},
 };
 enum { WORKS = sizeof works / sizeof works[0] };
 
@@ -217,7 +181,6 @@ static int run(const work *w, const char *folder, end how, long last, bool witho
     int ended = 0;
     atomic_store(&board->moments, 0);
     atomic_store(&board->came, false);
-    if (how == RUNS_TO_ITS_END) board->appended = -1;
     plan.how = how;
     plan.last = last;
     plan.without_unnamed_files = without_unnamed_files;
@@ -302,49 +265,9 @@ static bytes read_all(const char *folder, const char *name) {
 
 static const char old_text[] = "what was there before";
 
-static bool is_picture(const char *folder, const char *name) {
-    char path[512];
-    sl_image *image = NULL;
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    bool read = sl_image_read(path, &image, NULL) == SL_OK;
-    sl_image_destroy(image);
-    return read;
-}
-
-static bool is_whole_stream(const bytes *b) {
-    const char *line = memchr(b->at, '\n', b->size);
-    return line && strncmp(b->at, "YUV4MPEG2 W8 H8 ", 16) == 0 &&
-           (b->size - (size_t)(line + 1 - b->at)) % (6 + 3 * 8 * 8) == 0;
-}
-
-static size_t whole_lines(const bytes *b, bool of_objects) {
-    size_t lines = 0;
-    for (const char *at = b->at, *after; (after = strchr(at, '\n')); at = after + 1) {
-        const char *behind = NULL;
-        cJSON *object = of_objects ? cJSON_ParseWithLengthOpts(at, (size_t)(after - at), &behind, 0) : NULL;
-        lines += !of_objects || (object && behind == after);
-        cJSON_Delete(object);
-    }
-    return lines;
-}
-
-/* Of what depends on the clock at least its length in lines, and how it ends. */
-static bool is_whole_text(const char *name, const bytes *b, const bytes *model) {
-    if (sl_ends_with(name, ".html") && (b->size < 10 || strcmp(b->at + b->size - 8, "</html>\n") != 0))
-        return false;
-    return b->size > 0 && b->at[b->size - 1] == '\n' && whole_lines(b, false) == whole_lines(model, false);
-}
-
-static bool is_whole(const work *w, const char *folder, const char *model, const char *name) {
+static bool is_whole(const char *folder, const char *model, const char *name) {
     bytes b = read_all(folder, name), whole = read_all(model, name);
     bool same = b.at && whole.at && b.size == whole.size && memcmp(b.at, whole.at, b.size) == 0;
-    if (!same && b.at && whole.at) {
-        bool picture = sl_ends_with(name, ".exr") || sl_ends_with(name, ".png") || sl_ends_with(name, ".pfm");
-        if (picture) same = w->by_the_clock && is_picture(folder, name);
-        else if (sl_ends_with(name, ".y4m")) same = is_whole_stream(&b);
-        else if (sl_ends_with(name, ".jsonl")) same = whole_lines(&b, true) == whole_lines(&whole, true);
-        else same = w->by_the_clock && is_whole_text(name, &b, &whole);
-    }
     free(b.at);
     free(whole.at);
     return same;
@@ -355,15 +278,6 @@ static bool is_old(const char *folder, const char *name) {
     bool old = b.at && strcmp(b.at, old_text) == 0;
     free(b.at);
     return old;
-}
-
-/* A journal grows by lines; of the last one a part may be there. */
-static bool is_sound_journal(const char *folder, const char *name) {
-    bytes b = read_all(folder, name);
-    size_t lines = whole_lines(&b, false);
-    bool sound = whole_lines(&b, true) == lines;
-    free(b.at);
-    return sound;
 }
 
 static void put_old_files(const char *folder, const listing *whole) {
@@ -408,9 +322,7 @@ static void look_after_the_end(const trial *t, const char *folder) {
             if (t->how == REFUSED || !(t->without_unnamed || is_second_name)) explain(t, " is left", name);
         } else if (!is_listed(&t->whole, name)) {
             explain(t, " is no file of this command", name);
-        } else if (sl_ends_with(name, ".jsonl")) {
-            if (!is_sound_journal(folder, name)) explain(t, " is torn in the middle", name);
-        } else if (!is_whole(t->w, folder, t->model, name) && !(t->over_old && is_old(folder, name))) {
+        } else if (!is_whole(folder, t->model, name) && !(t->over_old && is_old(folder, name))) {
             explain(t, " is neither whole nor as it was", name);
         }
     }
@@ -423,7 +335,7 @@ static void look_after_the_end(const trial *t, const char *folder) {
 static void look_after_the_next_run(const trial *t, const char *folder) {
     listing found = files_of(folder);
     for (size_t i = 0; i < t->whole.count; i++) {
-        if (!is_whole(t->w, folder, t->model, t->whole.name[i]))
+        if (!is_whole(folder, t->model, t->whole.name[i]))
             explain(t, " is not what it should be after the next run", t->whole.name[i]);
     }
     for (size_t i = 0; i < found.count; i++) {
@@ -432,22 +344,14 @@ static void look_after_the_next_run(const trial *t, const char *folder) {
     }
 }
 
-static bool are_our_lines(const char *text) {
-    for (; *text; text = strchr(text, '\n') + 1) {
-        if (strncmp(text, "softlux: ", 9) != 0 || !strchr(text, '\n')) return false;
-    }
-    return true;
-}
-
 /* A call that was refused fails the command, in one line; but files without a name are done without. */
 static void look_at_what_was_said(const trial *t, int ended) {
     bytes b = read_all(scene_file_path(""), "said");
     assert_non_null(b.at);
-    size_t lines = whole_lines(&b, false);
     if (!WIFEXITED(ended)) explain(t, "it crashed", "");
-    bool minds = WEXITSTATUS(ended) != 0 || (t->w->goes_on && lines > 0);
+    const bool minds = WEXITSTATUS(ended) != 0;
     if (!minds && strcmp(board->call, "open") != 0) explain(t, "nobody minds", "");
-    if (minds && (lines < 1 || (lines > 1 && !t->w->goes_on) || !are_our_lines(b.at)))
+    if (minds && (strncmp(b.at, "softlux: ", 9) != 0 || strchr(b.at, '\n') != b.at + b.size - 1))
         explain(t, b.at, "what it says is not one line: ");
     free(b.at);
 }
@@ -462,7 +366,7 @@ static void try_it(const trial *t) {
         look_at_what_was_said(t, ended);
     } else if (atomic_load(&board->came)) {
         if (!WIFSIGNALED(ended) || WTERMSIG(ended) != SIGKILL) explain(t, "it did not end there", "");
-    } else if (!t->w->by_the_clock) {
+    } else {
         explain(t, "it never came there", "");
     }
     look_after_the_end(t, folder);
@@ -486,10 +390,6 @@ static long try_moments(trial *t, long moments, const bool *writes) {
         t->how = (end)(KILLED + variant % WAYS);
         if (!most && t->how == KILLED_HALF_WAY && !writes[t->last]) continue;
         t->over_old = variant / WAYS % 2 == 0;
-        if (t->over_old && !t->w->over_old_files) {
-            if (!most) continue;
-            t->over_old = false;
-        }
         t->without_unnamed = variant / (2 * WAYS) % 2 == 1;
         try_it(t);
         tried++;
@@ -505,15 +405,10 @@ static void try_work(const work *w) {
     assert_int_equal(run(w, model, RUNS_TO_ITS_END, -1, false), 0);
     long moments = atomic_load(&board->moments);
     bool writes[MOMENTS];
-    long appended = board->appended;
     t.whole = files_of(model);
     assert_true(moments >= 4 && moments <= MOMENTS && t.whole.count >= 1);
     memcpy(writes, board->tears, sizeof writes); /* every run notes its own */
     long tried = try_moments(&t, moments, writes);
-    if (appended >= 0) {
-        t.how = KILLED_HALF_WAY, t.last = appended, t.over_old = t.without_unnamed = false;
-        try_it(&t);
-    }
     if (!most)
         printf("result %-16s %4ld file calls, %4ld ends tried\n", w->name, moments, tried), fflush(stdout);
     remove_folder(model);

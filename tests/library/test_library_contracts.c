@@ -56,16 +56,10 @@ static sl_image *picture(int width, int height, int channels, const char *const 
 
 static sl_method *method_of(const sl_scene *scene, const char *name) {
     const sl_settings settings = least_settings(name, SIDE, SIDE);
-    sl_method *method;
-    sl_error error;
-    if (sl_method_create(scene, &settings, &method, &error) != SL_OK) fail_msg("%s: %s", name, error.message);
-    return method;
+    return created_method(scene, &settings);
 }
 
-static void update_to_the_end(sl_method *method) {
-    sl_progress progress = {0};
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-}
+static void update_to_the_end(sl_method *method) { sl_image_destroy(finished_picture(method)); }
 
 static bool all_zero(const void *data, size_t bytes) {
     const unsigned char *at = data;

@@ -1,5 +1,5 @@
-/* The library in programs that have threads of their own: two at once on two scenes, a method a thread on one
- * that is edited in between, and within a parallel region. */
+/* The library in programs that have threads of their own: a method a thread on one scene that is edited in
+ * between, and within a parallel region. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,30 +42,6 @@ static void *work(void *context) {
     sl_method_destroy(method);
     sl_scene_destroy(scene);
     return NULL;
-}
-
-static void assert_same_and_forget(job *a, job *b) {
-    assert_non_null(a->image);
-    assert_non_null(b->image);
-    assert_true(same_picture(a->image, b->image));
-    sl_image_destroy(a->image);
-    sl_image_destroy(b->image);
-}
-
-static void two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets(void **state) {
-    (void)state;
-    for (size_t m = 0; sl_method_name(m); m++) {
-        const char *other = sl_method_name(m + 1) ? sl_method_name(m + 1) : sl_method_name(0);
-        job alone[2] = {{"scenes/cornell.json", sl_method_name(m), 1, NULL},
-                        {"scenes/two-rooms.json", other, 1, NULL}};
-        job together[2] = {{"scenes/cornell.json", sl_method_name(m), 2, NULL},
-                           {"scenes/two-rooms.json", other, 2, NULL}};
-        pthread_t thread[2];
-        for (int i = 0; i < 2; i++) work(&alone[i]);
-        for (int i = 0; i < 2; i++) assert_int_equal(pthread_create(&thread[i], NULL, work, &together[i]), 0);
-        for (int i = 0; i < 2; i++) assert_int_equal(pthread_join(thread[i], NULL), 0);
-        for (int i = 0; i < 2; i++) assert_same_and_forget(&alone[i], &together[i]);
-    }
 }
 
 /* ---- one scene ---- */
@@ -188,7 +164,6 @@ static void every_method_works_on_the_stacks_that_the_header_names(void **state)
 int main(int argc, char **argv) {
     if (argc > 1) return render_all_on_little_stacks(argv[1]);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(two_threads_on_two_scenes_at_once_get_the_pictures_that_one_gets),
         cmocka_unit_test(a_method_a_thread_follows_one_scene_as_alone),
         cmocka_unit_test(in_a_parallel_region_every_thread_gets_the_same_picture),
         cmocka_unit_test(every_method_works_on_the_stacks_that_the_header_names)};

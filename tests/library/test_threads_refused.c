@@ -13,13 +13,7 @@
 #include <limits.h>
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <time.h>
-#include <unistd.h>
 
 #include "base/parallel.h"
 #include "base/sanitized.h"
@@ -135,94 +129,8 @@ static void with_fewer_threads_than_were_asked_for_pictures_are_the_same(void **
     sl_scene_destroy(scene);
 }
 
-/* ---- a system that counts its threads itself ------------------------------------------------- */
-
-/* In this program anew, which begins with no team, by a user who has no other process: of root nothing is
- * counted. Returns how it ended; -1: it could not be tried. */
-static int in_a_process_with_few_threads(int threads_more, const char *work) {
-    enum { NOBODY_ELSE = 61847 };
-    int ended = -1;
-    if (getuid() != 0) return -1;
-    fflush(NULL);
-    pid_t child = fork();
-    if (child == 0) {
-        const struct rlimit limit = {(rlim_t)threads_more + 1, (rlim_t)threads_more + 1};
-        if (setrlimit(RLIMIT_NPROC, &limit) == 0 && setresuid(NOBODY_ELSE, NOBODY_ELSE, NOBODY_ELSE) == 0)
-            execl("/proc/self/exe", "test_threads_refused", work, (char *)NULL);
-        _exit(77);
-    }
-    return child > 0 && waitpid(child, &ended, 0) == child && !(WIFEXITED(ended) && WEXITSTATUS(ended) == 77)
-               ? ended
-               : -1;
-}
-
-enum { MORE = 40 };
-
-/* OpenMP's runtime ends the process where a thread is refused to it. */
-static void do_all_on(unsigned threads, int count) {
-    tasks t;
-    memset(&t, 0, sizeof t);
-    sl_parallel_for(threads, (size_t)count, note, &t);
-    for (int i = 0; i < count; i++) {
-        if (atomic_load(&t.done[i]) != 1) _exit(2);
-    }
-}
-
-static void *stay(void *argument) {
-    (void)argument;
-    pause();
-    return NULL;
-}
-
-/* Starts a thread, as soon as there is a place for it. */
-static bool can_start_one(void) {
-    enum { PATIENCE = 2000 };
-    pthread_t thread;
-    for (int i = 0; i < PATIENCE; i++) {
-        if (pthread_create(&thread, NULL, stay, NULL) == 0) return true;
-        nanosleep(&(struct timespec){0, 10000000}, NULL);
-    }
-    return false;
-}
-
-/* After a small loop the runtime lets go of its other threads, and others take their places. */
-static void loops_of_changing_size(void) {
-    do_all_on(MORE + 1, TASKS);
-    do_all_on(MORE + 1, 2);
-    for (int i = 0; i < MORE / 2; i++) {
-        if (!can_start_one()) _exit(3);
-    }
-    do_all_on(MORE + 1, TASKS);
-}
-
-/* Threads that have been joined count for a moment still, so one more might be refused then. */
-static void ask_for_more_than_there_are(void) {
-    for (int i = 0; i < 20; i++) {
-        if (sl_threads_to_be_had(2 * MORE) != MORE) _exit(1);
-    }
-    do_all_on(2 * MORE, TASKS);
-}
-
-static const struct {
-    const char *name;
-    void (*run)(void);
-} works[] = {{"loops", loops_of_changing_size}, {"ask", ask_for_more_than_there_are}};
-
-static void a_user_who_may_have_few_threads_has_the_work_done_by_these(void **state) {
-    (void)state;
-    for (int i = 0; i < 6; i++) {
-        const int ended = in_a_process_with_few_threads(MORE, works[i % 2].name);
-        if (ended == -1) skip();
-        assert_int_equal(ended, 0);
-    }
-}
-
-int main(int argc, char **argv) {
-    for (int i = 0; i < 2 && argc > 1; i++) {
-        if (strcmp(argv[1], works[i].name) == 0) works[i].run(), _exit(0);
-    }
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_user_who_may_have_few_threads_has_the_work_done_by_these),
         cmocka_unit_test(without_any_thread_what_needs_one_says_so),
         cmocka_unit_test(loops_are_done_by_the_threads_that_there_are),
         cmocka_unit_test(with_fewer_threads_than_were_asked_for_pictures_are_the_same),

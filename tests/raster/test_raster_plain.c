@@ -1,6 +1,6 @@
 /* The fast path against its plain opposite (raster/plain.c): the same ids, the same depths, bit by bit, and
  * the same bill, at any number of threads, on every instruction set, whatever is drawn: random triangles of
- * every size, rooms, and what breaks careless rasterizers. */
+ * every size, and what breaks careless rasterizers. */
 #include <float.h>
 
 #include "base/counters.h"
@@ -219,38 +219,6 @@ static void triangles_of_every_size_agree(void **state) {
     compare(any_size, 1, 3000, 24, 5000);
     compare(below_a_pixel, 2, 4000, 32, 250);
     compare(far_larger, 4, 200, 64, 5000);
-}
-
-static void rooms_agree(void **state) {
-    (void)state;
-    sl_scene *scene = furnished_room(30, 8);
-    soup s = {.mesh = mesh_of(scene), .raster = raster_of(scene)};
-    uint64_t key = sl_random_key(83, 0);
-    for (uint64_t n = 0; n < 12; n++) {
-        int size = n % 4 == 0 ? 300 : 64;
-        sl_vec3 eye =
-            sl_v3(random_between(key, 3 * n, 0.1f, 3.9f), random_between(key, 3 * n + 1, 0.1f, 2.9f),
-                  random_between(key, 3 * n + 2, 0.1f, 4.9f));
-        sl_frame frame = sl_frame_from_normal(random_direction(key, 1000 + n));
-        float t = n % 3 ? 1.0f : 5.671282f;
-        sl_view view = sl_view_pyramid(&frame, eye, -t, t, -t, t, size, size, 1e-4f);
-        assert_int_equal(assert_agree(&s, &view, size, size), size * size); /* the room is closed */
-        sl_camera camera = {eye, frame.x, frame.y, sl_neg(frame.z), 1.2f};
-        view = sl_view_camera(&camera, size, size, 0.01f, 50.0f);
-        assert_agree(&s, &view, size, size);
-    }
-    free_soup(&s);
-    sl_scene_destroy(scene);
-}
-
-/* ---- nothing, and next to nothing ---- */
-
-static void no_triangles_at_all_clear_the_picture(void **state) {
-    (void)state;
-    soup s = soup_of(0);
-    sl_view view = flat_view(300, 40);
-    assert_int_equal(assert_agree(&s, &view, 300, 40), 0);
-    free_soup(&s);
 }
 
 /* ---- ties ---- */
@@ -505,8 +473,6 @@ static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(triangles_of_every_size_agree),
-        cmocka_unit_test(rooms_agree),
-        cmocka_unit_test(no_triangles_at_all_clear_the_picture),
         cmocka_unit_test(equal_depths_over_tiles_and_clusters_go_to_the_lowest_index),
         cmocka_unit_test(sizes_around_a_tiles_agree),
         cmocka_unit_test(adjacent_viewports_do_not_touch_each_other),

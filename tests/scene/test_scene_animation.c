@@ -132,23 +132,6 @@ static void a_z_up_scene_moves_as_its_y_up_twin(void **state) {
     sl_scene_destroy(z);
 }
 
-static void what_cannot_be_shown_is_refused_and_changes_nothing(void **state) {
-    (void)state;
-    sl_scene *s = load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\", \"keyframes\": "
-                       "[{\"time\": 0}, {\"time\": 2, \"translate\": [1, 0, 0]}]}],\n"
-                       " \"camera\": {\"eye\": [0, 0, 4], \"target\": [0, 0, 0], \"keyframes\": [{\"time\": "
-                       "0}, {\"time\": 2, \"eye\": [0, 0, -4]}]}}");
-    uint64_t hash = sl_scene_hash(s), version = s->version;
-    sl_error error = {0};
-    /* the eye passes through its target */
-    assert_int_equal(sl_scene_set_time(s, 1.0, NULL, &error), SL_ERROR_INPUT);
-    assert_non_null(strstr(error.message, "time 1"));
-    assert_true(sl_scene_hash(s) == hash && s->version == version);
-    assert_int_equal(sl_scene_set_time(s, (double)NAN, NULL, &error), SL_ERROR_USAGE);
-    assert_int_equal(at(s, 1.5), SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS);
-    sl_scene_destroy(s);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quaternions_turn_about_the_axes_in_order),
@@ -157,7 +140,6 @@ int main(void) {
         cmocka_unit_test(lights_and_camera_move_and_are_reported_by_kind),
         cmocka_unit_test(moving_emitters_count_as_lights_and_keep_their_area),
         cmocka_unit_test(a_z_up_scene_moves_as_its_y_up_twin),
-        cmocka_unit_test(what_cannot_be_shown_is_refused_and_changes_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
 }

@@ -19,9 +19,6 @@
 #include "scene/scene.h"
 #include "scene_files.h"
 
-static void good(sl_status status, const sl_error *error) {
-    if (status != SL_OK) fail_msg("%s", error->message);
-}
 #define GOOD(call)           \
     do {                     \
         sl_error said = {SL_OK, ""}, *error = &said; \

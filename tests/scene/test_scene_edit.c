@@ -11,11 +11,8 @@
 
 #include "edited_room.h"
 #include "failing_memory.h"
+#include "rendering.h"
 #include "scene/scene.h"
-
-static void good(sl_status status, const sl_error *error) {
-    if (status != SL_OK) fail_msg("%s", error->message);
-}
 
 static uint64_t hash_of_fresh(const edited_room *r) {
     sl_error error;

@@ -5,18 +5,7 @@
 #include "edited_room.h"
 #include "rendering.h"
 
-static inline void good(sl_status status, const sl_error *error) {
-    if (status != SL_OK) fail_msg("%s", error->message);
-}
-
-static inline void finish(sl_method *method) {
-    sl_error error;
-    for (sl_progress p = {0}; !p.done;) good(sl_method_update(method, &p, &error), &error);
-}
-
-static inline sl_method *finished(const sl_scene *scene, const char *name) {
-    sl_error error;
-    sl_method *method;
+static inline sl_settings settings_in_room(const char *name) {
     sl_settings settings = small_settings(name, 24, 24);
     settings.spp = 4;
     settings.bounces = 1;
@@ -26,7 +15,14 @@ static inline sl_method *finished(const sl_scene *scene, const char *name) {
     settings.multi_mesh.coarse_depth = 2;
     settings.shading_cache.indirect_samples = 8;
     settings.shading_cache.area_samples = 8;
-    good(sl_method_create(scene, &settings, &method, &error), &error);
+    return settings;
+}
+
+static inline void finish(sl_method *method) { sl_image_destroy(finished_picture(method)); }
+
+static inline sl_method *finished(const sl_scene *scene, const char *name) {
+    const sl_settings settings = settings_in_room(name);
+    sl_method *method = created_method(scene, &settings);
     finish(method);
     return method;
 }

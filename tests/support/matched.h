@@ -11,11 +11,8 @@ typedef struct matched {
     double records;
 } matched;
 
-/* settings: of splatting. Fails the test if the picture holds a value that is negative or not finite. Where
- * all lights have no extent, direct light is exact in both: without_direct takes it away from both, so that
- * the errors are those of the cache. */
-matched matched_with_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp,
-                                 bool without_direct);
+/* settings: of splatting. Fails the test if the picture holds a value that is negative or not finite. */
+matched matched_with_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp);
 /* Every value of every layer is finite and not negative. */
 void assert_sound_picture(const sl_image *image, const char *what);
 

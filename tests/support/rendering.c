@@ -108,18 +108,40 @@ sl_settings small_settings(const char *method, int width, int height) {
     return settings;
 }
 
-sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters) {
+void good(sl_status status, const sl_error *error) {
+    if (status != SL_OK) fail_msg("%s", error->message);
+}
+
+sl_method *created_method(const sl_scene *scene, const sl_settings *settings) {
     sl_error error;
-    sl_method *method = NULL;
-    sl_image *image = NULL;
-    sl_progress progress = {0};
-    sl_status status = sl_method_create(scene, settings, &method, &error);
-    while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, &error);
-    if (status == SL_OK) status = sl_method_resolve(method, &image, &error);
-    if (status != SL_OK) fail_msg("%s", error.message);
+    sl_method *method;
+    good(sl_method_create(scene, settings, &method, &error), &error);
+    return method;
+}
+
+sl_image *finished_picture(sl_method *method) {
+    sl_error error;
+    sl_image *image;
+    for (sl_progress p = {0}; !p.done;) good(sl_method_update(method, &p, &error), &error);
+    good(sl_method_resolve(method, &image, &error), &error);
+    return image;
+}
+
+sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters) {
+    sl_method *method = created_method(scene, settings);
+    sl_image *image = finished_picture(method);
     if (counters) *counters = *sl_method_counters(method);
     sl_method_destroy(method);
     return image;
+}
+
+double channel_mean(const sl_image *image, const char *channel) {
+    const float *plane = sl_image_channel(image, channel);
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    double sum = 0.0;
+    assert_non_null(plane);
+    for (size_t i = 0; i < pixels; i++) sum += (double)plane[i];
+    return sum / (double)pixels;
 }
 
 bool same_picture(const sl_image *a, const sl_image *b) {

@@ -17,9 +17,15 @@ sl_scene *scene_from_text(const char *json, const char *obj);
  * lamp below the ceiling. Materials and lights are parts of scene files; that of the lamp ends in a comma. */
 sl_scene *room_with_a_box(double scale, double offset, const char *wall, const char *box, const char *lamp,
                           const char *lights);
+/* Fails the test with the message of a call that failed. */
+void good(sl_status status, const sl_error *error);
 sl_settings small_settings(const char *method, int width, int height);
 /* Runs a method to its end and resolves it; counters (may be NULL) receives what it cost. */
 sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters);
+sl_method *created_method(const sl_scene *scene, const sl_settings *settings);
+/* Updates a method to its end and resolves it. */
+sl_image *finished_picture(sl_method *method);
+double channel_mean(const sl_image *image, const char *channel);
 /* Are all channels equal, bit for bit? */
 bool same_picture(const sl_image *a, const sl_image *b);
 /* The picture and the counters with 2, 3 and 7 threads are those with 1. */

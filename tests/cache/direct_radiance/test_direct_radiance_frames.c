@@ -23,25 +23,15 @@ static sl_settings radiance_settings(int size) {
     return s;
 }
 
+/* layer: "" or what ends in a point. */
 static double mean_of(const sl_image *image, const char *layer) {
-    static const char *const ends[] = {"R", "G", "B"};
-    size_t pixels = (size_t)image->width * (size_t)image->height;
     double sum = 0.0;
     for (int c = 0; c < 3; c++) {
         char name[SL_CHANNEL_NAME_MAX];
-        snprintf(name, sizeof name, "%s%s", layer, ends[c]);
-        const float *plane = sl_image_channel(image, name);
-        assert_non_null(plane);
-        for (size_t i = 0; i < pixels; i++) sum += (double)plane[i];
+        snprintf(name, sizeof name, "%s%c", layer, "RGB"[c]);
+        sum += channel_mean(image, name) / 3.0;
     }
-    return sum / (3.0 * (double)pixels);
-}
-
-static sl_method *open_method(const sl_scene *scene, const sl_settings *settings) {
-    sl_method *method;
-    sl_error error;
-    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
-    return method;
+    return sum;
 }
 
 static sl_image *next_frame(sl_method *method, unsigned changes) {
@@ -87,7 +77,7 @@ static void a_picture_without_layers_is_the_same_picture(void **state) {
     bare = settings;
     bare.radiance_map.without_layers = true;
     sl_image *all = render(scene, &settings, NULL);
-    sl_method *method = open_method(scene, &bare);
+    sl_method *method = created_method(scene, &bare);
     sl_image *first = next_frame(method, 0), *again;
     const sl_counters counters = *sl_method_counters(method);
     assert_int_equal(sl_method_resolve(method, &again, NULL), SL_OK);
@@ -150,7 +140,7 @@ static void frame_k_alone_is_frame_k_of_the_series(void **state) {
     for (int k = 0; k < 2; k++) {
         sl_scene *scene = load_scene(scenes[k]);
         sl_settings settings = radiance_settings(32);
-        sl_method *method = open_method(scene, &settings);
+        sl_method *method = created_method(scene, &settings);
         sl_image *series = next_frame(method, 0);
         for (int frame = 1; frame <= 3; frame++) {
             unsigned changes;
@@ -172,7 +162,7 @@ static void a_new_camera_keeps_what_the_lights_see(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = radiance_settings(32);
-    sl_method *method = open_method(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     sl_image_destroy(next_frame(method, 0));
     uint64_t passes = counted(method, SL_COUNT_RASTER_PASSES),
              photons = counted(method, SL_COUNT_MAP_PHOTONS);

@@ -10,35 +10,15 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "edited_room.h"
+#include "edited_methods.h"
 #include "failing_memory.h"
-#include "rendering.h"
 
-enum { SIZE = 24, EDITS = 200, EDITS_A_LOOK = 40 };
-
-static void good(sl_status status, const sl_error *error) {
-    if (status != SL_OK) fail_msg("%s", error->message);
-}
+enum { EDITS = 200, EDITS_A_LOOK = 40 };
 
 static sl_settings settings_for(const char *method) {
-    sl_settings settings = small_settings(method, SIZE, SIZE);
-    settings.spp = 4;
+    sl_settings settings = settings_in_room(method);
     settings.threads = 1; /* memory that fails is for one */
-    settings.light_octree.depth = 4;
-    settings.light_octree.photons = 4000;
-    settings.gather_size = 16;
-    settings.multi_mesh.coarse_depth = 2;
-    settings.shading_cache.indirect_samples = 8;
-    settings.shading_cache.area_samples = 8;
     return settings;
-}
-
-static sl_image *finish(sl_method *method) {
-    sl_error error;
-    sl_image *image;
-    for (sl_progress p = {0}; !p.done;) good(sl_method_update(method, &p, &error), &error);
-    good(sl_method_resolve(method, &image, &error), &error);
-    return image;
 }
 
 /* Of a kind that is drawn by weights: what methods can keep much of comes more often. */
@@ -97,7 +77,7 @@ static sl_image *render_reference(const sl_scene *scene, const sl_settings *sett
 /* Pictures that are the same are equally good. */
 static void look_at(sl_method *method, const sl_scene *scene, const sl_settings *settings, looks *l) {
     sl_error error;
-    sl_image *edited = finish(method), *fresh = render(scene, settings, NULL), *reference = NULL;
+    sl_image *edited = finished_picture(method), *fresh = render(scene, settings, NULL), *reference = NULL;
     if (same_picture(edited, fresh)) {
         l->same++;
     } else {
@@ -106,13 +86,13 @@ static void look_at(sl_method *method, const sl_scene *scene, const sl_settings 
         l->fresh += pow(error_of(fresh, reference), 2.0);
     }
     good(sl_method_edit(method, SL_CHANGED_KINDS, &error), &error);
-    sl_image *anew = finish(method), *all[] = {edited, fresh, reference, anew};
+    sl_image *anew = finished_picture(method), *all[] = {edited, fresh, reference, anew};
     l->anew += same_picture(anew, fresh);
     for (int i = 0; i < 4; i++) sl_image_destroy(all[i]);
 }
 
 /* limited: with half as much memory again as is enough for the room as it is at first. */
-static void follow(const char *name, int edits, bool limited, looks *l) {
+static void follow_series(const char *name, int edits, bool limited, looks *l) {
     sl_error error;
     sl_scene *scene;
     sl_method *method;
@@ -139,7 +119,7 @@ static void follow(const char *name, int edits, bool limited, looks *l) {
 
 static void check_series(const char *name, int edits, bool limited) {
     looks l = {0};
-    follow(name, edits, limited, &l);
+    follow_series(name, edits, limited, &l);
     const bool keeps = strcmp(name, "multi-mesh") == 0 || strcmp(name, "shading-cache") == 0 ||
                        strcmp(name, "splatting") == 0;
     if (!keeps) assert_int_equal(l.same, edits / EDITS_A_LOOK);

@@ -30,17 +30,13 @@ static sl_scene *floor_under_lamp(const char *scale_before, const char *scale_af
 
 /* One picture after the other, and that of a method which begins at the end. */
 static sl_comparison edited_against_fresh(sl_scene *scene, const sl_settings *settings) {
-    sl_method *method;
-    sl_image *edited, *fresh;
+    sl_method *method = created_method(scene, settings);
     sl_comparison c;
     unsigned changes;
-    assert_int_equal(sl_method_create(scene, settings, &method, NULL), SL_OK);
-    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
+    sl_image_destroy(finished_picture(method));
     assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
     assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
-    fresh = render(scene, settings, NULL);
+    sl_image *edited = finished_picture(method), *fresh = render(scene, settings, NULL);
     assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
     sl_image_destroy(edited);
     sl_image_destroy(fresh);
@@ -111,35 +107,6 @@ static void before_its_first_sample_the_shading_cache_guesses_by_the_light_of_no
     sl_scene_destroy(scene);
 }
 
-/* A floor that had no area when points were spread has some of them once it has. */
-static void what_a_surface_that_grows_receives_is_told(void **state) {
-    (void)state;
-    sl_scene *scene =
-        scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", "
-                        "\"keyframes\": [{\"time\": 0, \"scale\": 1e-30}, "
-                        "{\"time\": 1}]}, {\"file\": \"mesh.obj\", \"name\": \"wall\", \"transform\": "
-                        "{\"rotate_deg\": [90, 0, 0], \"translate\": [0, 2, -2]}}], "
-                        "\"lights\": [{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
-                        "\"camera\": {\"eye\": [0, 3, 6], \"target\": [0, 0, 0]}}",
-                        "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nf 1 2 3 4\n");
-    const sl_settings settings = settings_for("direct-radiance");
-    sl_method *method;
-    sl_image *edited, *fresh;
-    unsigned changes;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
-    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
-    fresh = render(scene, &settings, NULL);
-    assert_string_equal(sl_image_metadata(edited, "softlux.flux_received"),
-                        sl_image_metadata(fresh, "softlux.flux_received"));
-    sl_image_destroy(edited);
-    sl_image_destroy(fresh);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 /* Two rooms far from each other on a plain: where the eye is is the central region of the scene. */
 static sl_scene *far_rooms(void) {
     return scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"all\", "
@@ -167,17 +134,13 @@ static void an_eye_in_another_room_far_away_sees_it_as_a_new_method_would(void *
     sl_scene *scene = far_rooms();
     for (size_t i = 0; sl_method_name(i); i++) {
         const sl_settings settings = settings_for(sl_method_name(i));
-        sl_method *method;
-        sl_image *edited, *fresh;
         sl_comparison c;
         look_from(scene, 1000, 1.5f);
-        assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-        for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
+        sl_method *method = created_method(scene, &settings);
+        sl_image_destroy(finished_picture(method));
         look_from(scene, -1000, 1.5f);
         assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-        for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
-        assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
-        fresh = render(scene, &settings, NULL);
+        sl_image *edited = finished_picture(method), *fresh = render(scene, &settings, NULL);
         assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
         print_message("%-16s mean %.4f, %.2f %% off a fresh one's %.4f\n", settings.method, c.mean_image,
                       100.0 * c.rel_rmse, c.mean_reference);
@@ -189,32 +152,12 @@ static void an_eye_in_another_room_far_away_sees_it_as_a_new_method_would(void *
     sl_scene_destroy(scene);
 }
 
-static void a_step_within_the_room_keeps_what_there_is(void **state) {
-    (void)state;
-    sl_scene *scene = far_rooms();
-    const sl_settings settings = settings_for("splatting");
-    sl_method *method;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
-    const uint64_t first = sl_method_counters(method)->value[SL_COUNT_RECORDS];
-    look_from(scene, 1000, 1.4f);
-    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
-    const uint64_t more = sl_method_counters(method)->value[SL_COUNT_RECORDS] - first;
-    print_message("%u records, and %u more\n", (unsigned)first, (unsigned)more);
-    assert_true(first > 5 && 2 * more < first);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lamp_that_grows_from_nothing_and_shrinks_to_it_is_lit_and_dark),
         cmocka_unit_test(meshes_are_as_fine_as_the_light_of_now_asks_for),
         cmocka_unit_test(before_its_first_sample_the_shading_cache_guesses_by_the_light_of_now),
-        cmocka_unit_test(what_a_surface_that_grows_receives_is_told),
         cmocka_unit_test(an_eye_in_another_room_far_away_sees_it_as_a_new_method_would),
-        cmocka_unit_test(a_step_within_the_room_keeps_what_there_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -271,17 +271,12 @@ static void a_film_follows_edits(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/moving-ball.json"), *other = load_scene("scenes/moving-ball.json");
     const sl_settings settings = on_film("direct-radiance", 32, 16);
-    sl_method *method;
-    sl_progress progress = {0};
-    sl_image *moved;
+    sl_method *method = created_method(scene, &settings);
     unsigned changes;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    sl_image_destroy(finished_picture(method));
     assert_int_equal(sl_scene_set_time(scene, 0.7, &changes, NULL), SL_OK);
     assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    for (progress.done = false; !progress.done;)
-        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &moved, NULL), SL_OK);
+    sl_image *moved = finished_picture(method);
     assert_int_equal(sl_scene_set_time(other, 0.7, NULL, NULL), SL_OK);
     sl_image *anew = render(other, &settings, NULL);
     assert_true(same_picture(moved, anew));
@@ -292,7 +287,6 @@ static void a_film_follows_edits(void **state) {
     sl_scene_destroy(other);
 }
 
-/* A picture of one pixel is the mean of one of many. */
 /* ---- hard cases ---- */
 
 /* An edge through the centres of a row of pixels covers half of each. */
@@ -318,68 +312,6 @@ static void edges_along_pixel_centres_are_half_seen(void **state) {
         }
         sl_image_destroy(image);
     }
-    sl_scene_destroy(scene);
-}
-
-/* Wherever it lies among the pixels, no light of a lamp as large as one is lost. */
-static void a_lamp_of_a_pixel_shines_whole_wherever_it_is(void **state) {
-    (void)state;
-    enum { SIDE = 16, PLACES = 20 };
-    const double pixel = 2.0 / SIDE;
-    for (int place = 0; place < PLACES; place++) {
-        sl_scene *scene = shining_quad(pixel, pixel, 0.0);
-        const float x = (float)(pixel * 0.37 * place), y = (float)(pixel * 0.11 * place);
-        sl_settings settings = on_film("splatting", SIDE, 64);
-        double sum = 0.0;
-        scene->camera.eye = sl_v3(-0.3f * x, -0.5f * y, 0.0f);
-        sl_image *image = render(scene, &settings, NULL);
-        for (int i = 0; i < SIDE * SIDE; i++) sum += (double)sl_image_channel(image, "R")[i];
-        if (fabs(sum - 1.0) > 0.03) fail_msg("place %d: %g of a pixel", place, sum);
-        sl_image_destroy(image);
-        sl_scene_destroy(scene);
-    }
-}
-
-static void a_film_may_be_a_pixel_wide_or_high(void **state) {
-    (void)state;
-    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
-    for (int m = 0; m < METHODS; m++) {
-        for (int wide = 0; wide < 2; wide++) {
-            sl_settings settings = on_film(methods[m], 1, 64);
-            if (wide) settings.width = 31;
-            else settings.height = 31;
-            sl_image *image = render(scene, &settings, NULL);
-            double sum = 0.0;
-            for (int i = 0; i < 31; i++) sum += (double)sl_image_channel(image, "R")[i];
-            assert_true(isfinite(sum) && sum > 0.0 && sum <= 31.0);
-            sl_image_destroy(image);
-        }
-    }
-    sl_scene_destroy(scene);
-}
-
-/* The camera turns by an eighth of a pixel a frame: an edge moves on as evenly, it neither jumps nor crawls.
- */
-static void edges_do_not_crawl_when_the_camera_moves(void **state) {
-    (void)state;
-    enum { SIDE = 24, FRAMES = 9 };
-    const float eighth = 0.25f / SIDE;
-    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
-    const sl_settings settings = on_film("splatting", SIDE, 64);
-    float before[SIDE * SIDE];
-    double largest = 0.0;
-    for (int frame = 0; frame < FRAMES; frame++) {
-        scene->camera.eye.x = eighth * (float)frame;
-        sl_image *image = render(scene, &settings, NULL);
-        const float *red = sl_image_channel(image, "R");
-        for (int i = 0; i < SIDE * SIDE; i++) {
-            if (frame) largest = fmax(largest, fabs((double)(red[i] - before[i])));
-            before[i] = red[i];
-        }
-        sl_image_destroy(image);
-    }
-    print_message("largest step of a pixel between frames: %.3f\n", largest);
-    assert_true(largest > 0.12 && largest < 0.13);
     sl_scene_destroy(scene);
 }
 
@@ -418,29 +350,14 @@ static void a_lamp_behind_leaves_shines_through_their_holes(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void a_picture_may_have_one_pixel(void **state) {
-    (void)state;
-    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
-    const sl_settings settings = on_film("splatting", 1, 1024);
-    sl_image *image = render(scene, &settings, NULL);
-    const double mean = (double)sl_image_channel(image, "R")[0];
-    if (fabs(mean - 0.9 * 0.7 / 4.0) > 0.005) fail_msg("%g", mean);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
-}
-
 static void a_pixel_of_a_film_is_not_explained(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     const sl_settings settings = on_film("splatting", 8, 4);
-    sl_method *method;
-    sl_progress progress = {0};
-    sl_image *image;
+    sl_method *method = created_method(scene, &settings);
+    sl_image *image = finished_picture(method);
     sl_explanation *explanation;
     sl_error error;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
     assert_int_equal(sl_method_explanation(method, image, 3, 3, &explanation, &error), SL_ERROR_USAGE);
     assert_non_null(strstr(error.message, "filter=centre"));
     sl_image_destroy(image);
@@ -460,11 +377,7 @@ int main(void) {
         cmocka_unit_test(the_bits_do_not_depend_on_threads),
         cmocka_unit_test(a_film_follows_edits),
         cmocka_unit_test(edges_along_pixel_centres_are_half_seen),
-        cmocka_unit_test(a_lamp_of_a_pixel_shines_whole_wherever_it_is),
-        cmocka_unit_test(a_film_may_be_a_pixel_wide_or_high),
-        cmocka_unit_test(edges_do_not_crawl_when_the_camera_moves),
         cmocka_unit_test(a_lamp_behind_leaves_shines_through_their_holes),
-        cmocka_unit_test(a_picture_may_have_one_pixel),
         cmocka_unit_test(a_pixel_of_a_film_is_not_explained),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);

@@ -229,30 +229,6 @@ static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **stat
     sl_scene_destroy(scene);
 }
 
-/* Asked for so many photons that gigabytes would be taken. */
-static void hundreds_of_lights_with_many_photons_do_less_or_say_no(void **state) {
-    (void)state;
-    trace_mesh m = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&m, 0.6f, 0, 0, 0, 0),
-             lamp = trace_mesh_material(&m, 0, 0, 0, 0, 5.0f);
-    trace_mesh_box(&m, sl_v3(-3, -3, -3), sl_v3(3, 3, 3), true, grey);
-    for (int i = 0; i < 300; i++)
-        trace_mesh_quad(&m, sl_v3(-2.9f + 0.3f * (float)(i % 20), 2.9f, -2.9f + 0.35f * (float)(i / 20)),
-                        sl_v3(0.1f, 0, 0), sl_v3(0, 0, 0.1f), lamp);
-    sl_scene *scene = trace_mesh_build(&m);
-    sl_settings s = settings_of("direct-radiance", 32);
-    s.radiance_map.samples = 256;
-    uint64_t need;
-    sl_error error;
-    assert_int_equal(sl_method_memory_need(scene, &s, &need, &error), SL_OK);
-    assert_true((double)need > 4e9);
-    s.memory_bytes = (uint64_t)(256.0 * mega);
-    sl_image *image = render(scene, &s, NULL);
-    assert_non_null(strstr(sl_image_metadata(image, "softlux.reduced"), "instead of 256"));
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
-}
-
 /* Keyframes give lamps an area that have none yet: what is said of a method holds for as long as it lives. */
 static void lamps_that_grow_later_are_counted_from_the_start(void **state) {
     (void)state;
@@ -317,7 +293,6 @@ int main(void) {
         cmocka_unit_test(pictures_of_a_small_scene_stay_within_every_budget),
         cmocka_unit_test(pictures_of_many_triangles_stay_within_every_budget),
         cmocka_unit_test(what_is_done_less_is_told_and_does_not_depend_on_threads),
-        cmocka_unit_test(hundreds_of_lights_with_many_photons_do_less_or_say_no),
         cmocka_unit_test(lamps_that_grow_later_are_counted_from_the_start),
         cmocka_unit_test(enough_memory_changes_no_bit),
     };

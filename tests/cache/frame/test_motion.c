@@ -26,10 +26,6 @@ static const motion motions[] = {{"light-octree", "scenes/moving-ball.json", MOV
                                  {"direct-radiance", "scenes/moving-ball.json", MOVES, 1e-6},
                                  {"direct-radiance", "scenes/moving-light.json", 100, 1e-6}};
 
-static void good(sl_status status, const sl_error *error) {
-    if (status != SL_OK) fail_msg("%s", error->message);
-}
-
 static sl_settings settings_of(const motion *m, unsigned threads) {
     sl_settings s = small_settings(m->method, SIZE, SIZE);
     s.quality = SL_QUALITY_DRAFT;
@@ -86,11 +82,8 @@ static double error_of_frame(const motion *m, const sl_scene *scene, const sl_im
 static void follow(const motion *m) {
     sl_scene *scene = load_scene(m->scene);
     const sl_settings one = settings_of(m, 1), three = settings_of(m, 3);
-    sl_method *method[2];
-    sl_error error;
+    sl_method *method[2] = {created_method(scene, &one), created_method(scene, &three)};
     double worst = 0.0, sum = 0.0;
-    good(sl_method_create(scene, &one, &method[0], &error), &error);
-    good(sl_method_create(scene, &three, &method[1], &error), &error);
     for (int move = 1; move <= m->moves; move++) {
         sl_image *frame = next_frame(method[0], scene, move);
         assert_true(mean_of(frame, "direct.G") > 0.01 && mean_of(frame, "indirect.G") > 0.005);
@@ -126,15 +119,9 @@ static void what_comes_to_rest_is_the_picture_of_what_never_moved(void **state) 
     for (size_t i = 0; i < sizeof motions / sizeof motions[0]; i++) {
         const sl_settings settings = settings_of(&motions[i], 2);
         sl_scene *scene = load_scene(motions[i].scene);
-        sl_progress progress = {0};
-        sl_method *method;
-        sl_image *image;
-        sl_error error;
-        good(sl_method_create(scene, &settings, &method, &error), &error);
+        sl_method *method = created_method(scene, &settings);
         for (int move = 1; move < 5; move++) sl_image_destroy(next_frame(method, scene, move));
-        while (!progress.done) good(sl_method_update(method, &progress, &error), &error);
-        good(sl_method_resolve(method, &image, &error), &error);
-        sl_image *still = render(scene, &settings, NULL);
+        sl_image *image = finished_picture(method), *still = render(scene, &settings, NULL);
         assert_true(same_picture(image, still));
         sl_image_destroy(still);
         sl_image_destroy(image);

@@ -155,14 +155,6 @@ static void light_that_is_shut_in_does_not_leak_out_at_the_foot(void **state) {
     sl_scene_destroy(scene);
 }
 
-static sl_image *picture_at_the_end(sl_method *method) {
-    sl_progress progress = {0};
-    sl_image *image;
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-    return image;
-}
-
 /* Shading that concerned nobody until then is what the eye sees. */
 static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
     (void)state;
@@ -172,12 +164,12 @@ static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
     settings.shading_cache.updates = 1000000000;
     sl_method *method, *cold;
     assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    sl_image_destroy(picture_at_the_end(method));
+    sl_image_destroy(finished_picture(method));
     assert_true(
         sl_camera_look_at(&scene->camera, sl_v3(0, 0.28f, 0), sl_v3(0.3f, 0, 0.3f), sl_v3(0, 1, 0), 1.5f));
     assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
     assert_int_equal(sl_method_create(scene, &settings, &cold, NULL), SL_OK);
-    sl_image *image = picture_at_the_end(method), *expected = picture_at_the_end(cold);
+    sl_image *image = finished_picture(method), *expected = finished_picture(cold);
     sl_comparison result;
     assert_int_equal(sl_image_compare(image, expected, NULL, &result, NULL, NULL), SL_OK);
     printf("    %.3f %% from a cold start\n", 100.0 * result.rel_rmse);

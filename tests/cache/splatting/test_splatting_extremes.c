@@ -16,15 +16,6 @@
 
 static const double pi = 3.14159265358979323846;
 
-static double mean_of(const sl_image *image, const char *name) {
-    const float *plane = sl_image_channel(image, name);
-    size_t pixels = (size_t)image->width * (size_t)image->height;
-    double sum = 0.0;
-    assert_non_null(plane);
-    for (size_t i = 0; i < pixels; i++) sum += (double)plane[i];
-    return sum / (double)pixels;
-}
-
 /* ---- glossy lobes under an even sky: what comes out is the lobe's albedo --------------------- */
 
 /* The share that a lobe sends towards theta_o: the integral of (n + 2) / (2 pi) cos^n alpha cos theta over
@@ -57,7 +48,7 @@ static double glossy_plain(double exponent, double elevation, sl_gather_kind gat
     settings.gather = gather;
     sl_image *image = render(scene, &settings, NULL);
     assert_sound_picture(image, "a glossy plain");
-    double seen = mean_of(image, "G");
+    double seen = channel_mean(image, "G");
     sl_image_destroy(image);
     sl_scene_destroy(scene);
     return seen;
@@ -129,7 +120,7 @@ static void where_nothing_shines_or_nothing_reflects_nothing_is_gathered(void **
         assert_int_equal(counters.value[SL_COUNT_RAYS] + counters.value[SL_COUNT_GATHERS] +
                              counters.value[SL_COUNT_RECORDS],
                          0);
-        assert_true(mean_of(image, "R") == 0.0);
+        assert_true(channel_mean(image, "R") == 0.0);
         sl_image_destroy(image);
         sl_scene_destroy(scenes[i]);
     }
@@ -140,7 +131,7 @@ static void where_nothing_shines_or_nothing_reflects_nothing_is_gathered(void **
 static void expect_path_tracer(const char *what, sl_scene *scene, double error, double bias) {
     sl_settings settings = small_settings("splatting", 20, 20);
     settings.quality = SL_QUALITY_NORMAL;
-    matched m = matched_with_path_tracer(scene, &settings, 100, false);
+    matched m = matched_with_path_tracer(scene, &settings, 100);
     print_message("%s: error %.4f (noise %.4f), bias %+.4f, %g records\n", what, m.error, m.noise, m.bias,
                   m.records);
     sl_scene_destroy(scene);

@@ -39,24 +39,6 @@ static int clear_place(void **state) {
     return status;
 }
 
-static sl_method *new_method(const sl_scene *scene, const sl_settings *settings) {
-    sl_error error;
-    sl_method *method = NULL;
-    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
-    return method;
-}
-
-static sl_image *finish(sl_method *method) {
-    sl_error error;
-    sl_image *image = NULL;
-    sl_progress progress = {0};
-    sl_status status = SL_OK;
-    while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, &error);
-    if (status == SL_OK) status = sl_method_resolve(method, &image, &error);
-    if (status != SL_OK) fail_msg("%s", error.message);
-    return image;
-}
-
 static void save(const sl_method *method, const char *path) {
     sl_error error;
     if (sl_method_save(method, path, &error) != SL_OK) fail_msg("%s", error.message);
@@ -95,14 +77,14 @@ static void write_file(const char *path, const uint8_t *bytes, size_t size) {
 
 static void expect_the_same_again(const place *p, const char *scene_path, sl_settings settings) {
     sl_scene *scene = load_scene(scene_path);
-    sl_method *first = new_method(scene, &settings);
-    sl_image *before = finish(first);
+    sl_method *first = created_method(scene, &settings);
+    sl_image *before = finished_picture(first);
     save(first, p->path);
     assert_true(count_of(first, SL_COUNT_RECORDS) > 0);
     settings.threads = 1; /* does not matter */
-    sl_method *second = new_method(scene, &settings);
+    sl_method *second = created_method(scene, &settings);
     load(second, p->path);
-    sl_image *after = finish(second);
+    sl_image *after = finished_picture(second);
     assert_int_equal(count_of(second, SL_COUNT_RECORDS), 0);
     assert_int_equal(count_of(second, SL_COUNT_GATHERS), 0);
     assert_int_equal(count_of(second, SL_COUNT_SECOND_LEVEL_RECORDS), 0);
@@ -152,13 +134,13 @@ static uint64_t need_of(const sl_scene *scene, const sl_settings *settings) {
  * did end. */
 static bool expect_the_same_end(const place *p, sl_method *first, const sl_scene *scene,
                                 const sl_settings *settings) {
-    sl_image *before = finish(first);
+    sl_image *before = finished_picture(first);
     const char *told = sl_method_reduction(first);
     const bool ended = told && strstr(told, "records end at");
     save(first, p->path);
-    sl_method *second = new_method(scene, settings);
+    sl_method *second = created_method(scene, settings);
     load(second, p->path);
-    sl_image *after = finish(second);
+    sl_image *after = finished_picture(second);
     assert_int_equal(count_of(second, SL_COUNT_RECORDS), 0);
     assert_true(same_picture(before, after));
     sl_image_destroy(before);
@@ -180,7 +162,7 @@ static void records_from_a_file_end_where_those_that_were_made_did(void **state)
         /* the bare need, and within or beyond what a bounce's records take */
         for (uint64_t more = 0; more < 5; more++) {
             settings.memory_bytes = need + more * 200000;
-            sl_method *first = new_method(scene, &settings);
+            sl_method *first = created_method(scene, &settings);
             ended += expect_the_same_end(*state, first, scene, &settings);
             sl_method_destroy(first);
         }
@@ -198,15 +180,15 @@ static void another_view_starts_with_what_it_sees_again(void **state) {
     const float eye[3] = {320, 300, -300}, target[3] = {60, 100, 300}, up[3] = {0, 1, 0};
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", 48, 48);
-    sl_method *first = new_method(scene, &settings);
-    sl_image_destroy(finish(first));
+    sl_method *first = created_method(scene, &settings);
+    sl_image_destroy(finished_picture(first));
     save(first, p->path);
     sl_error error;
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.8f, &error), SL_OK);
-    sl_method *alone = new_method(scene, &settings), *helped = new_method(scene, &settings);
+    sl_method *alone = created_method(scene, &settings), *helped = created_method(scene, &settings);
     load(helped, p->path);
-    sl_image_destroy(finish(alone));
-    sl_image_destroy(finish(helped));
+    sl_image_destroy(finished_picture(alone));
+    sl_image_destroy(finished_picture(helped));
     assert_true(count_of(helped, SL_COUNT_RECORDS) > 0);
     assert_true(2 * count_of(helped, SL_COUNT_RECORDS) < count_of(alone, SL_COUNT_RECORDS));
     sl_method_destroy(first);
@@ -220,7 +202,7 @@ static void another_view_starts_with_what_it_sees_again(void **state) {
 static void expect_refusal(const char *path, const char *scene_path, const sl_settings *settings,
                            const char *why) {
     sl_scene *scene = load_scene(scene_path);
-    sl_method *method = new_method(scene, settings);
+    sl_method *method = created_method(scene, settings);
     sl_error error = {SL_OK, ""};
     sl_status status = sl_method_load(method, path, &error);
     if (status == SL_OK || !strstr(error.message, why))
@@ -235,8 +217,8 @@ static void caches_of_other_scenes_and_settings_are_refused(void **state) {
     const place *p = *state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     const sl_settings settings = small_settings("splatting", 24, 24);
-    sl_method *method = new_method(scene, &settings);
-    sl_image_destroy(finish(method));
+    sl_method *method = created_method(scene, &settings);
+    sl_image_destroy(finished_picture(method));
     save(method, p->path);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
@@ -284,8 +266,8 @@ static sample sample_new(const place *p) {
     s.settings.gather_size = 4;
     s.settings.harmonics_order = 1;
     s.settings.accuracy = s.settings.glossy_accuracy = 2.0;
-    s.method = new_method(s.scene, &s.settings);
-    s.picture = finish(s.method);
+    s.method = created_method(s.scene, &s.settings);
+    s.picture = finished_picture(s.method);
     save(s.method, p->path);
     s.bytes = read_file(p->path, &s.size);
     return s;
@@ -307,7 +289,7 @@ static void expect_damage(const place *p, sample *s, const uint8_t *bytes, size_
 }
 
 static void expect_unchanged(sample *s) {
-    sl_image *now = finish(s->method);
+    sl_image *now = finished_picture(s->method);
     assert_true(same_picture(now, s->picture));
     sl_image_destroy(now);
 }
@@ -369,11 +351,11 @@ static void nonsense_that_is_sealed_does_no_harm(void **state) {
         seal(bytes, s.size);
         write_file(p->path, bytes, s.size);
         sl_error error;
-        sl_method *method = new_method(s.scene, &s.settings);
+        sl_method *method = created_method(s.scene, &s.settings);
         sl_status status = sl_method_load(method, p->path, &error);
         if (status == SL_OK) {
             read++;
-            if (read % 16 == 0) sl_image_destroy(finish(method));
+            if (read % 16 == 0) sl_image_destroy(finished_picture(method));
         } else {
             refused++;
             assert_non_null(strstr(error.message, p->path));

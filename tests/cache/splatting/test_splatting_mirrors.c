@@ -56,14 +56,6 @@ static void what_mirrors_show_is_what_the_path_tracer_says(void **state) {
     sl_scene_destroy(scene);
 }
 
-static sl_image *finished(sl_method *method) {
-    sl_progress progress = {0};
-    sl_image *image;
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-    return image;
-}
-
 /* From a view of mirrors to one without and to another with them: nothing of an earlier view's mirrors is
  * left, and its records stay. */
 static void a_camera_may_turn_away_from_mirrors_and_back(void **state) {
@@ -74,13 +66,12 @@ static void a_camera_may_turn_away_from_mirrors_and_back(void **state) {
     sl_scene *scene = scene_from_text(corner_json, corner_obj);
     sl_settings settings = small_settings("splatting", 48, 48);
     settings.records_per_frame = 1000000000; /* records that do not depend on the view they were made for */
-    sl_method *method;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    sl_image_destroy(finished(method));
+    sl_method *method = created_method(scene, &settings);
+    sl_image_destroy(finished_picture(method));
     for (int view = 0; view < 3; view++) {
         assert_int_equal(sl_scene_set_camera(scene, eyes[view], targets[view], up, 1.0f, NULL), SL_OK);
         assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-        sl_image *turned = finished(method);
+        sl_image *turned = finished_picture(method);
         assert_true(squared_error(scene, turned, 32) < 0.0005);
         sl_image_destroy(turned);
     }

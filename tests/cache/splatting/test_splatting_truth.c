@@ -11,15 +11,6 @@
 
 #include "rendering.h"
 
-static double mean_of(const sl_image *image, const char *channel) {
-    const float *plane = sl_image_channel(image, channel);
-    size_t pixels = (size_t)image->width * (size_t)image->height;
-    double sum = 0.0;
-    assert_non_null(plane);
-    for (size_t i = 0; i < pixels; i++) sum += (double)plane[i];
-    return sum / (double)pixels;
-}
-
 /* Inside a sphere one diffuse bounce is the same everywhere: E = albedo <E_direct>, <E_direct> = power / (4
  * pi R^2) = 1 for a light of intensity 1 and R = 1. So L = albedo / pi * albedo, for albedo 0.5. */
 static void one_bounce_in_the_integrating_sphere_is_uniform(void **state) {
@@ -34,7 +25,7 @@ static void one_bounce_in_the_integrating_sphere_is_uniform(void **state) {
         settings.gather_size = 64;
         sl_image *image = render(scene, &settings, NULL);
         const float *indirect = sl_image_channel(image, "indirect.G");
-        assert_true(fabs(mean_of(image, "indirect.G") / wanted - 1.0) < tolerance);
+        assert_true(fabs(channel_mean(image, "indirect.G") / wanted - 1.0) < tolerance);
         for (int i = 0; i < 48 * 48; i++) assert_true(fabs((double)indirect[i] / wanted - 1.0) < spread[k]);
         sl_image_destroy(image);
     }
@@ -111,8 +102,8 @@ static void an_open_plane_under_an_even_sky_reflects_albedo_times_its_radiance(v
         sl_settings settings = small_settings("splatting", 24, 24);
         settings.spp = 64;
         sl_image *image = render(scene, &settings, NULL);
-        assert_true(fabs(mean_of(image, "R") - 1.0) < 0.005);
-        assert_true(mean_of(image, "direct.R") < 1e-4);
+        assert_true(fabs(channel_mean(image, "R") - 1.0) < 0.005);
+        assert_true(channel_mean(image, "direct.R") < 1e-4);
         sl_image_destroy(image);
         sl_scene_destroy(scene);
     }
