@@ -62,13 +62,14 @@ static sl_status number_vertices(sl_coarse *c, sl_error *error) {
     return status;
 }
 
-/* Where light is asked for. At a face's rim that is within, half-way to the middle of a coarse triangle:
- * things meet at rims, and corners there are darker than what lies between them, or stick in the next thing
- * altogether. Gathers see areas, of which such corners tell nothing (in the cathedral, with coarse triangles
- * of two metres, a quarter of all light). Weights of 0 grow by a sixth of a coarse triangle's. */
-static void move_within(int rows, sl_coarse_vertex *v) {
-    int weight[3] = {SL_PATCH_DYADIC - v->p - v->q, v->p, v->q}, step = SL_PATCH_DYADIC / (6 * rows),
-        zeros = 0, sum = 0;
+/* Weights of 0 grow by a sixth of a coarse triangle's, half-way to its middle. Things meet at rims, and
+ * corners there are darker than what lies between them, or stick in the next thing altogether. Gathers see
+ * areas, of which such corners tell nothing (in the cathedral, with coarse triangles of two metres, a quarter
+ * of all light). */
+sl_root_place sl_coarse_lit_place(const sl_coarse *c, size_t vertex) {
+    const sl_root_place at = c->vertex[vertex];
+    const int step = SL_PATCH_DYADIC / (6 * c->face[at.root].rows);
+    int weight[3] = {SL_PATCH_DYADIC - at.u - at.v, at.u, at.v}, zeros = 0, sum = 0;
     for (int k = 0; k < 3; k++) zeros += weight[k] == 0;
     for (int k = 0; k < 3; k++) {
         weight[k] = weight[k] == 0 ? step : weight[k] - zeros * step / (3 - zeros);
@@ -77,24 +78,17 @@ static void move_within(int rows, sl_coarse_vertex *v) {
     int most = weight[1] > weight[0] ? 1 : 0;
     if (weight[2] > weight[most]) most = 2;
     weight[most] += SL_PATCH_DYADIC - sum; /* halves of odd steps */
-    v->lit_p = (uint16_t)weight[1];
-    v->lit_q = (uint16_t)weight[2];
+    return (sl_root_place){at.root, (uint16_t)weight[1], (uint16_t)weight[2]};
 }
 
-/* Each vertex by the first of the finest faces that have it. */
 static void place_vertex(sl_coarse *c, uint32_t face, int i, int j) {
-    sl_coarse_vertex *vertex = &c->vertex[sl_coarse_lattice_vertex(c, face, i, j)];
-    if (vertex->face != SL_NO_INDEX && vertex->depth >= c->level[face]) return;
-    int rows = c->face[face].rows, step = SL_PATCH_DYADIC / rows;
-    *vertex = (sl_coarse_vertex){.face = face,
-                                 .p = (uint16_t)(i * step),
-                                 .q = (uint16_t)(j * step),
-                                 .depth = c->level[face]};
-    move_within(rows, vertex);
+    sl_root_place *vertex = &c->vertex[sl_coarse_lattice_vertex(c, face, i, j)];
+    bool finer = vertex->root == SL_NO_INDEX || c->level[vertex->root] < c->level[face];
+    if (finer) *vertex = lattice_place(c, face, i, j);
 }
 
 static void place_vertices(sl_coarse *c) {
-    for (size_t v = 0; v < c->vertex_count; v++) c->vertex[v].face = SL_NO_INDEX;
+    for (size_t v = 0; v < c->vertex_count; v++) c->vertex[v].root = SL_NO_INDEX;
     for (uint32_t face = 0; face < c->face_count; face++) {
         int n = c->face[face].rows;
         for (int j = 0; c->level[face] != SL_COARSE_ABSENT && j <= n; j++)

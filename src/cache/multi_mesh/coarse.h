@@ -13,25 +13,19 @@
  * Vertices are shared as all vertices of patches are.
  *
  *   coarse.c         levels and vertices; their values times the bounce's reflectance
- *   coarse_light.c   direct light at its vertices, some of them an update */
+ *   coarse_light.c   direct light at its vertices
+ *   coarse_rounds.c  rounds in which all of them get it, some an update; gathers that see it */
 #ifndef SL_MULTI_MESH_COARSE_H
 #define SL_MULTI_MESH_COARSE_H
 
 #include "cache/hemisphere/gather.h"
 #include "cache/patches/irradiance.h"
+#include "scene/object_places.h"
 
 typedef struct sl_coarse_settings {
     float edge;                /* scene units: longer edges are split, */
     int depth;                 /* ... at most so often */
 } sl_coarse_settings;
-
-/* A point to be sampled. */
-typedef struct sl_coarse_vertex {
-    uint32_t face;
-    uint16_t p, q;             /* weights of corners 1 and 2 in 1/SL_PATCH_DYADIC */
-    uint16_t lit_p, lit_q;     /* ... and of where light is asked for: at a face's rim a little within */
-    uint8_t depth;             /* of the coarse triangle */
-} sl_coarse_vertex;
 
 enum { SL_COARSE_ABSENT = 0xff }; /* level of a face that is not in the coarse mesh */
 
@@ -46,7 +40,7 @@ typedef struct sl_coarse {
     /* by the places that stand for all who share them, with U_dd; not a number: SL_VERTEX_INVALID */
     sl_patches *vertices;
     size_t vertex_count;
-    sl_coarse_vertex *vertex;
+    sl_root_place *vertex;     /* in the first of the finest faces that have it */
     size_t triangle_count;     /* coarse ones */
     sl_face_lattice *face;     /* by face; two more for nothing, as if that were one more scene triangle */
     sl_rgb *reflectance;       /* by coarse triangle: k_d, the mean of its texture; NULL: nothing has any */
@@ -66,6 +60,8 @@ void sl_coarse_finish(sl_coarse *coarse, unsigned threads);
 /* Returns the brightest of all colours, by channel. */
 sl_rgb sl_coarse_brightest(const sl_coarse *coarse);
 
+/* Returns where a vertex is asked for light: at a face's rim a little within. */
+sl_root_place sl_coarse_lit_place(const sl_coarse *coarse, size_t vertex);
 /* Returns the vertex at lattice point (i, j) of a face that is in the mesh. */
 uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i, int j);
 
@@ -75,18 +71,42 @@ uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i,
  * are enough, noise and all; and of many lights those that could give most are asked, in that order (Ward
  * 1994), until the others together could add but little: these are taken to be as visible as the former were.
  * Nothing is kept for the picture's own meshes, nor are these refined for it. */
-/* F of one light at a vertex, for when colours alone are others; by how it was sampled, or 0: it was not. */
+/* F of one light at a vertex; by how it was sampled, or 0: it was not. */
 typedef struct sl_coarse_share {
     float share;
     uint32_t by;
 } sl_coarse_share;
 
-/* U_dd of each vertex; NaN where it lies inside other geometry. A pure function of the vertex and the scene.
- * kept: by vertex and light; what was sampled in the same way is not sampled again. NULL: all is. Counts
+/* U_dd at each place; NaN where it lies inside other geometry. A pure function of the place and the scene.
+ * kept: by place and light; what was sampled in the same way is not sampled again. NULL: all is. Counts
  * SL_COUNT_LIGHT_SAMPLES. */
 sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
-                               const sl_coarse_vertex *vertex, sl_coarse_share *kept, sl_rgb *radiance,
+                               const sl_root_place *place, sl_coarse_share *kept, sl_rgb *radiance,
                                sl_counters *counters, sl_error *error);
+
+/* Shares of a whole coarse mesh, and the state of the scene that they were taken in. */
+typedef struct sl_coarse_kept {
+    size_t count;              /* of vertices; 0: there are none */
+    sl_root_place *place;      /* by vertex: where light was asked for */
+    sl_coarse_share *share;    /* by vertex and light */
+    sl_sampled_lights *lights;
+    sl_object_places *places;
+    float scale;               /* the scene's, and ... */
+    double step;               /* ... the sampling's, which tolerances follow */
+} sl_coarse_kept;
+/* Keeps the shares of a coarse mesh in place of those before; they are the kept ones' own from then on, also
+ * after a failure. */
+sl_status sl_coarse_keep(const sl_irradiance_settings *light, const sl_coarse *coarse,
+                         sl_coarse_share *shares, sl_coarse_kept *kept, sl_error *error);
+/* Copies those that would be the same, bit by bit, if they were taken in the scene as it is: places, of the
+ * objects in it. The others stay. */
+sl_status sl_coarse_shares_that_hold(const sl_coarse_kept *kept, const sl_irradiance_settings *light,
+                                     const sl_object_places *places, const sl_coarse *coarse,
+                                     sl_coarse_share *shares, sl_error *error);
+void sl_coarse_forget_kept(sl_coarse_kept *kept);
+size_t sl_coarse_kept_bytes(const sl_coarse_kept *kept);
+
+/* ---- coarse_rounds.c ---- */
 
 /* Returns E_i in W/m^2 at a point of a face, or in free space: what it sees of the coarse mesh's colours,
  * with which the gather was made; 0 where position or normals are no numbers. */

@@ -1,15 +1,16 @@
-/* Light on the coarse mesh: at one vertex, at many; and the rounds in which all of them get it. */
-#include "cache/multi_mesh/multi_mesh_internal.h"
+/* Direct light on the coarse mesh: at one vertex, at many; and samples that still hold after an edit. */
+#include "cache/multi_mesh/coarse.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/batch.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/coarse.h"
+#include "base/parallel.h"
+#include "cache/light/moves.h"
 #include "cache/multi_mesh/direct.h"
-#include "cache/patches/irradiance.h"
 
 /* Lights that are not asked could give no more than this share of all light. */
 static const double UNASKED = 0.03;
@@ -84,10 +85,10 @@ static bool light_point(const sl_irradiance_settings *c, const asked_place *at, 
 
 /* ---- a vertex ---- */
 
-static sl_mesh_point point_of(const sl_irradiance_settings *c, const sl_coarse_vertex *v, double nudge) {
+static sl_mesh_point point_of(const sl_irradiance_settings *c, sl_root_place place, double nudge) {
     double third = SL_PATCH_DYADIC / 3.0;
-    sl_root_place x = {v->face, (uint16_t)(v->lit_p + nudge * (third - v->lit_p)),
-                       (uint16_t)(v->lit_q + nudge * (third - v->lit_q))};
+    sl_root_place x = {place.root, (uint16_t)(place.u + nudge * (third - place.u)),
+                       (uint16_t)(place.v + nudge * (third - place.v))};
     sl_mesh_point at = sl_mesh_point_at(c->primitives, x);
     if (at.lit.triangle == SL_NO_INDEX)
         sl_step_inside(c->scene, 5.0 * sl_light_sampling_step(c->sampling), &at);
@@ -96,14 +97,14 @@ static sl_mesh_point point_of(const sl_irradiance_settings *c, const sl_coarse_v
 
 /* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further
  * inside its face. */
-static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vertex *v, sl_coarse_share *kept,
+static sl_rgb light_vertex(const sl_irradiance_settings *c, sl_root_place place, sl_coarse_share *kept,
                            light_worker *w, sl_counters *counters) {
     static const double nudge[NUDGES] = {0.0, 0.01, 0.05, 0.2};
     uint32_t first = 0; /* where it was found last time */
     for (size_t l = 0; kept && l < c->lights->count; l++)
         first = kept[l].by % NUDGES > first ? kept[l].by % NUDGES : first;
     for (uint32_t i = first; i < NUDGES; i++) {
-        sl_mesh_point at = point_of(c, v, nudge[i]);
+        sl_mesh_point at = point_of(c, place, nudge[i]);
         if (!light_point(c, &(asked_place){&at.lit, i, kept}, w, counters) &&
             sl_point_in_solid(c->primitives, c->tracer, NULL, &at.lit, counters))
             continue;
@@ -115,21 +116,21 @@ static sl_rgb light_vertex(const sl_irradiance_settings *c, const sl_coarse_vert
 typedef struct lighting {
     const sl_irradiance_settings *light;
     light_worker *worker;
-    const sl_coarse_vertex *vertex;
+    const sl_root_place *place;
     sl_coarse_share *kept;
 } lighting;
 
 static void light_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
     const lighting *job = context;
     sl_coarse_share *kept = job->kept ? job->kept + i * job->light->lights->count : NULL;
-    *(sl_rgb *)result = light_vertex(job->light, &job->vertex[i], kept, &job->worker[worker], counters);
+    *(sl_rgb *)result = light_vertex(job->light, job->place[i], kept, &job->worker[worker], counters);
 }
 
 sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
-                               const sl_coarse_vertex *vertex, sl_coarse_share *kept, sl_rgb *radiance,
+                               const sl_root_place *place, sl_coarse_share *kept, sl_rgb *radiance,
                                sl_counters *counters, sl_error *error) {
     size_t lights = light->lights->count, all = lights * light->threads;
-    lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), vertex, kept};
+    lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), place, kept};
     const sl_batch batch = {count, light_one, &job, radiance, sizeof *radiance};
     double *most = sl_allocate(all, sizeof *most);
     float *share = sl_allocate(all, sizeof *share);
@@ -145,288 +146,89 @@ sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count
     return room ? SL_OK : sl_fail_memory(error, "the coarse mesh's light");
 }
 
-/* The coarse mesh of the whole scene, some vertices an update: first the light of lamps at all of them; under
- * an environment what each gathers of that alone, past surfaces that are black as yet; then, for each bounce
- * after the first, what each gathers of all, which makes the light that it sends on (k_d / pi) (sum E_d +
- * E_i). From then on indirect light has a mesh to gather from. */
+/* ---- samples that hold ---- */
 
-enum { COARSE_VERTICES = 1024 }; /* an update's, beside refinement */
-
-/* ---- gathers ---- */
-
-/* A point on a crease lies in the plane of the faces beyond: it would see them edge-on, and half of what is
- * behind them. What is meant is the limit from within its own face, so the eye moves towards that face's
- * middle by a little. Where the face falls below the tangent plane (a bulge) the eye stays in the plane, so
- * as not to dive. Where it rises above it (a hollow) it is raised off the face and sees it: else it would
- * look out through it. On a flat face and a bulge it must not see its own, which it lies in. */
-static void look_from_within(const sl_scene *scene, uint32_t face, sl_gather_point *point) {
-    uint32_t triangle = face / 2;
-    if (point->triangle == SL_NO_INDEX) point->triangle = triangle;
-    if (triangle >= scene->triangle_count) return;
-    sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(point->position),
-             n = sl_to_double(point->geometric_normal);
-    for (int k = 0; k < 3; k++)
-        middle = sl_addd(middle, sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])));
-    sl_vec3d way = sl_subd(sl_scaled(middle, 1.0 / 3.0), p);
-    double length = sl_lengthd(way), step = 4e-4 * (double)scene->scale;
-    if (!(length > 0.0)) return;
-    step = step < 0.25 * length ? step : 0.25 * length;
-    way = sl_scaled(way, step / length);
-    double rise = sl_dotd(way, n);
-    if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
-    if (rise > 0.02 * step) {
-        point->triangle = SL_NO_INDEX;
-        way = sl_addd(way, sl_scaled(sl_to_double(sl_scene_geometric_normal(scene, triangle)),
-                                      (face % 2 ? -0.25 : 0.25) * step));
-    }
-    point->position = sl_to_float(sl_addd(p, way));
+void sl_coarse_forget_kept(sl_coarse_kept *kept) {
+    sl_free(kept->place);
+    sl_free(kept->share);
+    sl_sampled_lights_destroy(kept->lights);
+    sl_object_places_destroy(kept->places);
+    *kept = (sl_coarse_kept){.count = 0};
 }
 
-sl_rgb sl_coarse_gather(const sl_scene *scene, const sl_gather *gather, const sl_mesh_point *at,
-                        sl_gather_scratch *scratch, sl_counters *counters) {
-    const sl_lit_point *lit = &at->lit;
-    sl_vec3 normal = sl_normalize_or(lit->normal, lit->geometric_normal);
-    sl_gather_point point = {.position = lit->position,
-                             .geometric_normal = sl_normalize_or(lit->geometric_normal, normal),
-                             .normal = normal,
-                             .triangle = lit->triangle};
-    if (!sl_is_finite(lit->position) || !(sl_dot(normal, normal) > 0.5f)) { /* no number, no direction */
-        sl_count(counters, SL_COUNT_NONFINITE, 1);
-        return sl_grey(0.0f);
-    }
-    look_from_within(scene, at->face, &point);
-    return sl_gather_known_colours(gather, &point, scratch, counters);
+size_t sl_coarse_kept_bytes(const sl_coarse_kept *kept) {
+    size_t shares = kept->lights ? kept->lights->count * sizeof *kept->share : 0;
+    return kept->count * (sizeof *kept->place + shares);
 }
 
-typedef struct gathering {
-    const sl_multi_mesh_state *s;
-    const sl_coarse_eye *eye;
-    const sl_mesh_point *point;
-} gathering;
-
-static void gather_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
-    const gathering *g = context;
-    sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
-    *(sl_rgb *)result =
-        sl_coarse_gather(g->s->scene, g->eye->gather, &g->point[i], g->eye->scratch[worker], counters);
-}
-
-static void forget_eye(sl_coarse_eye *eye, unsigned threads) {
-    for (unsigned t = 0; eye->scratch && t < threads; t++) sl_gather_scratch_destroy(eye->scratch[t]);
-    sl_free(eye->scratch);
-    sl_gather_destroy(eye->gather);
-    *eye = (sl_coarse_eye){.gather = NULL};
-}
-
-void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds, unsigned threads) {
-    for (int i = 0; i < 2; i++) forget_eye(&rounds->eye[i], threads);
-}
-
-static sl_status make_eye(sl_multi_mesh_state *s, const sl_coarse *coarse, sl_coarse_eye *eye,
-                          sl_error *error) {
-    sl_lattice_colours colours = {coarse->face, coarse->colour};
-    sl_gather_settings gather = {.kind = SL_GATHER_PLANE,
-                                 .size = eye->pixels,
-                                 .plane_fov = (float)s->settings.multi_mesh.gather_fov,
-                                 .border = SL_BORDER_LC04,
-                                 .colours = &colours};
-    sl_status status = sl_gather_create(s->scene, s->raster, NULL, &gather, s->settings.threads, &eye->gather,
-                                        &s->counters, error);
-    eye->scratch = sl_allocate(s->settings.threads, sizeof *eye->scratch);
-    if (status == SL_OK && !eye->scratch) status = sl_fail_memory(error, "gathers");
-    for (unsigned t = 0; t < s->settings.threads && status == SL_OK; t++)
-        status = sl_gather_scratch_create(eye->gather, &eye->scratch[t], error);
+sl_status sl_coarse_keep(const sl_irradiance_settings *light, const sl_coarse *coarse,
+                         sl_coarse_share *shares, sl_coarse_kept *kept, sl_error *error) {
+    sl_coarse_forget_kept(kept);
+    *kept = (sl_coarse_kept){.count = coarse->vertex_count,
+                             .place = sl_allocate(coarse->vertex_count, sizeof *kept->place),
+                             .share = shares,
+                             .scale = light->scene->scale,
+                             .step = sl_light_sampling_step(light->sampling)};
+    sl_status status = kept->place ? SL_OK : sl_fail_memory(error, "the coarse mesh's light");
+    if (status == SL_OK) status = sl_sampled_lights_find(light->scene, &kept->lights, error);
+    if (status == SL_OK) status = sl_object_places_take(light->scene, &kept->places, error);
+    for (size_t v = 0; status == SL_OK && v < kept->count; v++)
+        kept->place[v] = sl_coarse_lit_place(coarse, v);
+    if (status != SL_OK) sl_coarse_forget_kept(kept);
     return status;
 }
 
-/* A quarter of the pixels, unless that is too few to be drawn. */
-static int pixels_of(const sl_multi_mesh_state *s, bool quick) {
-    const int size = s->settings.gather_size;
-    return quick && size >= 4 * SL_GATHER_COLOURED_LEAST ? size / 4 : size;
+static bool same_place(sl_root_place a, sl_root_place b) {
+    return a.root == b.root && a.u == b.u && a.v == b.v;
 }
 
-sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick,
-                                  sl_error *error) {
-    sl_coarse_eye *eye = &rounds->eye[quick];
-    eye->pixels = pixels_of(s, quick);
-    sl_status status = eye->gather ? SL_OK : make_eye(s, rounds->coarse, eye, error);
-    if (status != SL_OK) forget_eye(eye, s->settings.threads);
-    return status;
+/* Where something has moved a vertex that was asked for further inside its face may be free again. */
+static bool vertex_holds(const sl_light_moves *moves, const sl_irradiance_settings *light,
+                         sl_root_place place, const sl_coarse_share *share) {
+    const double reach = 10.0 * sl_light_sampling_step(light->sampling);
+    if (sl_has_triangle_moved(moves, place.root / 2)) return false;
+    sl_vec3 point = point_of(light, place, 0.0).lit.position;
+    for (size_t l = 0; l < light->lights->count; l++) {
+        bool nudged = share[l].by % NUDGES != 0;
+        if ((nudged && moves->box_count) || sl_light_may_differ(moves, l, point, reach)) return false;
+    }
+    return true;
 }
 
-sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick, size_t count,
-                               const sl_mesh_point *points, sl_rgb *irradiance, sl_error *error) {
-    sl_coarse_eye *eye = &rounds->eye[quick];
-    sl_status status = sl_multi_mesh_ready_eye(s, rounds, quick, error);
-    if (status != SL_OK) return status;
-    gathering g = {s, eye, points};
-    const sl_batch batch = {count, gather_one, &g, irradiance, sizeof *irradiance};
-    sl_batch_run(&batch, s->settings.threads, &s->counters);
+typedef struct holding {
+    const sl_light_moves *moves;
+    const sl_irradiance_settings *light;
+    const sl_coarse *coarse;
+    const sl_coarse_kept *kept;
+    sl_coarse_share *share;
+} holding;
+
+enum { VERTICES_A_TASK = 1024 };
+
+static void copy_some(void *context, size_t task, unsigned worker) {
+    (void)worker;
+    const holding *h = context;
+    const size_t lights = h->light->lights->count, end = (task + 1) * VERTICES_A_TASK;
+    for (size_t v = task * VERTICES_A_TASK; v < end && v < h->coarse->vertex_count; v++) {
+        const sl_root_place place = sl_coarse_lit_place(h->coarse, v);
+        const sl_coarse_share *share = h->kept->share + v * lights;
+        if (same_place(place, h->kept->place[v]) && vertex_holds(h->moves, h->light, place, share))
+            memcpy(h->share + v * lights, share, lights * sizeof *share);
+    }
+}
+
+sl_status sl_coarse_shares_that_hold(const sl_coarse_kept *kept, const sl_irradiance_settings *light,
+                                     const sl_object_places *places, const sl_coarse *coarse,
+                                     sl_coarse_share *shares, sl_error *error) {
+    sl_light_moves *moves;
+    bool same = kept->count == coarse->vertex_count && kept->scale == light->scene->scale &&
+                kept->step == sl_light_sampling_step(light->sampling);
+    if (!same) return SL_OK;
+    sl_status status = sl_light_moves_find(light->scene, kept->places, places, kept->lights, light->lights,
+                                           &moves, error);
+    if (status != SL_OK || !moves) return status;
+    holding h = {moves, light, coarse, kept, shares};
+    sl_parallel_for(light->threads, (kept->count + VERTICES_A_TASK - 1) / VERTICES_A_TASK, copy_some, &h);
+    sl_light_moves_destroy(moves);
     return SL_OK;
-}
-
-/* ---- rounds ---- */
-
-void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds, unsigned threads) {
-    sl_multi_mesh_forget_eyes(rounds, threads);
-    sl_free(rounds->shares);
-    sl_free(rounds->direct);
-    sl_free(rounds->indirect);
-    sl_coarse_destroy(rounds->coarse);
-    *rounds = (sl_coarse_rounds){.coarse = NULL};
-}
-
-/* Returns how often its vertices gather: the environment's light, and each bounce after the first. */
-static uint32_t rounds_of(const sl_multi_mesh_state *s) {
-    return s->settings.bounces - 1 + (s->scene->environment.present ? 1 : 0);
-}
-
-/* Of a coarse mesh that is the same but for colours. */
-static void inherit_shares(sl_multi_mesh_state *s) {
-    bool same = s->whole.coarse && !s->whole.rolls && s->whole.lit == s->lit &&
-                s->whole.coarse->vertex_count == s->next.coarse->vertex_count;
-    if (!same) return;
-    s->next.shares = s->whole.shares;
-    s->whole.shares = NULL;
-}
-
-sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error) {
-    bool moves = s->whole.coarse && s->whole.lit != s->lit, rolls = moves && rounds_of(s) > 0;
-    float edge = (float)sl_multi_mesh_coarse_edge(s->scene, &s->settings);
-    /* a quarter of the vertices while things move: what has gone on is soon seen */
-    sl_coarse_settings coarse = {rolls ? 2.0f * edge : edge, s->settings.multi_mesh.coarse_depth - rolls};
-    if (coarse.depth < 0) coarse.depth = 0;
-    s->next = (sl_coarse_rounds){.world = s->world, .lit = s->lit, .rolls = rolls};
-    sl_status status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->next.coarse, error);
-    if (status != SL_OK) return status;
-    size_t count = s->next.coarse->vertex_count;
-    if (!rolls) inherit_shares(s);
-    s->next.direct = sl_allocate(count, sizeof *s->next.direct);
-    if (s->next.rolls) s->next.indirect = sl_allocate(count, sizeof *s->next.indirect);
-    bool done = s->next.direct && (s->next.indirect || !s->next.rolls);
-    return done ? SL_OK : sl_fail_memory(error, "the coarse mesh");
-}
-
-/* Tells whether a round's gathers have few pixels: what the coarse mesh's vertices gather of each other is
- * seen by hundreds of them at once, so few are enough; a sky may hold a sun. */
-static bool is_quick_round(const sl_multi_mesh_state *s) { return s->next.gathers != s->settings.bounces; }
-
-static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
-    if (!s->plan.lights) return SL_OK;
-    size_t lights = s->lights->count;
-    sl_coarse_rounds *r = &s->next;
-    if (!r->shares && !s->light.few_rays &&
-        !(r->shares = sl_allocate(r->coarse->vertex_count * lights, sizeof *r->shares)))
-        return sl_fail_memory(error, "the coarse mesh's light");
-    sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
-    return sl_coarse_light_take(&s->light, count, r->coarse->vertex + r->done,
-                                r->shares ? r->shares + r->done * lights : NULL, r->direct + r->done,
-                                &s->counters, error);
-}
-
-/* U_dd, and E_i / pi where it is known, is what gathers see. */
-static void set_coarse(sl_coarse_rounds *r, unsigned threads) {
-    for (size_t i = 0; i < r->coarse->vertex_count; i++) {
-        sl_rgb more = r->indirect ? sl_rgb_scale(r->indirect[i], (float)(1.0 / SL_PI)) : sl_grey(0.0f);
-        sl_coarse_set(r->coarse, i, sl_rgb_add(r->direct[i], more));
-    }
-    sl_coarse_finish(r->coarse, threads);
-}
-
-/* All lights are hidden from all surfaces: nothing bounces, and there is nothing to be gathered. */
-static bool is_dark(const sl_multi_mesh_state *s) {
-    sl_rgb brightest = sl_coarse_brightest(s->next.coarse);
-    return !s->scene->environment.present &&
-           !(brightest.r > 0.0f || brightest.g > 0.0f || brightest.b > 0.0f);
-}
-
-static void leave_out_indirect(sl_multi_mesh_state *s) {
-    sl_displayed_destroy(s->part[SL_INDIRECT]);
-    s->part[SL_INDIRECT] = NULL;
-    s->plan.indirect = false;
-}
-
-/* It takes the place of the one before. */
-static void end_coarse(sl_multi_mesh_state *s) {
-    if (s->whole.coarse) sl_multi_mesh_carry(s);
-    sl_multi_mesh_forget_coarse(&s->whole, s->settings.threads);
-    s->whole = s->next;
-    s->next = (sl_coarse_rounds){.coarse = NULL};
-    sl_free(s->whole.direct);
-    s->whole.direct = NULL;
-}
-
-/* The environment's light is gathered past surfaces that are black. */
-static void blacken_coarse(sl_multi_mesh_state *s) {
-    for (size_t i = 0; i < s->next.coarse->vertex_count; i++) sl_coarse_set(s->next.coarse, i, sl_grey(0.0f));
-    sl_coarse_finish(s->next.coarse, s->settings.threads);
-}
-
-/* The light of lamps is there. The environment's is yet to be gathered, and so is each bounce after the
- * first. */
-static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
-    bool sky = s->scene->environment.present;
-    set_coarse(&s->next, s->settings.threads);
-    sl_announce_pass(&s->announcer, "coarse mesh", "for equation (7)");
-    if (is_dark(s)) {
-        leave_out_indirect(s);
-        return SL_OK;
-    }
-    if (sky) blacken_coarse(s);
-    s->next.gathers = rounds_of(s);
-    if (s->next.gathers == 0) {
-        end_coarse(s);
-        return SL_OK;
-    }
-    s->next.done = 0;
-    s->next.indirect = sl_allocate(s->next.coarse->vertex_count, sizeof *s->next.indirect);
-    return s->next.indirect ? SL_OK : sl_fail_memory(error, "the coarse mesh's gathers");
-}
-
-static sl_status gather_for_coarse(sl_multi_mesh_state *s, sl_coarse_rounds *seen, size_t count,
-                                   sl_error *error) {
-    const sl_coarse_vertex *vertex = s->next.coarse->vertex + s->next.done;
-    sl_mesh_point points[COARSE_VERTICES];
-    for (size_t i = 0; i < count; i++) {
-        sl_root_place x = {vertex[i].face, vertex[i].lit_p, vertex[i].lit_q};
-        points[i] = sl_mesh_point_at(s->primitives, x);
-    }
-    return sl_multi_mesh_gather(s, seen, s->next.rolls || is_quick_round(s), count, points,
-                                s->next.indirect + s->next.done, error);
-}
-
-static void finish_gathers(sl_multi_mesh_state *s) {
-    set_coarse(&s->next, s->settings.threads);
-    sl_announce_pass(&s->announcer,
-                     is_quick_round(s) ? "coarse mesh, one more bounce"
-                                       : "coarse mesh, the environment's light",
-                     "for equation (7)");
-    s->next.done = 0;
-    if (!--s->next.gathers) end_coarse(s);
-}
-
-static sl_status extend(sl_multi_mesh_state *s, sl_error *error) {
-    size_t all = s->next.coarse->vertex_count, left = all - s->next.done;
-    size_t share = s->world > 1 ? sl_multi_mesh_share(s, COARSE_VERTICES) : COARSE_VERTICES;
-    size_t count = left < share ? left : share;
-    sl_status status = SL_OK;
-    if (count && (s->next.rolls || !s->next.indirect)) status = light_coarse(s, count, error);
-    if (status == SL_OK && s->next.indirect)
-        status = gather_for_coarse(s, s->next.rolls ? &s->whole : &s->next, count, error);
-    s->next.done += count;
-    if (status != SL_OK || s->next.done < all) return status;
-    if (s->next.rolls) s->next.gathers = 1;
-    if (!s->next.indirect) return finish_direct(s, error);
-    finish_gathers(s);
-    return SL_OK;
-}
-
-sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
-    sl_status status = s->next.coarse ? SL_OK : sl_multi_mesh_begin_coarse(s, error);
-    if (status == SL_OK) status = extend(s, error);
-    if (status != SL_OK || s->next.coarse || !s->whole.coarse) return status;
-    sl_multi_mesh_announce_gather(s);
-    s->phase = SL_PHASE_FIRST; /* of the indirect mesh */
-    s->priorities_stale = true;
-    return status;
 }

@@ -272,18 +272,24 @@ static sl_status renew_part(sl_multi_mesh_state *s, sl_component part, uint32_t 
 /* Through few pixels as long as there are older ones, or the coarse mesh is of another world. */
 static sl_status renew_indirect(sl_multi_mesh_state *s, sl_error *error) {
     sl_displayed *d = s->part[SL_INDIRECT];
+    const bool of_now = sl_coarse_is_of_now(s), has_quick = sl_multi_mesh_has_quick(s);
     const size_t before = s->old_left;
     d->put_as = d->world - 1;
-    sl_status status = renew_part(s, SL_INDIRECT, d->world - 1, sl_multi_mesh_share(s, QUICK_GATHERS), error);
-    if (status != SL_OK || s->old_left > before || !sl_coarse_is_of_now(s)) return status;
+    sl_status status = SL_OK;
+    if (!of_now || has_quick)
+        status = renew_part(s, SL_INDIRECT, d->world - 1, sl_multi_mesh_share(s, QUICK_GATHERS), error);
+    if (status != SL_OK || s->old_left > before || !of_now) return status;
     d->put_as = d->world;
-    return renew_part(s, SL_INDIRECT, d->world, sl_multi_mesh_share(s, GATHERS), error);
+    return renew_part(s, SL_INDIRECT, d->world, sl_multi_mesh_share(s, has_quick ? GATHERS : QUICK_GATHERS),
+                      error);
 }
 
 sl_status sl_multi_mesh_renew(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = SL_OK;
+    const bool at_rest = s->renewed_world == s->world;
+    s->renewed_world = s->oldest_left = s->world;
     s->old_left = 0;
-    s->oldest_left = s->world;
+    s->mixed = false;
     if (s->world == 1) return SL_OK;
     const size_t most = sl_multi_mesh_share(s, VERTICES);
     for (int i = 0; i < SL_INDIRECT && status == SL_OK; i++)
@@ -293,7 +299,9 @@ sl_status sl_multi_mesh_renew(sl_multi_mesh_state *s, sl_error *error) {
         s->change_waits = false;
         sl_count(&s->counters, SL_COUNT_CHANGES_SHOWN, 1);
     }
+    const size_t direct_left = s->old_left;
     if (status == SL_OK && sl_multi_mesh_takes_part(s, SL_INDIRECT)) status = renew_indirect(s, error);
+    s->mixed = at_rest && s->old_left > direct_left;
     for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
         if (s->part[i]) sl_displayed_settle(s->part[i], &s->counters);
     return status;

@@ -6,8 +6,9 @@
  *   multiple meshes       samples of vertices: equations (3), a light's irradiance, (4) and (6), direct
  *                         radiance, and (7), indirect irradiance
  *   progressive sampling  the roots' vertices; then the leaves that matter most, of three meshes, until no
- *                         eye can tell more; beside them the coarse mesh of all surfaces (coarse_light.c),
- *                         some vertices an update: when it is whole indirect light has a mesh, too
+ *                         eye can tell more; beside them the coarse mesh of all surfaces (coarse_rounds.c),
+ *                         some vertices an update (update.c): when it is whole indirect light has a
+ *                         mesh, too
  *   image pass 3          Gouraud: a picture of each mesh
  *   image pass 4          merge: L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e, with the reflectances that
  *                         equations (4), (6) and (8) lack (merge.c) */
@@ -22,7 +23,7 @@ enum { FIRST_VERTICES = 1024 /* an update's, before refinement */, LEAF_VERTICES
 
 /* ---- image pass 1: identifiers and visible sizes; image pass 2: materials ---- */
 
-static sl_status draw_view(sl_multi_mesh_state *s, sl_error *error) {
+sl_status sl_multi_mesh_draw_view(sl_multi_mesh_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_target target = {s->settings.width, s->settings.height, s->id, NULL};
@@ -127,7 +128,7 @@ static sl_status fill_missing(sl_multi_mesh_state *s, sl_component part, bool *n
     return sl_multi_mesh_sample(s, part, count, wanted, error);
 }
 
-static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
+sl_status sl_multi_mesh_first_vertices(sl_multi_mesh_state *s, sl_error *error) {
     bool all = true;
     for (int i = 0; i < SL_COMPONENTS; i++) {
         bool none = true;
@@ -148,10 +149,11 @@ static sl_status first_vertices(sl_multi_mesh_state *s, sl_error *error) {
 
 /* ---- progressive sampling: the leaves that matter most, of all meshes ---- */
 
-static int most_urgent(const sl_multi_mesh_state *s) {
+int sl_multi_mesh_most_urgent(const sl_multi_mesh_state *s) {
     int best = -1;
     float highest = 0.0f;
     for (int i = 0; i < SL_COMPONENTS; i++) {
+        if (i == SL_INDIRECT && s->mixed) continue;
         float priority = sl_multi_mesh_takes_part(s, i) ? sl_displayed_priority(s->part[i]) : 0.0f;
         if (priority > highest) {
             highest = priority;
@@ -170,7 +172,7 @@ typedef struct refinement {
 
 static sl_status take_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *error) {
     for (int k = 0; k < s->settings.multi_mesh.batch; k++) {
-        int part = most_urgent(s);
+        int part = sl_multi_mesh_most_urgent(s);
         if (part < 0) break;
         sl_displayed *mesh = s->part[part];
         sl_patch_place place = sl_displayed_take(mesh);
@@ -209,7 +211,7 @@ static sl_status serve_leaves(sl_multi_mesh_state *s, refinement *r, sl_error *e
     return status;
 }
 
-static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error) {
+sl_status sl_multi_mesh_refine(sl_multi_mesh_state *s, size_t *served, sl_error *error) {
     size_t batch = (size_t)s->settings.multi_mesh.batch;
     sl_wanted_vertex *wanted = sl_allocate(SL_COMPONENTS * batch * LEAF_VERTICES, sizeof *wanted);
     refinement r = {.leaf = sl_allocate(batch, sizeof *r.leaf)};
@@ -219,77 +221,6 @@ static sl_status refine(sl_multi_mesh_state *s, size_t *served, sl_error *error)
     sl_free(wanted);
     sl_free(r.leaf);
     return status;
-}
-
-static void end_picture(sl_multi_mesh_state *s) {
-    sl_multi_mesh_announce_light_sample(s);
-    sl_multi_mesh_remember_done(s);
-    s->phase = SL_PHASE_DONE;
-}
-
-/* Leaves were judged by the other components as they were then. Before the end all are judged by what there
- * is now. */
-static bool look_again(sl_multi_mesh_state *s) {
-    for (int i = 0; i < SL_COMPONENTS; i++) {
-        if (!sl_multi_mesh_takes_part(s, i)) continue;
-        if (s->world > 1 && !s->judged) sl_displayed_settle_all(s->part[i], &s->counters);
-        sl_displayed_prioritise(s->part[i]);
-    }
-    s->judged = true;
-    return most_urgent(s) >= 0;
-}
-
-static sl_status refine_and_extend(sl_multi_mesh_state *s, sl_error *error) {
-    size_t served = 0;
-    bool coarse = s->plan.indirect && !sl_coarse_is_of_now(s) && sl_is_in_view(s->part[SL_INDIRECT]);
-    bool full = sl_multi_mesh_is_full(s);
-    sl_status status = full ? SL_OK : refine(s, &served, error);
-    if (status == SL_OK && coarse) return sl_multi_mesh_extend_coarse(s, error);
-    if (status == SL_OK && served == 0 && !s->old_left && (full || !look_again(s))) end_picture(s);
-    return status;
-}
-
-/* ---- an update ---- */
-
-/* From then on frames may show it: the most visible edges of light are split, or at least the roots lit while
- * something moves. */
-static void note_light(sl_multi_mesh_state *s) {
-    bool refines = s->phase == SL_PHASE_REFINE && (s->is_edited || s->fraction >= 0.25);
-    s->has_light = s->has_light || refines || s->phase == SL_PHASE_DONE;
-}
-
-/* The first picture: one phase after the other. */
-static sl_status update_phase(sl_multi_mesh_state *s, sl_error *error) {
-    switch (s->phase) {
-    case SL_PHASE_VIEW: return draw_view(s, error);
-    case SL_PHASE_FIRST: return first_vertices(s, error);
-    case SL_PHASE_REFINE: return refine_and_extend(s, error);
-    case SL_PHASE_DONE: break;
-    }
-    return SL_OK;
-}
-
-/* Once there has been an edit an update has a share for each: the view if it has changed, vertices that faces
- * lack which have come into it, what edits have made old, refinement. So leaves are cut and put together
- * whatever moves, and however often. */
-static sl_status update_shares(sl_multi_mesh_state *s, sl_error *error) {
-    sl_status status = s->phase == SL_PHASE_VIEW ? draw_view(s, error) : SL_OK;
-    if (status == SL_OK && s->phase == SL_PHASE_FIRST) status = first_vertices(s, error);
-    if (status == SL_OK && s->phase != SL_PHASE_DONE) status = sl_multi_mesh_renew(s, error);
-    return status == SL_OK && s->phase != SL_PHASE_DONE ? refine_and_extend(s, error) : status;
-}
-
-sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error) {
-    sl_multi_mesh_state *s = state;
-    if (!s->raster)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
-    sl_status status = SL_OK;
-    if (s->is_edited) status = update_shares(s, error);
-    else status = update_phase(s, error);
-    progress->fraction = sl_multi_mesh_fraction(s);
-    progress->frame_done = progress->done = s->phase == SL_PHASE_DONE;
-    note_light(s);
-    return status == SL_OK && s->has_light ? sl_multi_mesh_show(s, error) : status;
 }
 
 /* ---- image pass 3: Gouraud; image pass 4: merge ---- */

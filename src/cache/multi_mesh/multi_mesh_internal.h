@@ -4,7 +4,8 @@
  *   plan.c             which passes a scene needs
  *   multi_mesh.c       the paper: the passes of a picture, update by update
  *   world.c, state.c   what a picture is made from; made, measured
- *   edit.c, follow.c   lights and objects that move: what still holds, what is old, and is renewed
+ *   update.c           a step of the picture; edits
+ *   follow.c           lights and objects that move: what still holds, what is old, and is renewed
  *   window.c           frames beside updates
  *   displayed.h        a mesh as the eye uses it: priorities, tests, drawing (progressive sampling, pass 3)
  *   direct.c           direct diffuse and specular radiance from them
@@ -45,7 +46,7 @@ typedef struct sl_coarse_eye {
 typedef struct sl_coarse_rounds {
     sl_coarse *coarse;          /* NULL: there is none */
     uint32_t world, lit;        /* in which it was begun */
-    sl_coarse_share *shares;    /* F by vertex and light; NULL: few_rays, or none yet */
+    sl_coarse_share *shares;    /* F by vertex and light; NULL: few_rays, rolls, or all are there */
     /* while things move: one round of gathers that see the coarse mesh before it, with all bounces */
     bool rolls;
     size_t done;                /* vertices of the round under way */
@@ -72,6 +73,8 @@ typedef struct sl_multi_mesh_state {
     sl_irradiance_meshes *irradiance;
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
     sl_coarse_rounds whole, next;   /* coarse meshes: that which gathers see, and one that is being made */
+    sl_coarse_kept kept;            /* light samples of the last that was whole */
+    bool gathers_wait;              /* for a coarse mesh of now: an edit came to one that was */
     sl_object_places *places;       /* where objects are in it */
     float scale;                    /* the scene's: tolerances follow it */
     uint32_t world;                 /* 1, and one more with each edit of what is lit or lights it */
@@ -84,6 +87,8 @@ typedef struct sl_multi_mesh_state {
     bool is_edited;                 /* since the method began, the view included: updates are shared out */
     size_t old_left;                /* values in view that an edit has left to be taken again */
     uint32_t oldest_left;           /* the world of the oldest of direct light */
+    uint32_t renewed_world;         /* the world in the last update that renewed some */
+    bool mixed; /* nothing has moved since, and soon all gathers are of one world: until then they cut nothing */
     bool judged;                    /* all edges, since the last edit */
 
     /* what depends on the view */
@@ -118,8 +123,22 @@ static inline const sl_material *sl_face_material(const sl_scene *scene, uint32_
 
 /* ---- multi_mesh.c ---- */
 
-sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error);
+/* Image passes 1 and 2, of the view as it is. */
+sl_status sl_multi_mesh_draw_view(sl_multi_mesh_state *s, sl_error *error);
+/* Some of the vertices that visible leaves lack; once none does refinement begins. */
+sl_status sl_multi_mesh_first_vertices(sl_multi_mesh_state *s, sl_error *error);
+/* Returns the mesh whose leaf is to be served next; -1: none is worth it. */
+int sl_multi_mesh_most_urgent(const sl_multi_mesh_state *s);
+/* Serves a batch of leaves. */
+sl_status sl_multi_mesh_refine(sl_multi_mesh_state *s, size_t *served, sl_error *error);
+/* Image passes 3 and 4. */
 sl_status sl_multi_mesh_resolve(void *state, sl_image **image, sl_error *error);
+
+/* ---- update.c ---- */
+
+sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error);
+sl_status sl_multi_mesh_edit(void *state, unsigned changes, sl_error *error);
+
 static inline bool sl_is_in_view(const sl_displayed *part) { return part && part->root_count > 0; }
 
 /* ---- state.c ---- */
@@ -180,10 +199,6 @@ static inline size_t sl_multi_mesh_share(const sl_multi_mesh_state *s, size_t of
     return share >= of_large ? of_large : share > of_large / 16 ? share : of_large / 16;
 }
 
-/* ---- edit.c ---- */
-
-sl_status sl_multi_mesh_edit(void *state, unsigned changes, sl_error *error);
-
 /* ---- follow.c ---- */
 
 /* Lights or objects have changed. What cannot have changed stays as it is; the rest is old, and seen until it
@@ -203,11 +218,13 @@ void sl_multi_mesh_carry(sl_multi_mesh_state *s);
 /* Leaves copies of the meshes for a window, if there is one. */
 sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error);
 
-/* ---- coarse_light.c ---- */
+/* ---- coarse_rounds.c ---- */
 
 void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds, unsigned threads);
 /* Gathers are made anew: the hardware's vertices have moved. */
 void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds, unsigned threads);
+/* Tells whether gathers of a quarter of the pixels a side have fewer. */
+bool sl_multi_mesh_has_quick(const sl_multi_mesh_state *s);
 /* Makes the gather of all pixels, or of a quarter of them a side, where there is none. */
 sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick,
                                   sl_error *error);

@@ -117,7 +117,7 @@ void sl_multi_mesh_remember_done(sl_multi_mesh_state *s) {
 
 bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part) {
     bool done = s->seen_before && part != SL_DIRECT_SPECULAR;
-    return s->part[part] && !done && (part != SL_INDIRECT || s->whole.coarse);
+    return s->part[part] && !done && (part != SL_INDIRECT || (s->whole.coarse && !s->gathers_wait));
 }
 
 int sl_multi_mesh_light_depth(const sl_multi_mesh_state *s, int wanted) {
@@ -219,23 +219,30 @@ static const sl_counters *multi_mesh_counters(const void *state) {
     return &((const sl_multi_mesh_state *)state)->counters;
 }
 
+static size_t bytes_of_rounds(const sl_coarse_rounds *r, size_t lights) {
+    if (!r->coarse) return 0;
+    size_t of_vertex = (r->direct ? sizeof *r->direct : 0) + (r->indirect ? sizeof *r->indirect : 0) +
+                       (r->shares ? lights * sizeof *r->shares : 0);
+    size_t bytes = sl_coarse_memory_bytes(r->coarse) + r->coarse->vertex_count * of_vertex;
+    for (int i = 0; i < 2; i++)
+        if (r->eye[i].gather) bytes += sl_gather_memory_bytes(r->eye[i].gather);
+    return bytes;
+}
+
 static size_t multi_mesh_bytes(const void *state) {
     const sl_multi_mesh_state *s = state;
+    const size_t lights = s->lights ? s->lights->count : 0;
     size_t bytes = sizeof *s + sl_multi_mesh_pixels(s) * (sizeof *s->id + 3 * SL_COMPONENTS * sizeof(float));
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->primitives) bytes += sl_primitives_memory_bytes(s->primitives);
     if (s->sampling) bytes += sl_light_sampling_memory_bytes(s->sampling);
     if (s->irradiance) bytes += sl_irradiance_meshes_bytes(s->irradiance);
-    const sl_coarse_rounds *rounds[2] = {&s->whole, &s->next};
-    for (int i = 0; i < 4; i++) {
-        const sl_coarse_rounds *r = rounds[i / 2];
-        if (i % 2 == 0 && r->coarse) bytes += sl_coarse_memory_bytes(r->coarse);
-        if (r->eye[i % 2].gather) bytes += sl_gather_memory_bytes(r->eye[i % 2].gather);
-    }
+    bytes += bytes_of_rounds(&s->whole, lights) + bytes_of_rounds(&s->next, lights) +
+             sl_coarse_kept_bytes(&s->kept);
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);
-    return bytes;
+    return bytes + sl_mesh_exchange_bytes(s->exchange);
 }
 
 static const sl_raster *multi_mesh_raster(const void *state) {

@@ -55,6 +55,15 @@ void sl_mesh_exchange_leave(sl_mesh_exchange *e) {
     sl_free(e);
 }
 
+size_t sl_mesh_exchange_bytes(const sl_mesh_exchange *e) {
+    size_t bytes = 0;
+    for (int i = 0; e && i < 2 * SL_COMPONENTS; i++) {
+        const sl_patches *copy = e->set[i % 2].part[i / 2];
+        if (copy) bytes += sl_patches_memory_bytes(copy);
+    }
+    return bytes;
+}
+
 static sl_status exchange_create(sl_mesh_exchange **exchange, sl_error *error) {
     sl_mesh_exchange *e = sl_allocate(1, sizeof *e);
     if (!e) return sl_fail_memory(error, "frames beside updates");

@@ -38,7 +38,9 @@ static const struct {
     {"multi-mesh", CAMERA, SL_COUNT_INDIRECT_SAMPLES, 0.3},
     {"multi-mesh", COLOURS, SL_COUNT_LIGHT_SAMPLES, 0.05},
     {"multi-mesh", 1u << EDIT_POWER, SL_COUNT_LIGHT_SAMPLES, 0.2}, /* the coarse mesh's, by other rays */
-    {"multi-mesh", 1u << EDIT_PLACE | 1u << EDIT_TRANSFORM, SL_COUNT_LIGHT_SAMPLES, 1.5},
+    {"multi-mesh", 1u << EDIT_PLACE, SL_COUNT_LIGHT_SAMPLES, 1.5},
+    {"multi-mesh", 1u << EDIT_TRANSFORM, SL_COUNT_LIGHT_SAMPLES, 0.6},
+    {"multi-mesh", LIGHT, SL_COUNT_INDIRECT_SAMPLES, 1.3},
     {"shading-cache", CAMERA, SL_COUNT_POINTS_SHADED, 0.3},
     {"shading-cache", LIGHT & ~(1u << EDIT_SKY), SL_COUNT_SPLITS, 0.2},
     {"path", CAMERA | LIGHT, SL_COUNT_SAMPLES, ANEW},

@@ -38,8 +38,8 @@ static sl_vec3 face_normal(const sl_scene *scene, uint32_t face) {
 }
 
 static sl_vec3 position_of(const meshed *m, size_t v) {
-    sl_coarse_vertex at = m->coarse->vertex[v];
-    return face_point(m->scene, at.face, (float)at.p / SL_PATCH_DYADIC, (float)at.q / SL_PATCH_DYADIC)
+    sl_root_place at = m->coarse->vertex[v];
+    return face_point(m->scene, at.root, (float)at.u / SL_PATCH_DYADIC, (float)at.v / SL_PATCH_DYADIC)
         .lit.position;
 }
 
@@ -55,7 +55,7 @@ static void edges_are_split_until_they_are_short_or_deep_enough(void **state) {
         size_t n = (size_t)1 << level[k];
         assert_int_equal(m.coarse->vertex_count, 2 * (n + 1) * (n + 1));
         for (size_t v = 0; v < 2 * (n + 1) * (n + 1); v++)
-            assert_int_equal(m.coarse->vertex[v].depth, level[k]);
+            assert_int_equal(m.coarse->level[m.coarse->vertex[v].root], level[k]);
         meshed_destroy(&m);
     }
 }
@@ -86,10 +86,10 @@ static void no_point_of_a_flat_surface_is_sampled_twice(void **state) {
         size_t count = m.coarse->vertex_count, creases = 0;
         for (size_t i = 0; i < count; i++) {
             for (size_t j = 0; j < i; j++) {
-                sl_coarse_vertex a = m.coarse->vertex[i], b = m.coarse->vertex[j];
+                sl_root_place a = m.coarse->vertex[i], b = m.coarse->vertex[j];
                 if (sl_length(sl_sub(position_of(&m, i), position_of(&m, j))) > 1e-5f) continue;
                 float turned =
-                    sl_length(sl_sub(face_normal(m.scene, a.face), face_normal(m.scene, b.face)));
+                    sl_length(sl_sub(face_normal(m.scene, a.root), face_normal(m.scene, b.root)));
                 assert_true(turned > 5e-5f); /* another side, or beyond a crease */
                 creases += turned < 1.9f;
             }
@@ -111,7 +111,7 @@ static void faces_that_reflect_nothing_are_not_sampled(void **state) {
         trace_mesh_quad(&mesh, sl_v3(2.0f * (float)k, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), all[k]);
     meshed m = mesh_of(trace_mesh_build(&mesh), 10.0f, 0);
     assert_int_equal(m.coarse->vertex_count, 8);
-    for (size_t v = 0; v < 8; v++) assert_true(m.coarse->vertex[v].face >= 12);
+    for (size_t v = 0; v < 8; v++) assert_true(m.coarse->vertex[v].root >= 12);
     meshed_destroy(&m);
 }
 
@@ -124,7 +124,7 @@ static void the_inner_side_of_a_solid_is_not_sampled(void **state) {
                     trace_mesh_material(&mesh, 0, 0, 0, 0, 1));
     meshed m = mesh_of(trace_mesh_build(&mesh), 10.0f, 0);
     assert_int_equal(m.coarse->vertex_count, 24); /* four corners of six sides */
-    for (size_t v = 0; v < 24; v++) assert_int_equal(m.coarse->vertex[v].face % 2, 0);
+    for (size_t v = 0; v < 24; v++) assert_int_equal(m.coarse->vertex[v].root % 2, 0);
     meshed_destroy(&m);
 }
 
@@ -164,13 +164,14 @@ static void light_is_asked_for_a_little_within_rims(void **state) {
     meshed m = mesh_of(quad_scene(0.5f), 0.36f, 8);
     size_t within = 0, rim = 0;
     for (size_t v = 0; v < m.coarse->vertex_count; v++) {
-        sl_coarse_vertex at = m.coarse->vertex[v];
-        const int own[3] = {SL_PATCH_DYADIC - at.p - at.q, at.p, at.q},
-                  lit[3] = {SL_PATCH_DYADIC - at.lit_p - at.lit_q, at.lit_p, at.lit_q};
+        sl_root_place at = m.coarse->vertex[v];
+        const sl_root_place to = sl_coarse_lit_place(m.coarse, v);
+        const int own[3] = {SL_PATCH_DYADIC - at.u - at.v, at.u, at.v},
+                  lit[3] = {SL_PATCH_DYADIC - to.u - to.v, to.u, to.v};
         bool on_rim = !own[0] || !own[1] || !own[2];
         for (int k = 0; k < 3; k++)
             assert_int_equal(on_rim && !own[k] ? SL_PATCH_DYADIC / 24 : on_rim ? lit[k] : own[k], lit[k]);
-        assert_true(near((double)at.lit_p, (double)at.p, SL_PATCH_DYADIC / 12.0 + 1.0));
+        assert_true(near((double)to.u, (double)at.u, SL_PATCH_DYADIC / 12.0 + 1.0));
         rim += on_rim;
         within += !on_rim;
     }

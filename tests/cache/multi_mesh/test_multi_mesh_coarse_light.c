@@ -48,17 +48,17 @@ static void discard(lit_hall *h) {
 }
 
 /* Places all over one side of the floor. */
-static void places(uint32_t face, sl_coarse_vertex vertex[POINTS]) {
+static void places(uint32_t face, sl_root_place vertex[POINTS]) {
     for (int i = 0; i < POINTS; i++) {
         int p = 60 + 35 * i, q = 40 + (i * 7 % 23) * 80;
         q = q < SL_PATCH_DYADIC - p ? q : 10;
-        vertex[i] = (sl_coarse_vertex){face, (uint16_t)p, (uint16_t)q, (uint16_t)p, (uint16_t)q, 0};
+        vertex[i] = (sl_root_place){face, (uint16_t)p, (uint16_t)q};
     }
 }
 
 /* pi U_dd without occluders, of the lights up to `count`. */
-static double unoccluded(const lit_hall *h, const sl_coarse_vertex *v, size_t count) {
-    sl_mesh_point at = sl_mesh_point_at(h->primitives, (sl_root_place){v->face, v->p, v->q});
+static double unoccluded(const lit_hall *h, const sl_root_place *v, size_t count) {
+    sl_mesh_point at = sl_mesh_point_at(h->primitives, *v);
     sl_lit_point point = at.lit;
     double sum = 0.0;
     for (size_t l = 0; l < count; l++)
@@ -70,7 +70,7 @@ static double unoccluded(const lit_hall *h, const sl_coarse_vertex *v, size_t co
 static void where_nothing_is_between_all_lights_count_though_few_are_asked(void **state) {
     (void)state;
     lit_hall h = hall(LAMPS, 1);
-    sl_coarse_vertex vertex[POINTS];
+    sl_root_place vertex[POINTS];
     sl_rgb radiance[POINTS];
     places(0, vertex);
     assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, NULL, radiance, &h.counters, NULL), SL_OK);
@@ -88,7 +88,7 @@ static void where_nothing_is_between_all_lights_count_though_few_are_asked(void 
 static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(void **state) {
     (void)state;
     lit_hall h = hall(LAMPS / 2, 1);
-    sl_coarse_vertex vertex[POINTS];
+    sl_root_place vertex[POINTS];
     sl_rgb radiance[POINTS];
     places(0, vertex);
     assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, NULL, radiance, &h.counters, NULL), SL_OK);
@@ -133,11 +133,11 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
     size_t floor = 0;
     for (size_t i = 0; i < coarse->vertex_count; i++) {
         sl_rgb radiance;
-        const sl_coarse_vertex *v = &coarse->vertex[i];
-        if (v->face != 0 && v->face != 2) continue;
-        assert_int_equal(sl_coarse_light_take(&h.light, 1, v, NULL, &radiance, &h.counters, NULL), SL_OK);
+        const sl_root_place v = sl_coarse_lit_place(coarse, i);
+        if (v.root != 0 && v.root != 2) continue;
+        assert_int_equal(sl_coarse_light_take(&h.light, 1, &v, NULL, &radiance, &h.counters, NULL), SL_OK);
         floor++;
-        double open = unoccluded(&h, v, 1) / SL_PI;
+        double open = unoccluded(&h, &v, 1) / SL_PI;
         assert_true((double)radiance.g > 0.9 * open);
     }
     assert_int_equal(floor, 4);

@@ -1,0 +1,318 @@
+/* The coarse mesh of the whole scene, some vertices an update: first the light of lamps at all of them; under
+ * an environment what each gathers of that alone, past surfaces that are black as yet; then, for each bounce
+ * after the first, what each gathers of all, which makes the light that it sends on (k_d / pi) (sum E_d +
+ * E_i). From then on indirect light has a mesh to gather from. */
+#include "cache/multi_mesh/multi_mesh_internal.h"
+
+#include <math.h>
+
+#include "base/batch.h"
+#include "base/error.h"
+#include "base/math.h"
+#include "base/memory.h"
+#include "cache/multi_mesh/coarse.h"
+
+/* An update's, beside refinement; where most shares of light are kept so many times as long as few are
+ * sampled. */
+enum { COARSE_VERTICES = 1024, KEPT_TIMES = 16 };
+
+/* ---- gathers ---- */
+
+/* A point on a crease lies in the plane of the faces beyond: it would see them edge-on, and half of what is
+ * behind them. What is meant is the limit from within its own face, so the eye moves towards that face's
+ * middle by a little. Where the face falls below the tangent plane (a bulge) the eye stays in the plane, so
+ * as not to dive. Where it rises above it (a hollow) it is raised off the face and sees it: else it would
+ * look out through it. On a flat face and a bulge it must not see its own, which it lies in. */
+static void look_from_within(const sl_scene *scene, uint32_t face, sl_gather_point *point) {
+    uint32_t triangle = face / 2;
+    if (point->triangle == SL_NO_INDEX) point->triangle = triangle;
+    if (triangle >= scene->triangle_count) return;
+    sl_vec3d middle = sl_v3d(0.0, 0.0, 0.0), p = sl_to_double(point->position),
+             n = sl_to_double(point->geometric_normal);
+    for (int k = 0; k < 3; k++)
+        middle = sl_addd(middle, sl_to_double(sl_scene_position(scene, scene->vertex[k][triangle])));
+    sl_vec3d way = sl_subd(sl_scaled(middle, 1.0 / 3.0), p);
+    double length = sl_lengthd(way), step = 4e-4 * (double)scene->scale;
+    if (!(length > 0.0)) return;
+    step = step < 0.25 * length ? step : 0.25 * length;
+    way = sl_scaled(way, step / length);
+    double rise = sl_dotd(way, n);
+    if (rise < 0.0) way = sl_subd(way, sl_scaled(n, rise));
+    if (rise > 0.02 * step) {
+        point->triangle = SL_NO_INDEX;
+        way = sl_addd(way, sl_scaled(sl_to_double(sl_scene_geometric_normal(scene, triangle)),
+                                      (face % 2 ? -0.25 : 0.25) * step));
+    }
+    point->position = sl_to_float(sl_addd(p, way));
+}
+
+sl_rgb sl_coarse_gather(const sl_scene *scene, const sl_gather *gather, const sl_mesh_point *at,
+                        sl_gather_scratch *scratch, sl_counters *counters) {
+    const sl_lit_point *lit = &at->lit;
+    sl_vec3 normal = sl_normalize_or(lit->normal, lit->geometric_normal);
+    sl_gather_point point = {.position = lit->position,
+                             .geometric_normal = sl_normalize_or(lit->geometric_normal, normal),
+                             .normal = normal,
+                             .triangle = lit->triangle};
+    if (!sl_is_finite(lit->position) || !(sl_dot(normal, normal) > 0.5f)) { /* no number, no direction */
+        sl_count(counters, SL_COUNT_NONFINITE, 1);
+        return sl_grey(0.0f);
+    }
+    look_from_within(scene, at->face, &point);
+    return sl_gather_known_colours(gather, &point, scratch, counters);
+}
+
+typedef struct gathering {
+    const sl_multi_mesh_state *s;
+    const sl_coarse_eye *eye;
+    const sl_mesh_point *point;
+} gathering;
+
+static void gather_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
+    const gathering *g = context;
+    sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
+    *(sl_rgb *)result =
+        sl_coarse_gather(g->s->scene, g->eye->gather, &g->point[i], g->eye->scratch[worker], counters);
+}
+
+static void forget_eye(sl_coarse_eye *eye, unsigned threads) {
+    for (unsigned t = 0; eye->scratch && t < threads; t++) sl_gather_scratch_destroy(eye->scratch[t]);
+    sl_free(eye->scratch);
+    sl_gather_destroy(eye->gather);
+    *eye = (sl_coarse_eye){.gather = NULL};
+}
+
+void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds, unsigned threads) {
+    for (int i = 0; i < 2; i++) forget_eye(&rounds->eye[i], threads);
+}
+
+static sl_status make_eye(sl_multi_mesh_state *s, const sl_coarse *coarse, sl_coarse_eye *eye,
+                          sl_error *error) {
+    sl_lattice_colours colours = {coarse->face, coarse->colour};
+    sl_gather_settings gather = {.kind = SL_GATHER_PLANE,
+                                 .size = eye->pixels,
+                                 .plane_fov = (float)s->settings.multi_mesh.gather_fov,
+                                 .border = SL_BORDER_LC04,
+                                 .colours = &colours};
+    sl_status status = sl_gather_create(s->scene, s->raster, NULL, &gather, s->settings.threads, &eye->gather,
+                                        &s->counters, error);
+    eye->scratch = sl_allocate(s->settings.threads, sizeof *eye->scratch);
+    if (status == SL_OK && !eye->scratch) status = sl_fail_memory(error, "gathers");
+    for (unsigned t = 0; t < s->settings.threads && status == SL_OK; t++)
+        status = sl_gather_scratch_create(eye->gather, &eye->scratch[t], error);
+    return status;
+}
+
+/* A quarter of the pixels, unless that is too few to be drawn. */
+static int pixels_of(const sl_multi_mesh_state *s, bool quick) {
+    return quick && sl_multi_mesh_has_quick(s) ? s->settings.gather_size / 4 : s->settings.gather_size;
+}
+
+bool sl_multi_mesh_has_quick(const sl_multi_mesh_state *s) {
+    return s->settings.gather_size >= 4 * SL_GATHER_COLOURED_LEAST;
+}
+
+sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick,
+                                  sl_error *error) {
+    sl_coarse_eye *eye = &rounds->eye[quick];
+    eye->pixels = pixels_of(s, quick);
+    sl_status status = eye->gather ? SL_OK : make_eye(s, rounds->coarse, eye, error);
+    if (status != SL_OK) forget_eye(eye, s->settings.threads);
+    return status;
+}
+
+sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick, size_t count,
+                               const sl_mesh_point *points, sl_rgb *irradiance, sl_error *error) {
+    sl_coarse_eye *eye = &rounds->eye[quick];
+    sl_status status = sl_multi_mesh_ready_eye(s, rounds, quick, error);
+    if (status != SL_OK) return status;
+    gathering g = {s, eye, points};
+    const sl_batch batch = {count, gather_one, &g, irradiance, sizeof *irradiance};
+    sl_batch_run(&batch, s->settings.threads, &s->counters);
+    return SL_OK;
+}
+
+/* ---- rounds ---- */
+
+void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds, unsigned threads) {
+    sl_multi_mesh_forget_eyes(rounds, threads);
+    sl_free(rounds->shares);
+    sl_free(rounds->direct);
+    sl_free(rounds->indirect);
+    sl_coarse_destroy(rounds->coarse);
+    *rounds = (sl_coarse_rounds){.coarse = NULL};
+}
+
+/* Returns how often its vertices gather: the environment's light, and each bounce after the first. */
+static uint32_t rounds_of(const sl_multi_mesh_state *s) {
+    return s->settings.bounces - 1 + (s->scene->environment.present ? 1 : 0);
+}
+
+/* Room for the lights' shares, and those of the last whole mesh that hold. Of few rays none are kept. */
+static sl_status begin_shares(sl_multi_mesh_state *s, sl_error *error) {
+    sl_coarse_rounds *r = &s->next;
+    if (!s->plan.lights || s->light.few_rays || r->rolls) return SL_OK;
+    r->shares = sl_allocate(r->coarse->vertex_count * s->lights->count, sizeof *r->shares);
+    if (!r->shares) return sl_fail_memory(error, "the coarse mesh's light");
+    if (!s->kept.count) return SL_OK;
+    return sl_coarse_shares_that_hold(&s->kept, &s->light, s->places, r->coarse, r->shares, error);
+}
+
+sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error) {
+    bool moves = s->whole.coarse && s->whole.lit != s->lit, rolls = moves && rounds_of(s) > 0;
+    float edge = (float)sl_multi_mesh_coarse_edge(s->scene, &s->settings);
+    /* a quarter of the vertices while things move: what has gone on is soon seen */
+    sl_coarse_settings coarse = {rolls ? 2.0f * edge : edge, s->settings.multi_mesh.coarse_depth - rolls};
+    if (coarse.depth < 0) coarse.depth = 0;
+    s->next = (sl_coarse_rounds){.world = s->world, .lit = s->lit, .rolls = rolls};
+    sl_status status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->next.coarse, error);
+    if (status != SL_OK) return status;
+    size_t count = s->next.coarse->vertex_count;
+    status = begin_shares(s, error);
+    if (status != SL_OK) return status;
+    s->next.direct = sl_allocate(count, sizeof *s->next.direct);
+    if (s->next.rolls) s->next.indirect = sl_allocate(count, sizeof *s->next.indirect);
+    bool done = s->next.direct && (s->next.indirect || !s->next.rolls);
+    return done ? SL_OK : sl_fail_memory(error, "the coarse mesh");
+}
+
+/* Tells whether a round's gathers have few pixels: what the coarse mesh's vertices gather of each other is
+ * seen by hundreds of them at once, so few are enough; a sky may hold a sun. */
+static bool is_quick_round(const sl_multi_mesh_state *s) { return s->next.gathers != s->settings.bounces; }
+
+static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
+    if (!s->plan.lights) return SL_OK;
+    size_t lights = s->lights->count;
+    sl_coarse_rounds *r = &s->next;
+    sl_root_place place[COARSE_VERTICES];
+    for (size_t i = 0; i < count; i++) place[i] = sl_coarse_lit_place(r->coarse, r->done + i);
+    sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
+    return sl_coarse_light_take(&s->light, count, place, r->shares ? r->shares + r->done * lights : NULL, r->direct + r->done,
+                                &s->counters, error);
+}
+
+/* U_dd, and E_i / pi where it is known, is what gathers see. */
+static void set_coarse(sl_coarse_rounds *r, unsigned threads) {
+    for (size_t i = 0; i < r->coarse->vertex_count; i++) {
+        sl_rgb more = r->indirect ? sl_rgb_scale(r->indirect[i], (float)(1.0 / SL_PI)) : sl_grey(0.0f);
+        sl_coarse_set(r->coarse, i, sl_rgb_add(r->direct[i], more));
+    }
+    sl_coarse_finish(r->coarse, threads);
+}
+
+/* All lights are hidden from all surfaces: nothing bounces, and there is nothing to be gathered. */
+static bool is_dark(const sl_multi_mesh_state *s) {
+    sl_rgb brightest = sl_coarse_brightest(s->next.coarse);
+    return !s->scene->environment.present &&
+           !(brightest.r > 0.0f || brightest.g > 0.0f || brightest.b > 0.0f);
+}
+
+static void leave_out_indirect(sl_multi_mesh_state *s) {
+    sl_displayed_destroy(s->part[SL_INDIRECT]);
+    s->part[SL_INDIRECT] = NULL;
+    s->plan.indirect = false;
+}
+
+/* It takes the place of the one before. */
+static void end_coarse(sl_multi_mesh_state *s) {
+    if (s->whole.coarse) sl_multi_mesh_carry(s);
+    sl_multi_mesh_forget_coarse(&s->whole, s->settings.threads);
+    s->whole = s->next;
+    s->next = (sl_coarse_rounds){.coarse = NULL};
+    sl_free(s->whole.direct);
+    s->whole.direct = NULL;
+}
+
+/* The environment's light is gathered past surfaces that are black. */
+static void blacken_coarse(sl_multi_mesh_state *s) {
+    for (size_t i = 0; i < s->next.coarse->vertex_count; i++) sl_coarse_set(s->next.coarse, i, sl_grey(0.0f));
+    sl_coarse_finish(s->next.coarse, s->settings.threads);
+}
+
+/* Shares that were taken in one state of the scene. */
+static sl_status keep_shares(sl_multi_mesh_state *s, sl_error *error) {
+    sl_coarse_share *shares = s->next.shares;
+    if (!shares || s->next.lit != s->lit) return SL_OK;
+    s->next.shares = NULL;
+    return sl_coarse_keep(&s->light, s->next.coarse, shares, &s->kept, error);
+}
+
+/* The light of lamps is there. The environment's is yet to be gathered, and so is each bounce after the
+ * first. */
+static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
+    bool sky = s->scene->environment.present;
+    sl_status status = keep_shares(s, error);
+    if (status != SL_OK) return status;
+    set_coarse(&s->next, s->settings.threads);
+    sl_announce_pass(&s->announcer, "coarse mesh", "for equation (7)");
+    if (is_dark(s)) {
+        leave_out_indirect(s);
+        return SL_OK;
+    }
+    if (sky) blacken_coarse(s);
+    s->next.gathers = rounds_of(s);
+    if (s->next.gathers == 0) {
+        end_coarse(s);
+        return SL_OK;
+    }
+    s->next.done = 0;
+    s->next.indirect = sl_allocate(s->next.coarse->vertex_count, sizeof *s->next.indirect);
+    return s->next.indirect ? SL_OK : sl_fail_memory(error, "the coarse mesh's gathers");
+}
+
+static sl_status gather_for_coarse(sl_multi_mesh_state *s, sl_coarse_rounds *seen, size_t count,
+                                   sl_error *error) {
+    sl_mesh_point points[COARSE_VERTICES];
+    for (size_t i = 0; i < count; i++)
+        points[i] = sl_mesh_point_at(s->primitives, sl_coarse_lit_place(s->next.coarse, s->next.done + i));
+    return sl_multi_mesh_gather(s, seen, s->next.rolls || is_quick_round(s), count, points,
+                                s->next.indirect + s->next.done, error);
+}
+
+static void finish_gathers(sl_multi_mesh_state *s) {
+    set_coarse(&s->next, s->settings.threads);
+    sl_announce_pass(&s->announcer,
+                     is_quick_round(s) ? "coarse mesh, one more bounce"
+                                       : "coarse mesh, the environment's light",
+                     "for equation (7)");
+    s->next.done = 0;
+    if (!--s->next.gathers) end_coarse(s);
+}
+
+static size_t update_share(const sl_multi_mesh_state *s) {
+    return s->world > 1 ? sl_multi_mesh_share(s, COARSE_VERTICES) : COARSE_VERTICES;
+}
+
+static sl_status extend(sl_multi_mesh_state *s, sl_error *error) {
+    size_t all = s->next.coarse->vertex_count, left = all - s->next.done, share = update_share(s);
+    size_t count = left < share ? left : share;
+    sl_status status = SL_OK;
+    if (count && (s->next.rolls || !s->next.indirect)) status = light_coarse(s, count, error);
+    if (status == SL_OK && s->next.indirect)
+        status = gather_for_coarse(s, s->next.rolls ? &s->whole : &s->next, count, error);
+    s->next.done += count;
+    if (status != SL_OK || s->next.done < all) return status;
+    if (s->next.rolls) s->next.gathers = 1;
+    if (!s->next.indirect) return finish_direct(s, error);
+    finish_gathers(s);
+    return SL_OK;
+}
+
+static sl_status extend_kept(sl_multi_mesh_state *s, sl_error *error) {
+    const uint64_t *samples = &s->counters.value[SL_COUNT_LIGHT_SAMPLES], end = *samples + update_share(s);
+    sl_status status = extend(s, error);
+    for (int i = 1; i < KEPT_TIMES && status == SL_OK && s->next.shares && *samples < end; i++)
+        status = extend(s, error);
+    return status;
+}
+
+sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
+    sl_status status = s->next.coarse ? SL_OK : sl_multi_mesh_begin_coarse(s, error);
+    if (status == SL_OK) status = s->kept.count ? extend_kept(s, error) : extend(s, error);
+    if (status != SL_OK || s->next.coarse || !s->whole.coarse) return status;
+    sl_multi_mesh_announce_gather(s);
+    s->gathers_wait = s->gathers_wait && s->whole.world != s->world;
+    s->phase = SL_PHASE_FIRST; /* of the indirect mesh */
+    s->priorities_stale = true;
+    return status;
+}
