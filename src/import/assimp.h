@@ -20,8 +20,7 @@ sl_status sl_import_materials(const char *path, const struct aiScene *scene, con
                               sl_model *model, sl_error *error);
 /* Copies the texture coordinates by which the mesh's colour texture is looked up, 2 a vertex; false where it
  * has none. */
-bool sl_import_uvs(const char *path, const struct aiScene *scene, const cJSON *gltf,
-                   const struct aiMesh *mesh, float *uvs, sl_model *model);
+bool sl_import_uvs(const struct aiScene *scene, const cJSON *gltf, const struct aiMesh *mesh, float *uvs);
 
 /* A look at the header of a PLY file before it is imported: Assimp trusts it, and makes up what it promises
  * and the file has not. It must be whole, and the file long enough for what it announces. Files that neither

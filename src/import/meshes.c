@@ -65,7 +65,7 @@ static sl_status add_mesh(const importer *in, const struct aiMesh *mesh, const s
     uint32_t *corners = corners_of(mesh, &made.triangle_count);
     float *uvs = sl_allocate(2 * (size_t)mesh->mNumVertices, sizeof *uvs);
     made.corners = corners;
-    if (uvs && sl_import_uvs(in->path, in->scene, in->gltf, mesh, uvs, in->model)) made.uvs = uvs;
+    if (uvs && sl_import_uvs(in->scene, in->gltf, mesh, uvs)) made.uvs = uvs;
     if (mesh->mColors[0]) sl_scene_warn(&in->model->scene, "%s: vertex colours are not used", in->path);
     if (mesh->mNumBones)
         sl_scene_warn(&in->model->scene, "%s: skinned meshes are shown in their rest pose", in->path);

@@ -146,44 +146,25 @@ static sl_status read_number(reader *r, const statement *s, char *at) {
 
 /* ---- textures ----------------------------------------------------------------------------------------- */
 
-/* The least and the most words that stand behind an option of a texture. */
-typedef struct option {
-    const char *word;
-    int least, most;
-    bool numbers;
-} option;
+/* Options of textures; behind the first ones stands a word, behind the others numbers. */
+static const char *const options[] = {"-blendu", "-blendv", "-clamp", "-cc", "-imfchan", "-type", "-texres",
+                                      "-boost",  "-bm",     "-mm",    "-o",  "-s",       "-t"};
+enum { OPTIONS = sizeof options / sizeof options[0], OF_A_WORD = 6, MOST_NUMBERS = 3 };
 
-static const option options[] = {{"-blendu", 1, 1, false}, {"-blendv", 1, 1, false}, {"-clamp", 1, 1, false},
-                                 {"-cc", 1, 1, false},     {"-imfchan", 1, 1, false}, {"-type", 1, 1, false},
-                                 {"-texres", 1, 1, true},  {"-boost", 1, 1, true},    {"-bm", 1, 1, true},
-                                 {"-mm", 2, 2, true},      {"-o", 1, 3, true},        {"-s", 1, 3, true},
-                                 {"-t", 1, 3, true}};
-
-static const option *option_at(const char *at) {
-    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {
-        if (sl_word_is(at, options[i].word)) return &options[i];
-    }
-    return NULL;
-}
-
-/* Passes over an option; the file's name comes last. */
-static sl_status skip_option(reader *r, const option *o, char **at) {
-    static const char *const expected[] = {"a number", "two numbers", "1 to 3 numbers"};
+/* Passes over an option, if there is one; the file's name comes last. */
+static bool skip_option(reader *r, char **at) {
     float unused;
-    char text[80], *value = sl_word_after(*at);
-    for (int i = 0; i < o->most; i++) {
-        const bool last = sl_is_line_end(value) || sl_is_line_end(sl_word_after(value));
-        if (!last && (!o->numbers || sl_read_number(value, &unused))) value = sl_word_after(value);
-        else if (i >= o->least) break;
-        else {
-            snprintf(text, sizeof text, "%s behind %s and then a file's name",
-                     o->numbers ? expected[o->most - 1] : "a word", o->word);
-            return sl_lines_fail(&r->lines, text, value);
-        }
-    }
-    warn(r, "the texture's option ", o->word, " is not applied");
+    int i = 0;
+    while (i < OPTIONS && !sl_word_is(*at, options[i])) i++;
+    if (i == OPTIONS) return false;
+    char *value = sl_word_after(*at), *next = sl_word_after(value);
+    for (int k = 0; k < (i < OF_A_WORD ? 1 : MOST_NUMBERS) && !sl_is_line_end(next) &&
+                    (i < OF_A_WORD || sl_read_number(value, &unused));
+         k++)
+        value = next, next = sl_word_after(value);
+    warn(r, "the texture's option ", options[i], " is not applied");
     *at = value;
-    return SL_OK;
+    return true;
 }
 
 /* Cuts a name where a comment begins, unless there is a file of the whole. */
@@ -227,12 +208,10 @@ static void use_texture(reader *r, const statement *s, uint32_t texture) {
 }
 
 static sl_status read_texture(reader *r, const statement *s, char *at) {
-    const option *o;
     uint32_t texture;
     sl_error problem;
-    sl_status status = SL_OK;
-    while (status == SL_OK && (o = option_at(at))) status = skip_option(r, o, &at);
-    if (status == SL_OK) status = cut_name(r, at);
+    while (skip_option(r, &at)) {}
+    sl_status status = cut_name(r, at);
     if (status != SL_OK) return status;
     if (!*at) {
         warn(r, s->word, " names no file", "");

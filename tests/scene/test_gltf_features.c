@@ -16,7 +16,6 @@
  * bottom row green and white. The material has what stands for %s; so has the texture. */
 static const char form[] =
     "{\"asset\":{\"version\":\"2.0\"},%s\"materials\":[{\"name\":\"m\",%s}],\"textures\":[{\"source\":0%s}],"
-    "\"samplers\":[{\"wrapS\":33071,\"wrapT\":33071},{\"wrapS\":10497,\"wrapT\":33648}],"
     "\"images\":[{\"mimeType\":\"image/png\",\"uri\":\"data:image/png;base64,"
     "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAEUlEQVR4nGP4z8AAQUD8HwQAP9II+N0OsiwAAAAASUVORK5CYII="
     "\"}],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
@@ -221,23 +220,6 @@ static void features_that_are_not_had_are_told_by_name(void **state) {
           "animations are not played");
 }
 
-static void wrapping_that_is_not_had_is_told_where_it_would_be_seen(void **state) {
-    (void)state;
-    static const char twice[] = "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{"
-                                "\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[2,2]}}}}";
-    static const char once[] =
-        "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0}}";
-    tells(file("", twice, ",\"sampler\":0", ""),
-          "material 'm': its texture is clamped beyond its edges in the file, and repeated here");
-    tells(file("", twice, ",\"sampler\":1", ""), "material 'm': its texture is mirrored beyond its edges");
-    sl_scene *s = load_scene(file("", once, ",\"sampler\":0", ""));
-    assert_int_equal(warnings_of(s, "beyond its edges"), 0);
-    sl_scene_destroy(s);
-    s = load_scene(file("", twice, "", ""));
-    assert_int_equal(warnings_of(s, "beyond its edges"), 0);
-    sl_scene_destroy(s);
-}
-
 /* ---- refused --------------------------------------------------------------------------------- */
 
 static void a_file_that_requires_what_is_not_had_is_refused(void **state) {
@@ -262,7 +244,6 @@ int main(void) {
         cmocka_unit_test(what_is_read_of_materials_and_cameras_is_that_of_their_own),
         cmocka_unit_test(what_is_unlit_is_diffuse_of_its_base_colour),
         cmocka_unit_test(features_that_are_not_had_are_told_by_name),
-        cmocka_unit_test(wrapping_that_is_not_had_is_told_where_it_would_be_seen),
         cmocka_unit_test(a_file_that_requires_what_is_not_had_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);
