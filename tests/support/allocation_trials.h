@@ -1,7 +1,6 @@
 /* Some work, again and again, with another allocation failing each time: whatever fails, the work comes to an
  * end, says in one line that memory ended (or did without, and gives the same result), loses no memory, and
- * can be done afterwards as if nothing had been. Trials run in children, since what they look for may crash.
- * Foreign code (Assimp, Embree, OpenMP's runtime) that does not stand it is counted and told. */
+ * can be done afterwards as if nothing had been. Trials run in children, since what they look for may crash. */
 #ifndef SL_TESTS_ALLOCATION_TRIALS_H
 #define SL_TESTS_ALLOCATION_TRIALS_H
 
@@ -66,7 +65,7 @@ static void run_once(const fault_case *c, long failing, fault_outcome *o) {
 
 static void complain(const fault_case *c, long index, const char *what, const char *detail) {
     const fault_path *p = &board->path[index];
-    fprintf(stderr, "%s: allocation %ld (path %ld, of %s)%s: %s%s%s\n", c->name, p->first, index, p->owner,
+    fprintf(stderr, "%s: allocation %ld (path %ld)%s: %s%s%s\n", c->name, p->first, index,
             all_from_there_on ? " and all after it" : "", what, detail && *detail ? ": " : "",
             detail ? detail : "");
     board->faults++;
@@ -74,8 +73,7 @@ static void complain(const fault_case *c, long index, const char *what, const ch
 
 static void try_path(const fault_case *c, long index) {
     fault_outcome o;
-    const fault_path *p = &board->path[index];
-    run_once(c, p->first, &o);
+    run_once(c, board->path[index].first, &o);
     board->trials++;
     if (o.status == SL_OK) {
         board->absorbed++;
@@ -84,30 +82,18 @@ static void try_path(const fault_case *c, long index) {
     }
     size_t length = strlen(o.error.message);
     if (o.error.status != o.status) complain(c, index, "the error's status is another", o.error.message);
-    /* a library did not say what it lacked */
-    if (o.status != SL_ERROR_RESOURCES && p->foreign) board->misnamed++;
-    else if (o.status != SL_ERROR_RESOURCES)
+    if (o.status != SL_ERROR_RESOURCES)
         complain(c, index, "blames something else than memory", o.error.message);
     if (length == 0 || strchr(o.error.message, '\n'))
         complain(c, index, "does not say in one line what is wrong", o.error.message);
 }
 
-/* Runs the case with all memory there is. A library that was refused some may have broken the heap, for
- * whatever comes after it in this process. */
+/* Runs the case with all memory there is. */
 static void run_whole(const fault_case *c, long index) {
     fault_outcome o;
     run_once(c, -1, &o);
-    const char *what = o.status != SL_OK           ? "fails afterwards, with memory"
-                       : o.hash != board->expected ? "another result afterwards, with memory"
-                                                   : NULL;
-    if (!what) return;
-    if (!board->foreign_before) {
-        complain(c, index, what, o.status != SL_OK ? o.error.message : NULL);
-        return;
-    }
-    board->foreign++;
-    fprintf(stderr, "%s: (not ours) allocation %ld, refused to a library: %s\n", c->name,
-            board->path[index].first, what);
+    if (o.status != SL_OK) complain(c, index, "fails afterwards, with memory", o.error.message);
+    else if (o.hash != board->expected) complain(c, index, "another result afterwards, with memory", NULL);
 }
 
 static void become_mortal(void) {
@@ -128,29 +114,18 @@ static _Noreturn void be_recorder(const fault_case *c) {
     _exit(o.status == SL_OK ? 0 : 1);
 }
 
-/* A chosen subset of the paths of one kind. */
-static bool is_chosen(long index, long step, bool foreign) {
-    return index % step == 0 && board->path[index].foreign == foreign;
-}
-
-static _Noreturn void be_trier(const fault_case *c, long from, long step, bool foreign) {
+static _Noreturn void be_trier(const fault_case *c, long from, long step) {
     become_mortal();
-    board->foreign_before = false;
     if (c->prepare) c->prepare(c);
     run_whole(c, from);
     long i = from;
-    for (int done = 0; i < board->path_count && done < TRIALS_A_CHILD && !board->foreign_before; i++) {
-        if (!is_chosen(i, step, foreign)) continue;
+    for (int done = 0; i < board->path_count && done < TRIALS_A_CHILD; i += step, done++) {
         atomic_store(&board->at, i);
         try_path(c, i);
-        board->foreign_before = board->refused_foreign;
-        done++;
     }
-    run_whole(c, i - 1);
-    /* Leaks of foreign code are not ours to mend, also where everything failed after one of ours did. */
-    if (!foreign && !board->foreign_before && __lsan_do_recoverable_leak_check &&
-        __lsan_do_recoverable_leak_check())
-        complain(c, i - 1, "leaks, or one of those before it", NULL);
+    run_whole(c, i - step);
+    if (__lsan_do_recoverable_leak_check && __lsan_do_recoverable_leak_check())
+        complain(c, i - step, "leaks, or one of those before it", NULL);
     atomic_store(&board->at, i);
     _exit(0);
 }
@@ -196,43 +171,31 @@ static trial_end watch(pid_t child, int *how) {
     }
 }
 
-/* Foreign code may die of what it is refused after one of our own allocations was; and a run later of a heap
- * that it broke. */
-static bool tell_death(const fault_case *c, trial_end end, int how) {
-    long at = atomic_load(&board->at);
-    bool foreign = board->refused_foreign || (board->foreign_before && end == ENDED && WIFSIGNALED(how));
+static void tell_death(const fault_case *c, trial_end end, int how) {
     char what[80];
     if (end != ENDED)
         snprintf(what, sizeof what, "does not end: it %s",
                  end == WAITS ? "waits for what does not come" : "takes a minute of processor time");
     else if (WIFSIGNALED(how)) snprintf(what, sizeof what, "crashes with signal %d", WTERMSIG(how));
     else snprintf(what, sizeof what, "ends the process with status %d", WEXITSTATUS(how));
-    if (!foreign) {
-        complain(c, at, what, NULL);
-    } else {
-        board->foreign++;
-        fprintf(stderr, "%s: (not ours) %s %s at allocation %ld, refused\n", c->name, board->refused_owner,
-                what, board->path[at].first);
-    }
-    return foreign;
+    complain(c, atomic_load(&board->at), what, NULL);
 }
 
-/* All paths of a kind, or every step-th. */
-static void try_paths(const fault_case *c, long step, bool foreign) {
+/* All paths, or every step-th. */
+static void try_paths(const fault_case *c, long step) {
     int crashes = 0;
     for (long from = 0; from < board->path_count && crashes < MOST_CRASHES;) {
-        while (from < board->path_count && !is_chosen(from, step, foreign)) from++;
-        if (from == board->path_count) break;
         atomic_store(&board->at, from);
         fflush(NULL);
         pid_t child = fork();
-        if (child == 0) be_trier(c, from, step, foreign);
+        if (child == 0) be_trier(c, from, step);
         int how = 0;
         const trial_end end = watch(child, &how);
         from = atomic_load(&board->at);
         if (end == ENDED && how == 0) continue;
-        if (!tell_death(c, end, how)) crashes++;
-        from++;
+        tell_death(c, end, how);
+        crashes++;
+        from += step;
     }
 }
 
@@ -243,11 +206,10 @@ static bool make_board(void) {
     return true;
 }
 
-/* SOFTLUX_EVERY_ALLOCATION=1: all paths are tried, foreign ones too, and with all that follow failing as
- * well. Unset: `some` paths of ours. */
+/* SOFTLUX_EVERY_ALLOCATION=1: all paths are tried, and with all that follow failing as well. Unset: `some`. */
 static long how_many_to_try(long some) { return getenv("SOFTLUX_EVERY_ALLOCATION") ? 0 : some; }
 
-/* Returns how many faults there are. most: how many of our own paths are tried; 0: see above. */
+/* Returns how many faults there are. most: how many paths are tried; 0: see above. */
 static long try_case(const fault_case *c, long most) {
     if (!make_board()) return 1;
     all_threads = c->all_threads;
@@ -255,22 +217,13 @@ static long try_case(const fault_case *c, long most) {
     pid_t child = fork();
     if (child == 0) be_recorder(c);
     if (wait_for(child) != 0) return fprintf(stderr, "%s: does not work at all\n", c->name), 1;
-    long ours = 0, count = board->path_count;
-    for (long i = 0; i < count; i++) ours += !board->path[i].foreign;
-    const int ways = most ? 1 : 2;
-    for (int all = 0; all < ways; all++) {
+    const long count = board->path_count, step = most && count > most ? (count + most - 1) / most : 1;
+    for (int all = 0; all < (most ? 1 : 2); all++) {
         all_from_there_on = all;
-        for (int foreign = 0; foreign < ways; foreign++) {
-            long of_kind = foreign ? count - ours : ours,
-                 step = most && of_kind > most ? (of_kind + most - 1) / most : 1;
-            try_paths(c, step, foreign);
-        }
+        try_paths(c, step);
     }
-    printf(
-        "result %-34s %7ld allocations, %5ld paths (%ld of ours); %ld tried, %ld did without, "
-        "%ld times ended or spoilt by foreign code and %ld times another reason from it, %ld faults\n",
-        c->name, board->allocations, count, ours, board->trials, board->absorbed, board->foreign,
-        board->misnamed, board->faults);
+    printf("result %-34s %7ld allocations, %5ld paths; %ld tried, %ld did without, %ld faults\n", c->name,
+           board->allocations, count, board->trials, board->absorbed, board->faults);
     return board->faults;
 }
 

@@ -1,7 +1,7 @@
-/* A test program that includes this has the allocators of the whole process in its hands: of the library, of
- * the libraries that it uses, of C++. While a window is open allocations are counted, and one that was chosen
- * fails (or all from there on). A first run of some piece of work tells which call paths allocate, and each
- * path's first allocation is then made to fail, in children, which may crash. */
+/* A test program that includes this has the allocators of the whole process in its hands. While a window is
+ * open allocations are counted, and one that was chosen fails (or all of ours from there on: what libraries
+ * ask for they get). A first run of some piece of work tells which of our call paths allocate, and each path's
+ * first allocation is then made to fail, in children, which may crash. */
 #ifndef SL_TESTS_EVERY_ALLOCATION_H
 #define SL_TESTS_EVERY_ALLOCATION_H
 
@@ -25,12 +25,10 @@
 
 enum { FAULT_FRAMES = 20, FAULT_SLOTS = 1 << 16, FAULT_PATHS = FAULT_SLOTS / 2 };
 
-/* A call path that allocates: which allocation was its first, and whose code asked for it. */
+/* A call path of ours that allocates, and which allocation was its first. */
 typedef struct fault_path {
     uint64_t hash;
     long first;
-    bool foreign; /* a library's that this project does not own */
-    char owner[27];
 } fault_path;
 
 /* Shared by parent and children. */
@@ -40,10 +38,7 @@ typedef struct fault_board {
     uint64_t path_slot[FAULT_SLOTS]; /* a set of hashes */
     uint64_t expected; /* what comes out where nothing fails */
     atomic_long at;    /* the path under trial */
-    long trials, absorbed, foreign, misnamed, faults;
-    bool refused_foreign; /* since the window was opened a library's code was refused memory */
-    bool foreign_before;  /* in the run before a library's code was: it may have left the heap broken */
-    char refused_owner[27];
+    long trials, absorbed, faults;
 } fault_board;
 
 static fault_board *board;
@@ -59,7 +54,6 @@ static _Thread_local int inside; /* of the machinery below, or of an allocator t
 static void open_window(long failing) {
     failing_number = failing;
     opened_window = true;
-    board->refused_foreign = false;
     atomic_store(&allocation_number, 0);
     atomic_store(&window_open, true);
 }
@@ -97,16 +91,16 @@ static const char *module_of(uintptr_t at) {
     return slash ? slash + 1 : info.dli_fname;
 }
 
-/* The first frame that is not of the languages' own libraries, which allocate for others; -1: nobody's, as
- * where sanitizers start threads. */
-static int owner_of(const fault_stack *s) {
+/* Tells whether the first frame that is not of the languages' own libraries, which allocate for others, is
+ * ours. Some are nobody's, as where sanitizers start threads. */
+static bool is_ours(const fault_stack *s) {
     for (int i = 0; i < s->count; i++) {
         const char *module = module_of(s->at[i]);
         if (module[0] && strncmp(module, "libc.", 5) && strncmp(module, "libstdc++", 9) &&
             strncmp(module, "libasan", 7))
-            return i;
+            return strncmp(module, "lib", 3) != 0;
     }
-    return -1;
+    return false;
 }
 
 /* False where the hash is in the set already. */
@@ -125,31 +119,13 @@ static fault_stack stack_of(void *caller) {
     return s;
 }
 
-static bool is_foreign(const char *module) { return strncmp(module, "lib", 3) == 0; }
-
-static bool note_refusal(void *caller) {
-    fault_stack s = stack_of(caller);
-    int owner = owner_of(&s);
-    if (owner < 0) return false;
-    const char *module = module_of(s.at[owner]);
-    if (board->refused_foreign) return true;
-    board->refused_foreign = is_foreign(module);
-    snprintf(board->refused_owner, sizeof board->refused_owner, "%s", module);
-    return true;
-}
-
 static void note_path(long number, void *caller) {
     static atomic_flag lock = ATOMIC_FLAG_INIT;
     fault_stack s = stack_of(caller);
     uint64_t hash = hash_of(s.at, s.count);
     while (atomic_flag_test_and_set(&lock)) {}
-    int owner;
-    if (board->path_count < FAULT_PATHS && is_new(board->path_slot, hash) && (owner = owner_of(&s)) >= 0) {
-        fault_path *path = &board->path[board->path_count++];
-        const char *module = module_of(s.at[owner]);
-        *path = (fault_path){.hash = hash, .first = number, .foreign = is_foreign(module)};
-        snprintf(path->owner, sizeof path->owner, "%s", module);
-    }
+    if (board->path_count < FAULT_PATHS && is_new(board->path_slot, hash) && is_ours(&s))
+        board->path[board->path_count++] = (fault_path){.hash = hash, .first = number};
     atomic_flag_clear(&lock);
 }
 
@@ -161,7 +137,10 @@ static __attribute__((no_sanitize("address", "undefined"))) bool is_refused(void
     if (atomic_load(&recording)) note_path(number, caller);
     bool refused =
         failing_number >= 0 && (number == failing_number || (all_from_there_on && number > failing_number));
-    if (refused) refused = note_refusal(caller);
+    if (refused) {
+        const fault_stack s = stack_of(caller);
+        refused = is_ours(&s);
+    }
     inside--;
     return refused;
 }
