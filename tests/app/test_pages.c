@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "cache/frame/settings.h"
+#include "rendering.h"
 #include "scene_files.h"
 
 enum { WIDTH = 48, HEIGHT = 40 };
@@ -140,21 +140,10 @@ static void the_slider_plays_the_refinement_by_keys_and_by_mouse(void **state) {
 }
 
 /* Renders with the same settings. */
-static sl_image *render(const char *method) {
-    sl_scene *scene;
-    sl_method *m;
-    sl_image *image;
-    sl_progress progress = {0};
-    sl_settings settings = sl_settings_of_papers();
-    settings.method = method;
-    settings.width = WIDTH;
-    settings.height = HEIGHT;
-    settings.quality = SL_QUALITY_DRAFT;
-    assert_int_equal(sl_scene_load(scene_path, &scene, NULL), SL_OK);
-    assert_int_equal(sl_method_create(scene, &settings, &m, NULL), SL_OK);
-    while (!progress.done) assert_int_equal(sl_method_update(m, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(m, &image, NULL), SL_OK);
-    sl_method_destroy(m);
+static sl_image *render_with(const char *method) {
+    const sl_settings settings = small_settings(method, WIDTH, HEIGHT);
+    sl_scene *scene = load_scene(scene_path);
+    sl_image *image = render(scene, &settings, NULL);
     sl_scene_destroy(scene);
     return image;
 }
@@ -180,7 +169,7 @@ static void a_pixels_explanation_by_mouse_and_keys_adds_up_to_what_a_render_has(
     fixture *f = *state;
     need_browser(f);
     for (size_t i = 0; i < METHODS; i++) {
-        sl_image *image = render(methods[i]);
+        sl_image *image = render_with(methods[i]);
         open_page(f, pages[i]);
         for (int k = 0; k < 12; k++) {
             int x = (7 + 13 * k) % (WIDTH - 1), y = (5 + 11 * k) % (HEIGHT - 1);

@@ -40,8 +40,6 @@ static sl_scene *finish(sl_scene_builder *b) {
 
 /* ---- the same as a file ---------------------------------------------------------------------- */
 
-static void set_colour(float to[3], sl_rgb c) { memcpy(to, (float[3]){c.r, c.g, c.b}, 3 * sizeof(float)); }
-
 static void give_surfaces(sl_scene_builder *b, const sl_scene *s) {
     uint32_t number;
     for (size_t i = 0; i < s->texture_count; i++) {
@@ -55,15 +53,8 @@ static void give_surfaces(sl_scene_builder *b, const sl_scene *s) {
         assert_int_equal(number, i + 1);
     }
     for (size_t i = 0; i < s->material_count; i++) {
-        const sl_material *m = &s->materials[i];
-        sl_material_data d = {.size = sizeof d, .name = m->name, .exponent = m->exponent,
-                              .two_sided = m->emission_two_sided, .texture = m->texture + 1,
-                              .alpha = m->alpha_texture + 1, .bump = m->height_map + 1,
-                              .bump_depth = m->bump_depth};
-        set_colour(d.diffuse, m->diffuse);
-        set_colour(d.specular, m->specular);
-        set_colour(d.mirror, m->mirror);
-        set_colour(d.emission, m->emission);
+        sl_material_data d;
+        assert_true(sl_scene_material(s, (uint32_t)i + 1, &d));
         GOOD(sl_scene_builder_material(b, &d, &number, error));
         assert_int_equal(number, i + 1);
     }

@@ -153,6 +153,20 @@ void world_build(world *w) {
     if (sl_tracer_create(w->scene, 1, NULL, &w->tracer, &error) != SL_OK) fail_msg("%s", error.message);
 }
 
+sl_gather_settings gather_settings(sl_gather_kind kind, int size) {
+    sl_gather_settings s = sl_gather_defaults();
+    s.kind = kind;
+    s.size = size;
+    s.emission = true;
+    s.direct = SL_DIRECT_RAYS;
+    return s;
+}
+
+void assert_within(double value, double expected, double most_apart) {
+    if (!(fabs(value - expected) <= most_apart))
+        fail_msg("%.12g is not %.12g (+- %g)", value, expected, most_apart);
+}
+
 gatherer gatherer_new(world *w, const sl_gather_settings *settings) {
     gatherer g = {.counters = &w->counters};
     sl_error error;

@@ -43,6 +43,10 @@ void world_point_light(world *w, sl_vec3 p, float intensity);
 world *world_room(bool quad_light);
 void world_build(world *w);
 
+/* A gather of so many samples a side, lit by rays, that sees lamps. */
+sl_gather_settings gather_settings(sl_gather_kind kind, int size);
+static const sl_gather_kind gather_kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
+
 typedef struct gatherer {
     sl_gather *gather;
     sl_gather_scratch *scratch;
@@ -57,5 +61,7 @@ sl_irradiance gather_at(gatherer *g, sl_vec3 p, sl_vec3 n, uint64_t key);
 sl_gather_point world_surface_point(const world *w, uint64_t number);
 /* Made and thrown away in one call. */
 sl_irradiance gather_once(world *w, const sl_gather_settings *settings, sl_vec3 p, sl_vec3 n);
+
+void assert_within(double value, double expected, double most_apart);
 
 #endif

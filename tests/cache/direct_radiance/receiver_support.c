@@ -49,6 +49,16 @@ sl_scene *receiver_scene(void) {
     return trace_mesh_build(&mesh);
 }
 
+int make_receiver_scene(void **state) {
+    *state = receiver_scene();
+    return 0;
+}
+
+int destroy_receiver_scene(void **state) {
+    sl_scene_destroy(*state);
+    return 0;
+}
+
 planes make_planes(size_t count) {
     planes p = {.count = count};
     for (int c = 0; c < 3; c++) {

@@ -15,6 +15,9 @@ void set_receiver(sl_gbuffer *receivers, size_t pixel, sl_vec3 position, sl_vec3
  * black; a lobe with n = 0. Its triangles are a cube of side 1 around (1/2, 1/2, 1/2). */
 enum { DIFFUSE_MATERIAL, GLOSSY_MATERIAL, MIRROR_MATERIAL, BLACK_MATERIAL, FLAT_LOBE_MATERIAL };
 sl_scene *receiver_scene(void);
+/* It as the state of a group of tests. */
+int make_receiver_scene(void **state);
+int destroy_receiver_scene(void **state);
 
 typedef struct planes {
     float *value[3];

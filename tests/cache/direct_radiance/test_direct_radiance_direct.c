@@ -238,16 +238,6 @@ static void lights_on_the_surface_or_behind_it_give_nothing(void **state) {
     }
 }
 
-static int make_scene(void **state) {
-    *state = receiver_scene();
-    return 0;
-}
-
-static int destroy_scene(void **state) {
-    sl_scene_destroy(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(point_light_falls_with_cosine_and_squared_distance),
@@ -260,5 +250,5 @@ int main(void) {
         cmocka_unit_test(a_lobe_is_finite_towards_discs_seen_from_their_edge_or_from_within),
         cmocka_unit_test(lights_on_the_surface_or_behind_it_give_nothing),
     };
-    return cmocka_run_group_tests(tests, make_scene, destroy_scene);
+    return cmocka_run_group_tests(tests, make_receiver_scene, destroy_receiver_scene);
 }

@@ -277,16 +277,6 @@ static void bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
     sl_gbuffer_destroy(receivers);
 }
 
-static int make_scene(void **state) {
-    *state = receiver_scene();
-    return 0;
-}
-
-static int destroy_scene(void **state) {
-    sl_scene_destroy(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(picture_has_the_bits_of_the_plain_double_loop),
@@ -295,5 +285,5 @@ int main(void) {
         cmocka_unit_test(damaged_receivers_leave_no_value_that_is_not_finite),
         cmocka_unit_test(bits_do_not_depend_on_threads_or_instruction_sets),
     };
-    return cmocka_run_group_tests(tests, make_scene, destroy_scene);
+    return cmocka_run_group_tests(tests, make_receiver_scene, destroy_receiver_scene);
 }

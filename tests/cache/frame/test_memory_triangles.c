@@ -70,9 +70,8 @@ static void a_mesh_that_is_there_many_times_takes_few_bytes_a_triangle(void **un
     assert_true((double)sl_scene_memory_bytes(scene) < 54.0 * triangles);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         sl_settings settings = small_settings(cases[i].method, 16, 12);
-        sl_method *method;
         settings.threads = 1;
-        assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+        sl_method *method = created_method(scene, &settings);
         const double each = (double)sl_method_memory_bytes(method) / triangles;
         print_message("%-14s %.1f bytes a triangle\n", cases[i].method, each);
         assert_true(each < cases[i].most);

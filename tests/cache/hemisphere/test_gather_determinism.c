@@ -12,8 +12,6 @@
 
 #include "gather_world.h"
 
-static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
-
 static sl_gather_settings settings_of(sl_gather_kind kind) {
     sl_gather_settings s = sl_gather_defaults();
     s.kind = kind;
@@ -36,7 +34,7 @@ static void scratch_remembers_nothing(void **state) {
     (void)state;
     world *w = world_room(true);
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k]);
+        sl_gather_settings s = settings_of(gather_kinds[k]);
         gatherer g = gatherer_new(w, &s);
         sl_irradiance first[POINTS], again[POINTS], fresh[1];
         gather_all(&g, w, first);
@@ -77,14 +75,14 @@ static void picture_shows_what_was_seen(void **state) {
     world_quad(w, sl_v3(-90, -90, 2), sl_v3(-90, 0, 2), sl_v3(90, 0, 2), sl_v3(90, -90, 2), dark);
     world_build(w);
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k]);
+        sl_gather_settings s = settings_of(gather_kinds[k]);
         s.emission = true;
         s.size = 32;
         s.jitter = false;
         gatherer g = gatherer_new(w, &s);
         gather_at(&g, sl_v3(0, 0, 0), sl_v3(0, 0, 1), 1); /* the frame of +z is the world's axes */
         sl_gather_picture p = sl_gather_last_picture(g.scratch);
-        assert_int_equal(p.width, kinds[k] == SL_GATHER_HEMICUBE ? 64 : 32);
+        assert_int_equal(p.width, gather_kinds[k] == SL_GATHER_HEMICUBE ? 64 : 32);
         size_t centre = (size_t)(p.height / 2) * (size_t)p.width + (size_t)(p.width / 2),
                below = centre - 2 * (size_t)p.width;
         assert_true(p.r[centre] == 1 && p.g[centre] == 2 && p.b[centre] == 3);

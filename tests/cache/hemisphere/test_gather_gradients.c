@@ -11,21 +11,11 @@
 #include "gather_world.h"
 #include "polygon_truth.h"
 
-static void assert_near(double a, double b, double eps) {
-    if (!(fabs(a - b) <= eps)) fail_msg("%.9g is not %.9g (+- %g)", a, b, eps);
-}
-
 static sl_gather_settings settings_of(sl_gather_kind kind, int size) {
-    sl_gather_settings s = sl_gather_defaults();
-    s.kind = kind;
-    s.size = size;
-    s.emission = true;
+    sl_gather_settings s = gather_settings(kind, size);
     s.jitter = false;
-    s.direct = SL_DIRECT_RAYS;
     return s;
 }
-
-static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
 
 static world *light_above(bool occluder) {
     world *w = world_new();
@@ -43,15 +33,15 @@ static void polygon_light_moves_and_turns_as_its_closed_form(void **state) {
     (void)state;
     world *w = light_above(false);
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 256);
+        sl_gather_settings s = settings_of(gather_kinds[k], 256);
         sl_irradiance e = gather_once(w, &s, sl_v3(0.35f, 0.2f, 0), sl_v3(0, 0, 1));
-        assert_near((double)e.value.g, 4.643140759564, 0.08);
-        assert_near((double)e.translational[1].x, -0.648396539400, 0.08);
-        assert_near((double)e.translational[1].y, 0.305188879962, 0.08);
-        assert_near((double)e.translational[1].z, 0, 0);
-        assert_near((double)e.rotational[1].x, -0.136330404, 0.06);
-        assert_near((double)e.rotational[1].y, -0.326685256, 0.06);
-        assert_near((double)e.rotational[1].z, 0, 0);
+        assert_within((double)e.value.g, 4.643140759564, 0.08);
+        assert_within((double)e.translational[1].x, -0.648396539400, 0.08);
+        assert_within((double)e.translational[1].y, 0.305188879962, 0.08);
+        assert_within((double)e.translational[1].z, 0, 0);
+        assert_within((double)e.rotational[1].x, -0.136330404, 0.06);
+        assert_within((double)e.rotational[1].y, -0.326685256, 0.06);
+        assert_within((double)e.rotational[1].z, 0, 0);
     }
     world_free(w);
 }
@@ -64,19 +54,19 @@ static void clipped_wall_moves_as_its_closed_form(void **state) {
                sl_v3(1.2f, 0.9f, -0.6f), world_material(w, sl_grey(0), sl_grey(5)));
     world_build(w);
     for (int k = 1; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 256);
+        sl_gather_settings s = settings_of(gather_kinds[k], 256);
         sl_irradiance e = gather_once(w, &s, sl_v3(0.1f, 0.2f, 0), sl_v3(0, 0, 1));
-        assert_near((double)e.value.r, 1.338699193443, 0.03);
-        assert_near((double)e.translational[0].x, 2.136970274, 0.08);
-        assert_near((double)e.translational[0].y, 0, 0.05);
+        assert_within((double)e.value.r, 1.338699193443, 0.03);
+        assert_within((double)e.translational[0].x, 2.136970274, 0.08);
+        assert_within((double)e.translational[0].y, 0, 0.05);
         sl_vec3 n = sl_v3(0.36f, 0.48f, 0.8f);
         e = gather_once(w, &s, sl_v3(0.1f, 0.2f, 0), n);
-        assert_near((double)e.value.r, 2.726858117647, 0.04);
+        assert_within((double)e.value.r, 2.726858117647, 0.04);
         double exact[3] = {3.302700934, -1.501339400, -1.379378227}; /* its tangential part */
         double along = exact[0] * 0.36 + exact[1] * 0.48 + exact[2] * 0.8;
-        assert_near((double)e.translational[0].x, exact[0] - along * 0.36, 0.1);
-        assert_near((double)e.translational[0].y, exact[1] - along * 0.48, 0.1);
-        assert_near((double)e.translational[0].z, exact[2] - along * 0.8, 0.1);
+        assert_within((double)e.translational[0].x, exact[0] - along * 0.36, 0.1);
+        assert_within((double)e.translational[0].y, exact[1] - along * 0.48, 0.1);
+        assert_within((double)e.translational[0].z, exact[2] - along * 0.8, 0.1);
     }
     world_free(w);
 }
@@ -87,11 +77,11 @@ static void occluder_moves_before_the_light(void **state) {
     (void)state;
     world *w = light_above(true);
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 256);
+        sl_gather_settings s = settings_of(gather_kinds[k], 256);
         sl_irradiance e = gather_once(w, &s, sl_v3(0.35f, 0.2f, 0), sl_v3(0, 0, 1));
-        assert_near((double)e.value.b, 1.48128, 0.06);
-        assert_near((double)e.translational[2].x, 2.3814, 0.12);
-        assert_near((double)e.translational[2].y, 3.1224, 0.15);
+        assert_within((double)e.value.b, 1.48128, 0.06);
+        assert_within((double)e.translational[2].x, 2.3814, 0.12);
+        assert_within((double)e.translational[2].y, 3.1224, 0.15);
     }
     world_free(w);
 }
@@ -110,15 +100,15 @@ static void gradients_cancel_on_the_inside_of_a_sphere(void **state) {
     world_sphere(w, 1, 128, shades, SHADES);
     world_build(w);
     for (int k = 1; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 128);
+        sl_gather_settings s = settings_of(gather_kinds[k], 128);
         sl_irradiance e = gather_once(w, &s, sl_v3(0.003f, 0.002f, -0.9995f), sl_v3(0, 0, 1));
-        assert_near((double)e.value.g, SL_PI, 0.01);
-        assert_near((double)e.rotational[1].x, 0, 0.02);
-        assert_near((double)e.rotational[1].y, SL_PI / 4, kinds[k] == SL_GATHER_RAYS ? 0.03 : 0.01);
-        assert_near((double)e.translational[1].x, SL_PI / 4, 0.04);
-        assert_near((double)e.translational[1].y, 0, 0.03);
+        assert_within((double)e.value.g, SL_PI, 0.01);
+        assert_within((double)e.rotational[1].x, 0, 0.02);
+        assert_within((double)e.rotational[1].y, SL_PI / 4, gather_kinds[k] == SL_GATHER_RAYS ? 0.03 : 0.01);
+        assert_within((double)e.translational[1].x, SL_PI / 4, 0.04);
+        assert_within((double)e.translational[1].y, 0, 0.03);
         double step = 0.1; /* n' = (-s, 0, 1): n x n' = (0, -s, 0) */
-        assert_near(step * (double)e.translational[1].x - step * (double)e.rotational[1].y, 0, 0.006);
+        assert_within(step * (double)e.translational[1].x - step * (double)e.rotational[1].y, 0, 0.006);
     }
     world_free(w);
 }
@@ -138,11 +128,11 @@ static double greatest(matrix h) {
 static void check(bool occluder, int size, matrix exact, const double tolerance[3]) {
     world *w = light_above(occluder);
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], size);
+        sl_gather_settings s = settings_of(gather_kinds[k], size);
         sl_irradiance e = gather_once(w, &s, sl_v3(0.35f, 0.2f, 0), sl_v3(0, 0, 1));
-        print_message("instrument %d, N = %d: %.3f, exact %.3f\n", (int)kinds[k], size,
+        print_message("instrument %d, N = %d: %.3f, exact %.3f\n", (int)gather_kinds[k], size,
                       (double)e.curvature, greatest(exact));
-        assert_near((double)e.curvature, greatest(exact), tolerance[k]);
+        assert_within((double)e.curvature, greatest(exact), tolerance[k]);
     }
     world_free(w);
 }
@@ -187,11 +177,11 @@ static void walls_curve_as_differences_of_their_closed_form(void **state) {
         matrix exact = differences(walls[i]);
         double size = fabs(exact.xx) + fabs(exact.xy) + fabs(exact.yy);
         for (int k = i == 0 ? 1 : 0; k < 3; k++) { /* the plane does not see down to the horizon */
-            sl_gather_settings s = settings_of(kinds[k], 256);
+            sl_gather_settings s = settings_of(gather_kinds[k], 256);
             sl_irradiance e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
-            print_message("wall %d, instrument %d: %.3f, exact %.3f\n", i, (int)kinds[k],
+            print_message("wall %d, instrument %d: %.3f, exact %.3f\n", i, (int)gather_kinds[k],
                           (double)e.curvature, greatest(exact));
-            assert_near((double)e.curvature, greatest(exact), 0.08 * size);
+            assert_within((double)e.curvature, greatest(exact), 0.08 * size);
         }
         world_free(w);
     }
@@ -204,7 +194,7 @@ static void nothing_seen_has_no_curvature(void **state) {
                world_material(w, sl_grey(0.5f), sl_grey(1)));
     world_build(w);
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 16);
+        sl_gather_settings s = settings_of(gather_kinds[k], 16);
         sl_irradiance e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
         assert_true(e.curvature == 0.0f);
     }

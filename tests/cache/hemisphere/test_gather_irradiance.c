@@ -11,21 +11,6 @@
 #include "gather_world.h"
 #include "polygon_truth.h"
 
-static void assert_near(double a, double b, double eps) {
-    if (!(fabs(a - b) <= eps)) fail_msg("%.9g is not %.9g (+- %g)", a, b, eps);
-}
-
-static sl_gather_settings settings_of(sl_gather_kind kind, int size) {
-    sl_gather_settings s = sl_gather_defaults();
-    s.kind = kind;
-    s.size = size;
-    s.emission = true;
-    s.direct = SL_DIRECT_RAYS;
-    return s;
-}
-
-static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
-
 /* A closed black box whose walls shine with radiance 1. */
 static void furnace_gives_pi(void **state) {
     (void)state;
@@ -35,17 +20,17 @@ static void furnace_gives_pi(void **state) {
     world_build(w);
     sl_vec3 n = sl_normalize_or(sl_v3(0.3f, -0.5f, 0.7f), sl_v3(0, 0, 1));
     for (int k = 0; k < 4; k++) {
-        sl_gather_settings s = settings_of(k < 3 ? kinds[k] : SL_GATHER_PLANE, 64);
+        sl_gather_settings s = gather_settings(k < 3 ? gather_kinds[k] : SL_GATHER_PLANE, 64);
         s.border = k < 3 ? SL_BORDER_RADIAL : SL_BORDER_LC04;
         sl_irradiance e = gather_once(w, &s, sl_v3(0.2f, 0.1f, -0.3f), n);
-        assert_near((double)e.value.r, SL_PI, 3e-6);
-        assert_near((double)e.value.g, SL_PI, 3e-6);
-        assert_near((double)e.value.b, SL_PI, 3e-6);
+        assert_within((double)e.value.r, SL_PI, 3e-6);
+        assert_within((double)e.value.g, SL_PI, 3e-6);
+        assert_within((double)e.value.b, SL_PI, 3e-6);
         for (int c = 0; c < 3; c++) {
-            assert_near((double)sl_length(e.rotational[c]), 0, 1e-5);
-            assert_near((double)sl_length(e.translational[c]), 0, 1e-6);
+            assert_within((double)sl_length(e.rotational[c]), 0, 1e-5);
+            assert_within((double)sl_length(e.translational[c]), 0, 1e-6);
         }
-        assert_near((double)e.back_share, 0, 0);
+        assert_within((double)e.back_share, 0, 0);
     }
     world_free(w);
 }
@@ -78,7 +63,7 @@ static void polygon_light_converges_to_its_closed_form(void **state) {
     for (int k = 0; k < 3; k++) {
         double rms[3];
         for (int i = 0; i < 3; i++) {
-            sl_gather_settings s = settings_of(kinds[k], 32 << i);
+            sl_gather_settings s = gather_settings(gather_kinds[k], 32 << i);
             rms[i] = polygon_rms(w, &s);
         }
         print_message("rms at 32, 64, 128: %.4f %.4f %.4f\n", rms[0], rms[1], rms[2]);
@@ -91,36 +76,36 @@ static void polygon_light_converges_to_its_closed_form(void **state) {
 static void mean_distance_is_cosine_weighted(void **state) {
     (void)state;
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 128);
+        sl_gather_settings s = gather_settings(gather_kinds[k], 128);
         world *ceiling = world_new(), *wall = world_new(), *sphere = world_new();
         uint32_t m = world_material(ceiling, sl_grey(0.5f), sl_grey(0));
         world_quad(ceiling, sl_v3(-400, -400, 2), sl_v3(-400, 400, 2), sl_v3(400, 400, 2),
                    sl_v3(400, -400, 2), m);
         world_build(ceiling);
         sl_irradiance e = gather_once(ceiling, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
-        assert_near((double)e.harmonic_mean, 1.5 * 2, 0.08);
-        assert_near((double)e.nearest, 2, 0.02);
+        assert_within((double)e.harmonic_mean, 1.5 * 2, 0.08);
+        assert_within((double)e.nearest, 2, 0.02);
 
         m = world_material(wall, sl_grey(0.5f), sl_grey(0));
         world_quad(wall, sl_v3(2, -800, -800), sl_v3(2, -800, 800), sl_v3(2, 800, 800), sl_v3(2, 800, -800),
                    m);
         world_build(wall);
         e = gather_once(wall, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
-        assert_near((double)e.harmonic_mean, 1.5 * SL_PI * 2, kinds[k] == SL_GATHER_PLANE ? 0.9 : 0.25);
+        assert_within((double)e.harmonic_mean, 1.5 * SL_PI * 2, gather_kinds[k] == SL_GATHER_PLANE ? 0.9 : 0.25);
         double tangent = sl_tan(0.5 * (double)s.plane_fov),
                sine2 = tangent * tangent / (1 + tangent * tangent);
-        assert_near((double)e.nearest, kinds[k] == SL_GATHER_PLANE ? 2 / sine2 : 2, 0.06);
+        assert_within((double)e.nearest, gather_kinds[k] == SL_GATHER_PLANE ? 2 / sine2 : 2, 0.06);
 
         m = world_material(sphere, sl_grey(0.5f), sl_grey(0));
         world_sphere(sphere, 1, 64, &m, 1);
         world_build(sphere);
         e = gather_once(sphere, &s, sl_v3(0.0f, 0.02f, -0.998f), sl_v3(0, 0, 1));
         /* the plane takes the rim for the horizon */
-        assert_near((double)e.harmonic_mean, 1, kinds[k] == SL_GATHER_PLANE ? 0.25 : 0.08);
+        assert_within((double)e.harmonic_mean, 1, gather_kinds[k] == SL_GATHER_PLANE ? 0.25 : 0.08);
         /* from the centre everything is a radius away */
         e = gather_once(sphere, &s, sl_v3(0, 0, 0), sl_v3(0, 0.6f, 0.8f));
-        assert_near((double)e.harmonic_mean, 1, 0.01);
-        assert_near((double)e.nearest, 1, 0.01);
+        assert_within((double)e.harmonic_mean, 1, 0.01);
+        assert_within((double)e.nearest, 1, 0.01);
         world_free(ceiling), world_free(wall), world_free(sphere);
     }
 }
@@ -133,20 +118,20 @@ static void empty_sky_is_infinitely_far(void **state) {
     w->environment = (sl_environment){.present = true, .constant = sl_grey(2)};
     world_build(w);
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 32);
+        sl_gather_settings s = gather_settings(gather_kinds[k], 32);
         sl_irradiance e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
-        assert_near((double)e.value.r, 2 * SL_PI, 1e-5);
+        assert_within((double)e.value.r, 2 * SL_PI, 1e-5);
         assert_true(isinf(e.harmonic_mean) && isinf(e.nearest));
-        assert_near((double)sl_length(e.translational[0]), 0, 0);
+        assert_within((double)sl_length(e.translational[0]), 0, 0);
         s.emission = false; /* the direct pass samples the sky: black here */
-        assert_near((double)gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1)).value.r, 0, 0);
+        assert_within((double)gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1)).value.r, 0, 0);
         /* the ground, lit by the sky: L = 0.5 / pi * 2 pi */
         e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, -1));
-        assert_near((double)e.back_share, 0, 0);
-        assert_near((double)e.value.r, 0.5 * 2 * SL_PI, 0.1);
+        assert_within((double)e.back_share, 0, 0);
+        assert_within((double)e.value.r, 0.5 * 2 * SL_PI, 0.1);
         e = gather_once(w, &s, sl_v3(0, 0, -2), sl_v3(0, 0, 1)); /* and its underside, lit by the sky below */
-        assert_near((double)e.back_share, 1, 0.03);
-        assert_near((double)e.value.r, 0.5 * 2 * SL_PI, 0.1);
+        assert_within((double)e.back_share, 1, 0.03);
+        assert_within((double)e.value.r, 0.5 * 2 * SL_PI, 0.1);
     }
     world_free(w);
 }
@@ -164,7 +149,7 @@ static void lamp_close_to_a_surface_makes_no_outliers(void **state) {
                sl_v3(-0.2f, 0.02f, 0.2f), lamp);
     world_build(w);
     sl_vec3d corners[4] = {{-0.2, 0.02, -0.2}, {0.2, 0.02, -0.2}, {0.2, 0.02, 0.2}, {-0.2, 0.02, 0.2}};
-    sl_gather_settings s = settings_of(SL_GATHER_RAYS, 64);
+    sl_gather_settings s = gather_settings(SL_GATHER_RAYS, 64);
     s.emission = false;
     s.jitter = false;
     gatherer g = gatherer_new(w, &s);
@@ -200,7 +185,7 @@ static void shadow_maps_and_rays_light_alike(void **state) {
                                              .intensity = sl_grey(10),
                                              .cos_inner = 0.7f,
                                              .cos_outer = 0.3f};
-        sl_gather_settings rays = settings_of(SL_GATHER_RAYS, 64), maps = rays;
+        sl_gather_settings rays = gather_settings(SL_GATHER_RAYS, 64), maps = rays;
         rays.emission = maps.emission = false;
         maps.direct = SL_DIRECT_SHADOW_MAPS;
         gatherer a = gatherer_new(w, &rays), b = gatherer_new(w, &maps);
@@ -233,7 +218,7 @@ static void tilted_normal_does_not_see_its_own_surface(void **state) {
     }
     world_build(w);
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 64);
+        sl_gather_settings s = gather_settings(gather_kinds[k], 64);
         gatherer g = gatherer_new(w, &s);
         sl_gather_point p = {.position = {0.3f, 0, 0.2f},
                              .geometric_normal = {0, 1, 0},
@@ -242,7 +227,7 @@ static void tilted_normal_does_not_see_its_own_surface(void **state) {
                              .key = 5};
         sl_irradiance e;
         sl_gather_irradiance(g.gather, &p, g.scratch, &e, g.counters);
-        assert_near((double)e.value.r, 0, 0);
+        assert_within((double)e.value.r, 0, 0);
         assert_true(isinf(e.harmonic_mean) && isinf(e.nearest));
         gatherer_free(&g);
     }
@@ -265,7 +250,7 @@ static void a_card_before_the_eye_is_seen_however_near(void **state) {
                    sl_v3(half, -half, z), black);
         world_build(w);
         for (int k = 0; k < 3; k++) {
-            sl_gather_settings s = settings_of(kinds[k], 64);
+            sl_gather_settings s = gather_settings(gather_kinds[k], 64);
             sl_irradiance e = gather_once(w, &s, sl_v3(0, 0, 0), sl_v3(0, 0, 1));
             assert_true((double)e.value.r < 0.6 * SL_PI && e.nearest < 5 * eps);
         }
@@ -286,7 +271,7 @@ static void no_light_reaches_a_point_that_touches_a_sheet_from_behind(void **sta
     world_build(w);
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 3; i++) {
-            sl_gather_settings s = settings_of(kinds[k], 32);
+            sl_gather_settings s = gather_settings(gather_kinds[k], 32);
             float e = gather_once(w, &s, sl_v3(distance[i], 0, 0.1f), sl_v3(0, 1, 0)).value.r;
             if (!(e == 0.0f))
                 fail_msg("%s, %g behind the sheet: %g",
@@ -304,7 +289,7 @@ static void hostile_points_give_finite_answers(void **state) {
     world *w = world_room(true);
     const sl_vec3 normals[] = {{0, 0, 0}, {NAN, 0, 0}, {0, 0, -1}, {INFINITY, 0, 1}, {1e-30f, 0, 0}};
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 16);
+        sl_gather_settings s = gather_settings(gather_kinds[k], 16);
         gatherer g = gatherer_new(w, &s);
         for (size_t i = 0; i < sizeof normals / sizeof *normals; i++) {
             sl_gather_point p = {.position = {2, 1.5f, 3},

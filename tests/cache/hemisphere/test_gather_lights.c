@@ -81,10 +81,7 @@ static spread many_keys(world *w, const sl_gather_settings *s, sl_vec3 p, sl_vec
 }
 
 static sl_gather_settings rays_of(int size) {
-    sl_gather_settings s = sl_gather_defaults();
-    s.kind = SL_GATHER_RAYS;
-    s.size = size;
-    s.direct = SL_DIRECT_RAYS;
+    sl_gather_settings s = gather_settings(SL_GATHER_RAYS, size);
     s.emission = false;
     return s;
 }

@@ -14,20 +14,10 @@
 #include "gather_world.h"
 #include "harmonics_support.h"
 
-static const sl_gather_kind kinds[3] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
-
 enum { FLOATS_MAX = 9 * SL_HSH_STRIDE_MAX };
 
-static void assert_near(double a, double b, double eps) {
-    if (!(fabs(a - b) <= eps)) fail_msg("%.12g is not %.12g (+- %g)", a, b, eps);
-}
-
 static sl_gather_settings settings_of(sl_gather_kind kind, int size, int order) {
-    sl_gather_settings s = sl_gather_defaults();
-    s.kind = kind;
-    s.size = size;
-    s.emission = true;
-    s.direct = SL_DIRECT_RAYS;
+    sl_gather_settings s = gather_settings(kind, size);
     s.harmonics_order = order;
     return s;
 }
@@ -52,7 +42,7 @@ static void white_room_has_one_coefficient_and_no_gradient(void **state) {
     const int sizes[3] = {64, 37, 16}, orders[4] = {12, 10, 5, 1};
     for (int i = 0; i < 3 * 3 * 4; i++) {
         int order = orders[i / 9];
-        sl_gather_settings s = settings_of(kinds[i % 3], sizes[i / 3 % 3], order);
+        sl_gather_settings s = settings_of(gather_kinds[i % 3], sizes[i / 3 % 3], order);
         gatherer g = gatherer_new(w, &s);
         float c[FLOATS_MAX];
         size_t stride = sl_hsh_stride(order);
@@ -60,7 +50,7 @@ static void white_room_has_one_coefficient_and_no_gradient(void **state) {
         for (size_t v = 0; v < 9; v++) {
             for (size_t j = 0; j < stride; j++) {
                 double radiance = v < 3 && j == 0 ? (double)(1 << v) : 0;
-                assert_near((double)c[v * stride + j], sqrt(2 * SL_PI) * radiance,
+                assert_within((double)c[v * stride + j], sqrt(2 * SL_PI) * radiance,
                             v < 3 ? 4e-4 * (1 << v) : 0);
             }
         }
@@ -86,9 +76,9 @@ static void compare_with_irradiance(int order, const sl_gather_point *p, double 
         double tx = (double)sl_dot(e->translational[v], frame.x),
                ty = (double)sl_dot(e->translational[v], frame.y);
         double eps = gradient_eps * (fabs(tx) + fabs(ty)) + 0.1 * gradient_eps * (double)value[v];
-        assert_near(got[0], (double)value[v], 1e-4 * (double)value[v]);
-        assert_near(got[1], tx, eps);
-        assert_near(got[2], ty, eps);
+        assert_within(got[0], (double)value[v], 1e-4 * (double)value[v]);
+        assert_within(got[1], tx, eps);
+        assert_within(got[2], ty, eps);
     }
 }
 
@@ -189,7 +179,7 @@ static void coefficients_agree_with_quadrature(void **state) {
     for (int m = 0; m < 6; m++) {
         int k = m % 3, size = m < 3 ? 64 : 55;
         double wrong = 0, all = 0;
-        sl_gather_settings s = settings_of(kinds[k], size, ORDER);
+        sl_gather_settings s = settings_of(gather_kinds[k], size, ORDER);
         gatherer g = gatherer_new(w, &s);
         for (int i = 0; i < 3; i++) {
             float c[FLOATS_MAX];
@@ -270,7 +260,7 @@ static void gradients_agree_with_a_rectangle_light(void **state) {
     for (int k = 0; k < 3; k++) {
         const int sizes[4] = {32, 63, 64, 128};
         for (int i = 0; i < 4; i++) {
-            double wrong = rectangle_gradient_error(w, kinds[k], sizes[i]);
+            double wrong = rectangle_gradient_error(w, gather_kinds[k], sizes[i]);
             print_message("instrument %d, N = %d: gradients' relative error %.4f\n", k, sizes[i], wrong);
             assert_true(wrong < bounds[k][i]);
         }
@@ -295,7 +285,7 @@ static void radiance_that_is_no_number_stays_out(void **state) {
     const sl_second_light hidden = {.irradiance = add_what_is_no_number};
     world *w = world_room(false);
     for (int k = 0; k < 3; k++) {
-        sl_gather_settings s = settings_of(kinds[k], 32, 10);
+        sl_gather_settings s = settings_of(gather_kinds[k], 32, 10);
         s.second = &hidden;
         gatherer g = gatherer_new(w, &s);
         float c[FLOATS_MAX];

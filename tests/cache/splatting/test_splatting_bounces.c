@@ -288,10 +288,9 @@ static void second_level_records_stay_as_long_as_the_light_does(void **state) {
     sl_settings settings = small_settings("splatting", 24, 24);
     settings.bounces = 2;
     sl_error error;
-    sl_method *method;
     sl_progress progress = {0};
     uint64_t made[3];
-    assert_int_equal(sl_method_create(scene, &settings, &method, &error), SL_OK);
+    sl_method *method = created_method(scene, &settings);
     for (int i = 0; i < 3; i++) {
         if (i == 1) assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.7f, &error), SL_OK);
         if (i > 0)

@@ -203,8 +203,7 @@ static void a_moved_camera_keeps_the_records_and_looking_back_needs_none(void **
     sl_camera home = scene->camera;
     sl_settings settings = small_settings("splatting", 40, 40);
     settings.gather_size = 16;
-    sl_method *method;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
     uint64_t first = finish(method);
     const float eye[3] = {300, 290, -760}, target[3] = {270, 260, 0}, up[3] = {0, 1, 0};
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, home.vertical_fov, NULL), SL_OK);

@@ -22,8 +22,7 @@ static sl_settings walk_settings(void) {
 }
 
 static sl_method *start(const sl_scene *scene, const sl_settings *settings) {
-    sl_method *method;
-    assert_int_equal(sl_method_create(scene, settings, &method, NULL), SL_OK);
+    sl_method *method = created_method(scene, settings);
     return method;
 }
 
