@@ -1,15 +1,10 @@
 /* Trials in processes of their own: whatever they do, it is told. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "app/bench/child.h"
 
 static bool tell_much(void *context, char **report) {

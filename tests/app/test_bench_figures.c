@@ -1,16 +1,11 @@
 /* The sources of the report's figures: the journal, errors against a noisy reference, curves and the times
  * read from them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "cache/frame/settings.h"
 #include "app/bench/results.h"
 #include "app/bench/journal.h"

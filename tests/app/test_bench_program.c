@@ -1,10 +1,4 @@
 /* softlux bench from its command line to its report, small. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -14,6 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "app/commands.h"
 #include "command.h"
 #include "scene_files.h"

@@ -1,19 +1,14 @@
 /* The pages of `softlux steps` and the report of `softlux bench`, in a browser: they show what they hold, on
  * paper of any width, and fetch nothing; the slider and the pixels' explanations work by mouse and by keys,
  * and an explanation adds up to the very value that a render has. */
+#include "unit_test.h"
 #include "webdriver.h"
 
 #include <cjson/cJSON.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "rendering.h"
 #include "scene_files.h"

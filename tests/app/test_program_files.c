@@ -1,11 +1,5 @@
 /* The files that commands write, and what they say of them: each command runs in a process of its own. */
 #define _XOPEN_SOURCE 700
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <cjson/cJSON.h>
 #include <fcntl.h>
@@ -19,6 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "app/commands.h"
 #include "command.h"
 #include "scene_files.h"

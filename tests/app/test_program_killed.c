@@ -4,12 +4,6 @@
  * the command then says in one line. The short form tries some of these moments; with SOFTLUX_EVERY_MOMENT=1
  * every one (tests/hard/killed.sh). */
 #define _GNU_SOURCE
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <dirent.h>
 #include <dlfcn.h>
@@ -26,6 +20,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "app/commands.h"
 #include "base/values.h"
 #include "command.h"

@@ -2,13 +2,6 @@
  * loading and what is written included. What cannot be done with so little is refused, and how much is needed
  * is said. As tests/cache/frame/test_memory_budget.c, which asks the library. */
 #define _GNU_SOURCE /* wait4() */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "app/commands.h"
 #include "base/sanitized.h"
 #include "command.h"

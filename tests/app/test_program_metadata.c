@@ -1,15 +1,9 @@
 /* The purpose of a picture's metadata: `softlux render` with the settings that they tell makes the same
  * picture again. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "app/bench/trials.h"
 #include "app/manual.h"
 #include "rendering.h"

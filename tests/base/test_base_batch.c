@@ -1,11 +1,5 @@
 /* Batches (base/batch.h): results and counters at any number of threads. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/batch.h"
 #include "base/random.h"
 #include "failing_memory.h"

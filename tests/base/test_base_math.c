@@ -1,17 +1,11 @@
 /* The error bounds that base/math.h states, measured against the long double functions of libm (64 bits of
  * mantissa on x86), and every special value. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 

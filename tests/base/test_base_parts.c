@@ -1,18 +1,12 @@
 /* The small parts of src/base: random numbers, vectors, parallel loops, memory, errors, instruction sets,
  * counters. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <float.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/grow.h"

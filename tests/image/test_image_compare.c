@@ -1,16 +1,10 @@
 /* The metrics of sl_image_compare(): by hand where a hand can, against plain forms of their papers' formulas
  * (whole 2-D kernels, libm) elsewhere. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "image/metrics.h"
 #include "softlux.h"

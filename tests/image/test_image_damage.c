@@ -1,11 +1,5 @@
 /* Damaged picture files: cut short at every length, with bytes changed, with absurd sizes. Whatever comes
  * out, it is a picture or one line that names the file; the sanitizers watch the rest. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +9,7 @@
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image_write.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "image/formats.h"
 #include "image_support.h"

@@ -1,16 +1,11 @@
 /* EXR: what we write comes back, and what OpenEXR writes is read, whatever its layout. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "image_support.h"
 #include "scene_files.h"

@@ -1,11 +1,6 @@
 /* PFM, Radiance HDR, PNG and JPEG against files made by hand or by another writer; the tone curves;
  * whole-or-nothing. */
 #define _XOPEN_SOURCE 700
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
 
 #include <dirent.h>
 #include <math.h>
@@ -23,6 +18,7 @@
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image_write.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "image/color.h"
 #include "image/formats.h"

@@ -1,13 +1,8 @@
 /* The image in memory: names, planes, metadata, and what is refused. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "softlux.h"
 
 static void a_new_image_is_black_and_its_planes_follow_each_other(void **state) {

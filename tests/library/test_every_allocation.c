@@ -2,13 +2,8 @@
  * that allocate; with SOFTLUX_EVERY_ALLOCATION=1 every one (tests/hard/allocations.sh). With a name only the
  * cases that hold it are tried; --list prints their names. */
 #define _GNU_SOURCE
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "allocation_trials.h"
 #include "least_settings.h"
 #include "scene_files.h"

@@ -1,13 +1,8 @@
 /* Memory that ends anywhere while scenes and pictures are read, compared and written, caches kept, shows
  * shown and errors estimated. As tests/library/test_every_allocation.c, which does methods. */
 #define _GNU_SOURCE
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "allocation_trials.h"
 #include "least_settings.h"
 #include "scene_files.h"

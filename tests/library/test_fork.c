@@ -1,18 +1,13 @@
 /* Processes that fork once the library has worked on several threads, as test runners and Python's
  * multiprocessing do: the child has none of those threads, and works all the same, to the same bits. */
 #define _DEFAULT_SOURCE
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdio.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "least_settings.h"
 #include "rendering.h"
 

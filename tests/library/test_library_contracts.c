@@ -3,13 +3,6 @@
  * no one asked), and what was to be made is NULL, 0 or as it was. Run with sanitizers, too, which tell of
  * what leaks. Files that are damaged and memory that ends are elsewhere: test_image_damage,
  * test_every_allocation. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <float.h>
 #include <limits.h>
 #include <math.h>
@@ -17,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "least_settings.h"
 #include "rendering.h"
 #include "scene_files.h"

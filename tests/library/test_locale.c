@@ -2,16 +2,11 @@
  * the same. */
 #define _GNU_SOURCE
 #include <locale.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "rendering.h"
 #include "scene_files.h"
 #include "softlux.h"

@@ -1,12 +1,5 @@
 /* Edits and pictures again and again: what is held after many is what was held after a few. SOAK_SECONDS in
  * the environment makes it go on for so long (tests/hard/soak.sh); by itself it is over in seconds. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <dirent.h>
 #include <limits.h>
 #include <malloc.h>
@@ -17,6 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "base/sanitized.h"
 #include "least_settings.h"
 #include "rendering.h"

@@ -1,12 +1,5 @@
 /* The library in programs that have threads of their own: a method a thread on one scene that is edited in
  * between, and within a parallel region. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "base/sanitized.h"
 #include "rendering.h"
 

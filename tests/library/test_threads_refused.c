@@ -1,12 +1,6 @@
 /* A system that starts no more threads: as many as there are do the work, to the same bits, and where there
  * is none at all the caller is told. */
 #define _GNU_SOURCE
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -15,6 +9,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
+#include "unit_test.h"
 #include "base/parallel.h"
 #include "base/sanitized.h"
 #include "rendering.h"

@@ -4,16 +4,11 @@
 #define SL_TESTS_OSMESA_SOUP_H
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/random.h"
 #include "osmesa.h"
 #include "raster/raster.h"

@@ -1,12 +1,9 @@
 /* See raster_soup.h. */
+#include "unit_test.h"
 #include "raster_soup.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #include "base/random.h"
 #include "base/sanitized.h"

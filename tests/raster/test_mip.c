@@ -1,16 +1,11 @@
 /* MIP maps of a scene's textures: means, and the level that a footprint asks for. */
+#include "unit_test.h"
 #include "base/random.h"
 #include "image/color.h"
 #include "raster/textures/mip.h"
 #include "rendering.h"
 #include "scene_files.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 

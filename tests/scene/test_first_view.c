@@ -1,20 +1,15 @@
 /* The view of a scene without a camera, without light, or without a word on which axis is up. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "scene/features.h"
 #include "scene/scene.h"
 #include "rendering.h"
 #include "scene_files.h"
 
 /* ---- boxes as OBJ text: vertices 1 to 8, x fastest, then y, then z ------------------------------------- */
-
 #define SIDES                                                                                                \
     "f 1 5 7 3\nf 1 2 6 5\nf 3 7 8 4\nf 1 3 4 2\nf 5 6 8 7\n" /* left, below, above, back, front: fronts     \
                                                                  outwards */

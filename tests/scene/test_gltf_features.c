@@ -1,13 +1,9 @@
 /* Features of glTF files beyond plain surfaces: had as they are meant, told in a line, or refused. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "scene/scene.h"
 #include "rendering.h"
 #include "scene_files.h"

@@ -2,12 +2,6 @@
  * say so in one line and go on. The importer is, but for a file that is sound, one of our own, in this
  * program: what it does is in the file's name. */
 #define _GNU_SOURCE
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <assimp/cimport.h>
 #include <dirent.h>
@@ -24,6 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "base/memory.h"
 #include "base/sanitized.h"
 #include "import/serve.h"

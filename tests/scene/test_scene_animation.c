@@ -1,14 +1,9 @@
 /* Keyframes: states between and beyond the keys, what is reported as changed, and that a state depends on the
  * time alone. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "scene/animation.h"
 #include "rendering.h"

@@ -1,14 +1,10 @@
 /* Bicubic surfaces: files, the surface, its triangles, transforms and keyframes. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "scene/bicubic.h"
 #include "rendering.h"

@@ -1,13 +1,8 @@
 /* Building a scene from arrays: what is repaired, with which warning, and what is refused. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "scene/features.h"
 #include "scene/scene.h"
 #include "rendering.h"

@@ -1,17 +1,11 @@
 /* Scenes from arrays: the same bits as from files, by every method, and the same rules; what breaks them is
  * told in one line that names the culprit. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "least_settings.h"

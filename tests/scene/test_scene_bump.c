@@ -1,16 +1,10 @@
 /* Bump and parallax mapping: normals and colours of the raised surface, and the light octree's light on
  * them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "raster/raster.h"
 #include "rendering.h"
 #include "scene/bump.h"

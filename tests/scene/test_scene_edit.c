@@ -1,14 +1,8 @@
 /* A scene after any series of edits is the scene that is built as it stands then. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "edited_room.h"
 #include "failing_memory.h"
 #include "rendering.h"

@@ -1,13 +1,8 @@
 /* Sky and sun: the two parts of an environment. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 
+#include "unit_test.h"
 #include "scene/scene.h"
 
 enum { WIDTH = 32, HEIGHT = 16, TEXELS = WIDTH * HEIGHT };

@@ -1,15 +1,10 @@
 /* Scene and mesh files: what good ones give, and that each mistake is one line that names file, line and what
  * was expected. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "scene/scene.h"
 #include "image_support.h"

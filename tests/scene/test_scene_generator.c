@@ -1,10 +1,6 @@
 /* The generator of the larger scenes: its files are promised to be the same with every compiler and on every
  * machine, so their hashes are written down here. SOFTLUX_GENERATE names the program (default
  * build/generate); without it the tests are skipped. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cmocka.h>
+#include "unit_test.h"
 
 static char folder[64];
 

@@ -1,16 +1,11 @@
 /* Limits of a scene: at the limit it is read, one more is an error. */
 #define _XOPEN_SOURCE 700
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "scene/file.h"
 #include "scene/json.h"
 #include "scene/model.h"

@@ -1,14 +1,9 @@
 /* OBJ and MTL text: that every spelling gives the scene of the plain one, or an error with its line. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "scene/scene.h"
 #include "rendering.h"
 #include "scene_files.h"

@@ -1,16 +1,11 @@
 /* A scene reaches the files of its own folder, and others only where that is allowed. */
 #define _XOPEN_SOURCE 700
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "rendering.h"
 #include "scene/scene.h"
 #include "scene_files.h"

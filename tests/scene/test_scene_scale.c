@@ -1,13 +1,8 @@
 /* The size in which most of a scene lies: for most scenes the diagonal, for a room on a plain without end the
  * room's. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/random.h"
 #include "scene/ambient.h"
 #include "scene/derive.h"

@@ -1,13 +1,8 @@
 /* Surface points and the sky: sides, normals, textures, alpha masks, directions, and sampling against its own
  * density. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "scene/scene.h"

@@ -1,15 +1,9 @@
 /* Scenes that are written: read again they are the same, to the bits of their pictures. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "least_settings.h"

@@ -1,11 +1,5 @@
+#include "unit_test.h"
 #include "gather_world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include "base/math.h"
 #include "base/memory.h"

@@ -1,9 +1,6 @@
 #define _XOPEN_SOURCE 700
+#include "unit_test.h"
 #include "image_support.h"
-
-#include <stdarg.h>
-#include <setjmp.h>
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -3,12 +3,7 @@
 #ifndef TESTS_LIGHT_SAMPLE_SUPPORT_H
 #define TESTS_LIGHT_SAMPLE_SUPPORT_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "cache/light/light_sample.h"
 #include "trace_scenes.h"
 

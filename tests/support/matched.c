@@ -1,9 +1,5 @@
+#include "unit_test.h"
 #include "matched.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

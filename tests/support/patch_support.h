@@ -3,14 +3,10 @@
 #ifndef TESTS_PATCH_SUPPORT_H
 #define TESTS_PATCH_SUPPORT_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "cache/patches/patches.h"
 #include "trace_scenes.h"
 

@@ -2,15 +2,10 @@
 #ifndef TESTS_RASTER_SUPPORT_H
 #define TESTS_RASTER_SUPPORT_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/random.h"
 #include "raster/raster.h"
 #include "scene_parts.h"

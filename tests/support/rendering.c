@@ -1,10 +1,5 @@
+#include "unit_test.h"
 #include "rendering.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <dirent.h>
 #include <stdio.h>

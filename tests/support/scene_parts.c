@@ -1,11 +1,7 @@
+#include "unit_test.h"
 #include "scene_parts.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,12 +1,8 @@
+#include "unit_test.h"
 #include "trace_scenes.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
-#include <cmocka.h>
 
 #include "base/math.h"
 #include "base/random.h"

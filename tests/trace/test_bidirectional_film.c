@@ -1,14 +1,10 @@
 /* The bidirectional path tracer's film: the path tracer's pictures, and what the path tracer cannot find. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/counters.h"
 #include "base/math.h"
 #include "base/random.h"

@@ -1,15 +1,11 @@
 /* Irradiance and radiance at surface points by bidirectional path tracing, where they are known in closed
  * form, and against the path tracer elsewhere. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/counters.h"
 #include "base/math.h"
 #include "base/parallel.h"

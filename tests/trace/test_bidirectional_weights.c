@@ -1,15 +1,11 @@
 /* The ways of making one path, and how they share it: densities worked out here from the vertices alone.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/counters.h"
 #include "base/math.h"
 #include "base/random.h"

@@ -1,12 +1,8 @@
 /* The path tracer's bits depend on the scene, the settings and the seed alone. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "trace/sequence.h"
 #include "trace/trace.h"

@@ -1,15 +1,10 @@
 /* Our path tracer against other renderers' pictures and figures of the Cornell box; patch means are those of
  * Radiance (exhaustive), Cycles and pbrt, which agree within their noise. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/counters.h"
 #include "rendering.h"
 #include "trace_scenes.h"

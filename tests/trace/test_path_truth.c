@@ -1,12 +1,8 @@
 /* The path tracer where the answer is known in closed form. Every mean has to lie within four and a half of
  * its own standard errors, which have to be small. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/counters.h"
 #include "base/math.h"
 #include "trace/trace.h"

@@ -1,12 +1,8 @@
 /* Copies of a mesh share one hierarchy, and no ray can tell. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "trace/copies.h"

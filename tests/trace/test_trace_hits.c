@@ -1,13 +1,9 @@
 /* Which triangle a ray hits, and that it is the same everywhere: on every instruction set, in every company.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "trace/triangle_test.h"
 #include "trace_scenes.h"

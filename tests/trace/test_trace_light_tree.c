@@ -1,12 +1,8 @@
 /* Many emitters, chosen by place: the chances are those with which they are chosen, nothing that shines is
  * left out, and what is near is chosen more often than by power. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "trace/light_tree.h"

@@ -1,11 +1,7 @@
 /* The light sampler: unbiased against closed forms, and its pdf is the one it samples with. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "trace/sequence.h"
 #include "trace_scenes.h"

@@ -3,15 +3,10 @@
 #define TESTS_RADIANCE_MAPS_H
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/direct_radiance/map.h"

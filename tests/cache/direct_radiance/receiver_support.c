@@ -1,12 +1,7 @@
+#include "unit_test.h"
 #include "receiver_support.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #include "base/math.h"
 #include "base/memory.h"

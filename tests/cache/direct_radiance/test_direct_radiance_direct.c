@@ -1,13 +1,8 @@
 /* Pass 6: direct light of receivers, (3) to (9), against closed forms. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "receiver_support.h"

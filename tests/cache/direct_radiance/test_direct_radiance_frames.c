@@ -1,17 +1,11 @@
 /* Whole frames of direct radiance mapping: what is computed for every frame, what is not, and how its layers
  * add up. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "matched.h"
 #include "rendering.h"

@@ -1,11 +1,6 @@
 /* Direct Radiance Mapping's lights: what each gives, from which points, and the footprint of a picture's
  * part. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "cache/direct_radiance/map.h"
 #include "cache/direct_radiance/lights.h"

@@ -1,12 +1,8 @@
 /* The direct radiance map (passes 2a to 2c): what its pictures hold, which directions they cover, and light
  * by way of mirrors. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "cache/direct_radiance/map.h"
 #include "radiance_maps.h"

@@ -1,14 +1,8 @@
 /* Whole frames of direct radiance mapping with mirrors before the eye. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "rendering.h"
 #include "scene/scene.h"
 

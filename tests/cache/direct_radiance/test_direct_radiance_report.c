@@ -1,16 +1,10 @@
 /* Reports of direct radiance mapping on its maps: flux that they hold, flux that arrives, and a warning where
  * (15) is lost. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "cache/direct_radiance/lights.h"
 #include "cache/frame/method.h"

@@ -1,13 +1,8 @@
 /* Indirect shadows: rays between receivers and photons, one by one. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "receiver_support.h"
 #include "trace_scenes.h"

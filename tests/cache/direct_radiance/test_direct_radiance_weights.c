@@ -1,13 +1,8 @@
 /* Weights of photons against closed forms and fine integrals: in a sphere, in a cube room, over a floor
  * patch, of one photon ahead. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "receiver_support.h"

@@ -1,15 +1,9 @@
 /* Methods that follow any series of edits give what those give that are created for the scene as it stands:
  * with memory that ends now and then, with pictures that are finished and others that are not. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "edited_methods.h"
 #include "failing_memory.h"
 

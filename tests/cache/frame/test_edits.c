@@ -1,12 +1,7 @@
 /* After edits pictures are those of a method that begins with the scene as it is then, whatever it was
  * before. */
+#include "unit_test.h"
 #include "rendering.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 

@@ -1,13 +1,7 @@
 /* What methods keep when a scene changes: the table in softlux.h at sl_method_edit(), entry by entry. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "cache/shading_cache/state.h"
 #include "cache/splatting/state.h"
 #include "edited_methods.h"

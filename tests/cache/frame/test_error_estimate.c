@@ -1,13 +1,8 @@
 /* The error of a picture that is estimated without a reference, held against references and against errors
  * that were planted. */
+#include "unit_test.h"
 #include "cache/audit/audit.h"
 #include "rendering.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

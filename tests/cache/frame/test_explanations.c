@@ -1,15 +1,9 @@
 /* The explanations of pixels: what a method says made a pixel is what made it. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "cache/frame/settings.h"
 
 static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh",

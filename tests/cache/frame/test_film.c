@@ -1,13 +1,9 @@
 /* The film: a pixel is the mean over its square. */
+#include "unit_test.h"
 #include "rendering.h"
 #include "scene/scene.h"
 #include "scene_files.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,18 +1,12 @@
 /* Golden images, pass by pass: every pass that a method announces on a small Cornell box must have the bits
  * of the picture in tests/golden/. A missing golden fails. `make golden` writes them anew; look at them
  * before committing. A failure leaves what came out in build/golden-failed/. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "unit_test.h"
 #include "cache/frame/settings.h"
 
 typedef struct {

@@ -1,16 +1,10 @@
 /* Scenes that break careless code, by every gather: tiny and huge ones, eyes in the surface, lights in walls.
  * Values must be finite, none below zero, and where the truth is known, that. Methods at their defaults are
  * held to more of the kind by check-numerics (app/numerics/cases.c). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "rendering.h"
 
 /* ---- rendering with everything --------------------------------------------------------------- */

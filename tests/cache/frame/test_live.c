@@ -1,14 +1,9 @@
 /* Shows of methods that have no display of their own: pictures take its place, and only those that have light
  * everywhere. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <time.h>
 
+#include "unit_test.h"
 #include "rendering.h"
 
 enum { W = 48, H = 40, PICTURES = 8 };

@@ -1,11 +1,4 @@
 /* Memory within bounds: what a picture takes, as the system counts it, against what was allowed. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <malloc.h>
 #include <stdio.h>
@@ -15,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "base/sanitized.h"
 #include "rendering.h"
 #include "trace_scenes.h"

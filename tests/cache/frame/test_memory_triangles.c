@@ -1,11 +1,7 @@
 /* Bytes a triangle by method, in the accounts that the library keeps: a mesh that is there many times. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "rendering.h"
 

@@ -1,14 +1,8 @@
 /* Scenes that move without rest, an update a move: frames have light, are near what they would be if the
  * scene stood still, and are the same at any number of threads. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 
+#include "unit_test.h"
 #include "base/sanitized.h"
 #include "rendering.h"
 

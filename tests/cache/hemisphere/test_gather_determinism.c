@@ -1,15 +1,10 @@
 /* The same gather gives the same bits: with every instruction set, again, and whatever the scratch was used
  * for before. */
 #define _POSIX_C_SOURCE 200809L
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "gather_world.h"
 
 static sl_gather_settings settings_of(sl_gather_kind kind) {

@@ -1,12 +1,6 @@
 /* Gradients, and second derivatives along the tangent plane, against closed forms (Lambert's of polygon
  * lights with an occluder before them and without, the inside of a sphere) and against differences. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "gather_world.h"
 #include "polygon_truth.h"

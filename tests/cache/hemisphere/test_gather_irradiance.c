@@ -1,12 +1,6 @@
 /* Results of gathers against closed forms: furnaces, polygon lights, mean distances, the integrating sphere.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "gather_world.h"
 #include "polygon_truth.h"

@@ -1,19 +1,13 @@
 /* Light at a gather's hits by samples: their mean is the light that there is. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "cache/hemisphere/gather_internal.h"
 #include "gather_world.h"
 #include "polygon_truth.h"
 
 /* ---- a floor under lamps, some of them covered from below ---- */
-
 #define FLOOR_ALBEDO 0.6
 enum { ROW = 5 };
 

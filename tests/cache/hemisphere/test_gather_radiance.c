@@ -1,14 +1,9 @@
 /* Coefficients of incoming radiance over the hemispherical harmonics, and how they change with the place. */
 #define _POSIX_C_SOURCE 200809L
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "cache/hemisphere/harmonics.h"
 #include "gather_world.h"

@@ -1,11 +1,5 @@
 /* The gather's weights and walls against closed forms, sums and quadrature. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "cache/hemisphere/gather_tables.h"
 #include "polygon_truth.h"

@@ -1,15 +1,10 @@
 /* Hemispherical harmonics: orthonormal, as in the paper, and safe at the zenith, at the horizon and off the
  * hemisphere. The basis is compiled here once more with a higher largest order than the library's. */
 #define SL_HSH_ORDER_MAX 20
+#include "unit_test.h"
 #include "cache/hemisphere/harmonics.c"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #include "base/random.h"
 #include "harmonics_support.h"

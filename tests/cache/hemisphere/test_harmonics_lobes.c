@@ -1,14 +1,8 @@
 /* Phong lobes: what an order cuts off, and coefficients in another frame than the pixel's own, exact under a
  * white sky, and against a plain quadrature elsewhere. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <string.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/hemisphere/harmonics.h"

@@ -1,12 +1,8 @@
 /* Depth cubes around lights: against rays, on lit planes, at contacts, and which of their faces are drawn. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "cache/light/depth_cube.h"
 #include "trace/trace.h"

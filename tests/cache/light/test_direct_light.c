@@ -1,17 +1,12 @@
 /* Direct light of pixels, by rays and by maps, against closed forms: lights without extent, few and many
  * emitters, sky and sun, glossy lobes. */
 #define _POSIX_C_SOURCE 200809L
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include <math.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "cache/light/direct.h"
 #include "rendering.h"

@@ -1,16 +1,11 @@
 /* Shadow maps against closed forms and against rays; what one cube says is tested with depth cubes. */
 #define _POSIX_C_SOURCE 200809L
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include <math.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "cache/light/shadow_maps.h"
 #include "gather_world.h"

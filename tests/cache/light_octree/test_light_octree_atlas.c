@@ -1,15 +1,10 @@
 /* The texture atlas of the light octree: what every atlas must be (each triangle mapped once, none
  * overlapping, gutters kept), on surfaces that are closed, torn, doubled, thin or flat. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"

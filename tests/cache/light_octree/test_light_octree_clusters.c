@@ -1,13 +1,8 @@
 /* K-means on directions. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/light_octree/voxel_lights.h"

@@ -1,15 +1,9 @@
 /* The light octree's explanation of a pixel is what made it, whatever its settings, and in pictures that were
  * stopped anywhere. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "cache/frame/settings.h"
 
 enum { SIZE = 20 };

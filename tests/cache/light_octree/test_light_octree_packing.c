@@ -1,11 +1,5 @@
 /* Directions packed into a float: their error, their exact axes. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/light_octree/voxel_lights.h"

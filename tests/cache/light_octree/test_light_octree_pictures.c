@@ -1,17 +1,11 @@
 /* Whole pictures by the light octree: against the path tracer, from depth to depth, and whatever the threads.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "matched.h"
 #include "rendering.h"
 #include "scene/scene.h"
@@ -294,9 +288,7 @@ static sl_scene *mirror_under_the_sky(void) {
                                   .material_count = 2,
                                   .materials = m,
                                   .environment = &sky};
-    sl_scene *scene;
-    sl_error error;
-    if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    sl_scene *scene = scene_built(&parts);
     const float eye[3] = {0, 1, 2}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.8f, NULL), SL_OK);
     return scene;

@@ -1,17 +1,11 @@
 /* Pictures by the light octree: figure 2's ball, the paper's holes and their cures, edits of lights and
  * objects, and what is said beside a picture. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "rendering.h"
 
 static sl_settings octree_settings(int size) {

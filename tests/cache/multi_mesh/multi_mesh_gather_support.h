@@ -2,15 +2,10 @@
 #ifndef TESTS_MULTI_MESH_GATHER_SUPPORT_H
 #define TESTS_MULTI_MESH_GATHER_SUPPORT_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/multi_mesh/coarse.h"

@@ -1,11 +1,5 @@
 /* A mesh for each light: what is known of it does not depend on colours. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 #include "edited_methods.h"
 

@@ -1,15 +1,9 @@
 /* Hard cases of multi-mesh caching as whole pictures, against closed forms and exact shadows; and that it
  * comes to an end, whatever the scene. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "matched.h"
 #include "rendering.h"
 

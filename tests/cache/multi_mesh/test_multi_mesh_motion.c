@@ -1,13 +1,7 @@
 /* Lights and objects that move while updates go on: counters and pictures, no clocks. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 
+#include "unit_test.h"
 #include "base/sanitized.h"
 #include "cache/light/moves.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"

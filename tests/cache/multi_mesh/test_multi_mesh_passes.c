@@ -1,15 +1,9 @@
 /* The passes of a picture from within: what each leaves behind, which are left out, in which order meshes are
  * served, what stays when the eye moves. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 #include "rendering.h"
 #include "scene/ambient.h"

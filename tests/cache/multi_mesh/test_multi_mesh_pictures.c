@@ -1,17 +1,11 @@
 /* Whole pictures by multi-mesh caching: closed forms, the path tracer on the same paths, what is done again
  * and what is not. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "matched.h"
 #include "rendering.h"
 

@@ -1,15 +1,9 @@
 /* Small shadows and small spots of light, at the defaults of quality normal: leaves are larger than they are,
  * and probes find them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "rendering.h"
 
 enum { WIDTH = 160, HEIGHT = 120, POSITIONS = 12, SEGMENTS = 16 };

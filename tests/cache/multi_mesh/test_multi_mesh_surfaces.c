@@ -1,16 +1,10 @@
 /* Whole pictures of surfaces with holes, of files with vertices that are no numbers, and of strips at the
  * foot of walls. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "matched.h"
 #include "rendering.h"
 #include "trace_scenes.h"

@@ -1,14 +1,9 @@
 /* Patches as multi-mesh caching has them: continuity of values, what is kept and used again. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/patches/mesh.h"

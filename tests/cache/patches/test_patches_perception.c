@@ -1,13 +1,8 @@
 /* Differences that an eye can tell: display levels, the threshold map. */
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/random.h"
 #include "cache/patches/perception.h"
 #include "trace_scenes.h"

@@ -1,12 +1,7 @@
 /* Points inside other geometry: which surfaces are solids, and which points they hold. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/random.h"
 #include "cache/patches/solids.h"
 #include "trace_scenes.h"

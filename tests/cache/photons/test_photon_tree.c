@@ -1,12 +1,8 @@
 /* The nearest photons: the tree finds exactly what a search through all of them finds, whatever the ties. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/isa.h"
 #include "base/math.h"
 #include "base/memory.h"

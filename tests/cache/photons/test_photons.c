@@ -1,13 +1,9 @@
 /* Photon maps: what leaves the lights, where it lands and what it carries, against closed forms; and that
  * nothing but scene and seed decides. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/photons/photons.h"
@@ -333,9 +329,7 @@ static sl_scene *leaning_floor(sl_vec3 lean) {
                                   .materials = mesh.materials,
                                   .light_count = 1,
                                   .lights = &spot};
-    sl_scene *scene;
-    sl_error error;
-    if (sl_scene_build(&parts, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    sl_scene *scene = scene_built(&parts);
     trace_mesh_discard(&mesh);
     return scene;
 }

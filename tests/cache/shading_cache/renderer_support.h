@@ -2,15 +2,11 @@
 #ifndef SL_TESTS_RENDERER_SUPPORT_H
 #define SL_TESTS_RENDERER_SUPPORT_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <cmocka.h>
 
+#include "unit_test.h"
 #include "base/counters.h"
 #include "base/math.h"
 #include "base/random.h"

@@ -1,14 +1,9 @@
 /* bench/render_cache.c: a rival is worth comparing with if it does well what it is meant to do. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "bench/render_cache.h"
 #include "base/math.h"
 #include "tests/cache/shading_cache/renderer_support.h"

@@ -33,9 +33,7 @@ static world world_of(unsigned objects) {
                         .material_count = mesh.material_count,
                         .materials = mesh.materials};
     world w;
-    sl_scene *scene;
-    sl_error error = {0};
-    if (sl_scene_build(&d, &scene, &error) != SL_OK) fail_msg("%s", error.message);
+    sl_scene *scene = scene_built(&d);
     trace_mesh_discard(&mesh);
     w.h = hierarchy_of(scene, 0);
     assert_int_equal(scene->object_count, objects);

@@ -1,14 +1,9 @@
 /* Hard cases of the whole shading cache: nothing to be seen, light that goes away, eyes in awkward places,
  * and an end to it all; with things that move the same bits at any number of threads. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <math.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "rendering.h"
 
 static const char room[] = "scenes/cornell.json";
@@ -17,13 +12,6 @@ static sl_settings cache_settings(int width, int height) {
     sl_settings settings = small_settings("shading-cache", width, height);
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
     return settings;
-}
-
-static sl_method *method_of(const sl_scene *scene, const sl_settings *settings) {
-    sl_method *method;
-    sl_error error = {0};
-    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
-    return method;
 }
 
 static uint64_t to_the_end(sl_method *method) {
@@ -55,7 +43,7 @@ static void who_sees_nothing_asks_for_nothing(void **state) {
     sl_scene *scene = load_scene(room);
     sl_settings settings = cache_settings(24, 24);
     look(scene, 278, 273, -800, 278, 273, -9000);
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     assert_int_equal(to_the_end(method), 1); /* there is nothing to do, and that is found out at once */
     assert_true(brightest(method) == 0.0f);
     assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], 0);
@@ -75,7 +63,7 @@ static void refinement_comes_to_an_end_by_itself(void **state) {
     settings.shading_cache.updates = 1000000;
     settings.shading_cache.area_samples = 4;
     settings.shading_cache.stop_size = 2.0;
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     uint64_t updates = to_the_end(method);
     assert_true(updates > 5 && updates < 5000);
     uint64_t points = sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED];
@@ -97,7 +85,7 @@ static void play(const char *path, unsigned threads, sl_image *frame[FRAMES], sl
     settings.shading_cache.indirect_samples = 4;
     settings.shading_cache.area_samples = 8;
     settings.shading_cache.frames_per_update = 2;
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     sl_progress progress;
     for (int i = 0; i < FRAMES; i++) {
         unsigned changes;

@@ -1,18 +1,13 @@
 /* The two loops of the shading cache beside each other: frames never wait for samples, and show what moves at
  * once. Samples come from a renderer of the tests' own, in the place of the one for area lights, which waits
  * before a gate. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include <limits.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <time.h>
 
+#include "unit_test.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/thread.h"

@@ -22,13 +22,6 @@ static sl_settings loop_settings(void) {
     return s;
 }
 
-static sl_method *method_of(const sl_scene *scene, const sl_settings *settings) {
-    sl_method *method;
-    sl_error error = {0};
-    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
-    return method;
-}
-
 static sl_shading_state *inside_of(sl_method *method) { return method->state; }
 
 static bool update(sl_method *method) {
@@ -86,7 +79,7 @@ some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patch
         sl_scene *scene = room();
         sl_settings settings = loop_settings();
         settings.shading_cache.no_random = settings.shading_cache.no_flood = without;
-        sl_method *method = method_of(scene, &settings);
+        sl_method *method = created_method(scene, &settings);
         update(method);
         assert_int_equal(deepest(inside_of(method)->patches), 0);
         update(method);
@@ -107,7 +100,7 @@ static void in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_spli
         sl_settings settings = loop_settings();
         settings.shading_cache.stop_size = 2.0;
         settings.shading_cache.area_samples = 16;
-        sl_method *method = method_of(scene, &settings);
+        sl_method *method = created_method(scene, &settings);
         const sl_shading_state *s = inside_of(method);
         to_the_end(method);
         for (uint32_t i = 0; i < s->patches->patch_count; i++) {
@@ -131,7 +124,7 @@ static void nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_t
     static uint32_t when[MOST];
     sl_scene *scene = room();
     sl_settings settings = loop_settings();
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     const sl_shading_state *s = inside_of(method);
     memset(when, 0, sizeof when);
     for (int i = 0; i < 40; i++) {
@@ -159,7 +152,7 @@ static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_childre
     /* from outside: the front wall is seen from behind, around it is nothing */
     look(scene, sl_v3(0, 0, 3.6f), sl_v3(0, -0.2f, -1));
     sl_settings settings = loop_settings();
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     const sl_shading_state *s = inside_of(method);
     size_t children = 0;
     for (int i = 0; i < 12; i++) {
@@ -209,7 +202,7 @@ static void patches_that_are_not_seen_are_left_alone(void **state) {
     sl_scene *scene = trace_mesh_build(&mesh);
     look(scene, sl_v3(0, 0, 3), sl_v3(0, 0, 0));
     sl_settings settings = loop_settings();
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     const sl_patches *p = inside_of(method)->patches;
     for (int i = 0; i < 25; i++) update(method);
     assert_true(count_of(method, SL_COUNT_SPLITS) > 100);
@@ -297,7 +290,7 @@ static void when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_
     sl_scene *scene = two_walls(0.0f, 0.0f, 0.3f, 50.0f);
     sl_settings settings = loop_settings();
     settings.shading_cache.stop_size = 8.0;
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     const sl_shading_state *s = inside_of(method);
     const sl_patches *p = s->patches;
     to_the_end(method);
@@ -331,7 +324,7 @@ static void an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_a
     settings.shading_cache.stop_size = 4.0;
     settings.shading_cache.area_samples = 16;
     settings.shading_cache.no_resolution_drop = true;
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     sl_image *before, *after;
     to_the_end(method);
     uint64_t points = count_of(method, SL_COUNT_POINTS_SHADED);
@@ -375,7 +368,7 @@ static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(v
         settings.shading_cache.stop_size = 2.0;
         settings.shading_cache.nominal_rate = 100.0;
         settings.shading_cache.clean_up_seconds = budget / 100.0;
-        sl_method *method = method_of(scene, &settings);
+        sl_method *method = created_method(scene, &settings);
         const sl_shading_state *s = inside_of(method);
         to_the_end(method);
         size_t before = visible_leaves(s);
@@ -409,7 +402,7 @@ static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and
     sl_scene *scene = room_with(true);
     sl_settings settings = loop_settings();
     settings.shading_cache.area_samples = 16;
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     const sl_shading_state *s = inside_of(method);
     for (int pass = 0; pass < 2; pass++) {
         size_t dense = 0, few = 0, full_size = 0;
@@ -447,7 +440,7 @@ static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state
     path.transport = "matched:shading-cache";
     path.shading_cache = settings.shading_cache;
     path.spp = 1;
-    sl_method *warm = method_of(scene, &settings);
+    sl_method *warm = created_method(scene, &settings);
     to_the_end(warm);
     sl_image *image[3];
     assert_int_equal(sl_method_resolve(warm, &image[0], NULL), SL_OK);
@@ -455,7 +448,7 @@ static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state
     edit(warm, SL_CHANGED_LIGHTS);
     to_the_end(warm);
     assert_true(count_of(warm, SL_COUNT_CHANGES_DETECTED) > 0);
-    sl_method *cold = method_of(scene, &settings);
+    sl_method *cold = created_method(scene, &settings);
     to_the_end(cold);
     assert_int_equal(sl_method_resolve(warm, &image[1], NULL), SL_OK);
     assert_int_equal(sl_method_resolve(cold, &image[2], NULL), SL_OK);
@@ -485,7 +478,7 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
         settings.shading_cache.cache_limit = late ? 0.475 : 8.0;
         settings.shading_cache.stop_size = 2.0;
         settings.shading_cache.ageing_window = late ? 5 : 2000;
-        sl_method *method = method_of(scene, &settings);
+        sl_method *method = created_method(scene, &settings);
         const sl_shading_state *s = inside_of(method);
         const double limit =
             settings.shading_cache.cache_limit * ROOM_FOR + 2.0 * (double)s->primitives->count;
@@ -539,7 +532,7 @@ static sl_method *with_one_lamp_changed(sl_scene *scene, int points) {
     settings.shading_cache.change_window = 1;
     settings.shading_cache.no_resolution_drop = settings.shading_cache.no_flood = true;
     settings.shading_cache.points = points;
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     to_the_end(method);
     scene->lights[0].intensity = sl_grey(3.0f);
     edit(method, SL_CHANGED_LIGHTS);
@@ -593,7 +586,7 @@ static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(vo
             sl_settings settings = loop_settings();
             settings.shading_cache.area_samples = 16;
             settings.shading_cache.selection = how[h];
-            sl_method *method = method_of(scene, &settings);
+            sl_method *method = created_method(scene, &settings);
             for (int pass = 0; pass < 2; pass++) {
                 uint64_t before = count_of(method, SL_COUNT_POINTS_SHADED), updates = to_the_end(method),
                          points = count_of(method, SL_COUNT_POINTS_SHADED) - before;

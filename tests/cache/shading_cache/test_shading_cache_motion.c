@@ -25,13 +25,6 @@ static sl_settings motion_settings(unsigned threads) {
     return s;
 }
 
-static sl_method *method_of(const sl_scene *scene, const sl_settings *settings) {
-    sl_method *method;
-    sl_error error = {0};
-    if (sl_method_create(scene, settings, &method, &error) != SL_OK) fail_msg("%s", error.message);
-    return method;
-}
-
 static bool update(sl_method *method) {
     sl_progress progress = {0};
     assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
@@ -69,7 +62,7 @@ static double apart(const sl_image *image, const sl_image *from) {
 }
 
 static double apart_from_a_fresh_one(sl_method *method, const sl_scene *scene, const sl_settings *settings) {
-    sl_method *fresh = method_of(scene, settings);
+    sl_method *fresh = created_method(scene, settings);
     to_the_end(fresh);
     sl_image *image = picture_of(method), *right = picture_of(fresh);
     double difference = apart(image, right);
@@ -99,7 +92,7 @@ static size_t coarse_leaves(const sl_method *method) {
 static void moves_without_rest(const char *path, int moves, double most) {
     sl_scene *scene = load_scene(path);
     sl_settings settings = motion_settings(2);
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     double worst = 0.0;
     for (int window = 0; window < moves / WINDOW; window++) {
         size_t coarse = window ? coarse_leaves(method) : 1;
@@ -132,7 +125,7 @@ static void while_a_light_moves_its_shadows_are_there(void **state) {
 static sl_image *after_moves(const char *path, unsigned threads) {
     sl_scene *scene = load_scene(path);
     sl_settings settings = motion_settings(threads);
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     for (int move = 0; move < 30; move++) {
         go_to(scene, method, time_of(move));
         update(method);
@@ -164,7 +157,7 @@ static void an_edited_scene_that_rests_is_as_good_as_a_fresh_one(void **state) {
     for (int i = 0; i < 2; i++) {
         sl_scene *scene = load_scene(paths[i]);
         sl_settings settings = motion_settings(2);
-        sl_method *method = method_of(scene, &settings);
+        sl_method *method = created_method(scene, &settings);
         for (int k = 0; k < 8; k++) {
             go_to(scene, method, times[k]);
             for (int updates = 0; updates < 1 + (k == 3) * 20; updates++) update(method);
@@ -187,7 +180,7 @@ static void the_rate_settles_how_fine_patches_are_while_things_change(void **sta
     (void)state;
     sl_scene *scene = load_scene(light);
     sl_settings settings = motion_settings(1);
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     sl_shading_state *s = method->state;
     update(method);
     sl_changes_begin(&s->changes, 0, s->now);
@@ -206,7 +199,7 @@ static void what_is_made_anew_keeps_the_rate(void **state) {
     (void)state;
     sl_scene *scene = load_scene(light);
     sl_settings settings = motion_settings(1);
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     assert_int_equal(sl_method_rate(method, 200.0, NULL), SL_OK);
     assert_int_equal(sl_method_edit(method, SL_CHANGED_KINDS, NULL), SL_OK);
     assert_true(((sl_shading_state *)method->state)->settings.shading_cache.nominal_rate == 200.0);
@@ -227,7 +220,7 @@ static void assert_log_gives(const sl_live_event *log, size_t events, uint64_t u
                              const sl_image *frame) {
     sl_scene *scene = load_scene(light);
     sl_settings settings = motion_settings(3);
-    sl_method *method = method_of(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     size_t next = 0;
     for (uint64_t done = 0; done < updates; done++) {
         for (; next < events && log[next].updates == done; next++) {

@@ -1,15 +1,9 @@
 /* Whole pictures by the shading cache: the geometry from the first frame on, the path tracer on the same
  * paths, edits. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "matched.h"
 #include "rendering.h"
 

@@ -1,15 +1,9 @@
 /* More than one bounce: closed forms first, then the reference path tracer. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/bounces/second_level.h"

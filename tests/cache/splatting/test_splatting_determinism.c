@@ -1,15 +1,9 @@
 /* The same records and the same bits, whatever the threads, the batches and the way there. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "rendering.h"
 #include "cache/splatting/splatting.h"
 

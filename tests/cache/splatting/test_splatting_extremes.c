@@ -1,15 +1,9 @@
 /* Radiance cache splatting at the ends of its ranges: materials, light, scale, settings, films. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "matched.h"
 #include "rendering.h"
 #include "scene/scene.h"

@@ -1,17 +1,11 @@
 /* Radiance records: what a record's coefficients send to the eye from a pixel, against quadrature; and whole
  * pictures of glossy receivers. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "cache/splatting/glossy.h"
 #include "rendering.h"
 #include "harmonics_support.h"

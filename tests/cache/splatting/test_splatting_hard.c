@@ -1,16 +1,10 @@
 /* Radiance cache splatting where it is known to fail: section by section the cases that break careless
  * caches, each with what must come out, by closed forms where there are some. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "matched.h"
 #include "rendering.h"
 

@@ -1,18 +1,12 @@
 /* Records kept on disk: what a second run makes of them, and what becomes of files that do not fit or are
  * damaged. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "cache/frame/cache_file.h"
 #include "rendering.h"

@@ -1,14 +1,9 @@
 /* The fragment program of radiance records against the plain one of moved lobes, at every order and on every
  * instruction set: what stands in the padding of vectors must never count. And how far such a record's
  * gradients bear. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "unit_test.h"
 #include "base/random.h"
 #include "cache/splatting/glossy.h"
 #include "harmonics_support.h"

@@ -1,13 +1,7 @@
 /* The reach of records, by metric: the formulas, walls, and their gain. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 
+#include "unit_test.h"
 #include "base/memory.h"
 #include "cache/splatting/record_weight.h"
 #include "gather_world.h"

@@ -1,14 +1,8 @@
 /* Splatting follows mirrors from the eye: what they show, and which records reach it. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdlib.h>
 
+#include "unit_test.h"
 #include "base/random.h"
 #include "cache/splatting/splatting.h"
 #include "rendering.h"

@@ -1,16 +1,10 @@
 /* The records of whole pictures, looked at one by one: the picture is their sum over all pixels, none lights
  * another step of the stairs, none made inside of something reaches out of it, and none is made twice. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "cache/splatting/record_weight.h"
 #include "cache/splatting/state.h"
 #include "rendering.h"

@@ -1,14 +1,8 @@
 /* Radiance cache splatting against what must come out: closed forms first, then the reference path tracer. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 
+#include "unit_test.h"
 #include "rendering.h"
 
 /* Inside a sphere one diffuse bounce is the same everywhere: E = albedo <E_direct>, <E_direct> = power / (4

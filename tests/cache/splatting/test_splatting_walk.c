@@ -1,16 +1,10 @@
 /* The walk-through: a frame ends after so many new records, what is there is kept, and what is still to come
  * is filled in from around. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "rendering.h"
 
 enum { SIDE = 96, BUDGET = 40, FRAMES_MAX = 200 };

@@ -1,22 +1,15 @@
 /* One record's contribution to a pixel (Algorithm 1 of radiance cache splatting), and how far a record
  * reaches. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
+#include "unit_test.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/splatting/record.h"
 
 enum { SIDE = 16, PIXELS = SIDE * SIDE };
-
 
 /* A patch of receivers that a test fills in. */
 typedef struct {
