@@ -13,8 +13,9 @@
 #include <math.h>
 #include <string.h>
 
-/* whole sub-frames; those of edges for which the cache is asked; and into how many light samples are shared
- * out behind the pilot */
+/* Whole sub-frames, unless there are no more than these in all: then the first is whole, for frames of things
+ * that move; those of edges for which the cache is asked; and into how many light samples are shared out
+ * behind the pilot. */
 enum { PILOT = 4, ASKED = 8, LATER_SHARE = 16, EDGE_LEAST = 16 };
 
 struct sl_film {
@@ -40,6 +41,9 @@ struct sl_film {
     sl_counters counters, with_method;
 };
 
+static unsigned smaller(unsigned a, unsigned b) { return a < b ? a : b; }
+static bool is_quick(const sl_film *f) { return f->samples <= PILOT; }
+static unsigned pilot_of(const sl_film *f) { return is_quick(f) ? 1 : PILOT; }
 static size_t pixels_of(const sl_film *f) { return (size_t)f->width * (size_t)f->height; }
 
 sl_status sl_film_create(const sl_scene *scene, const sl_settings *settings, bool asks, sl_film **film,
@@ -120,8 +124,6 @@ static sl_status widen(const sl_film *f, uint8_t *marked, sl_error *error) {
     return SL_OK;
 }
 
-static unsigned smaller(unsigned a, unsigned b) { return a < b ? a : b; }
-
 /* Lists the pixels of sub-frame `index`. */
 static void set_wanted(sl_film *f, unsigned index) {
     for (size_t i = 0; i < pixels_of(f); i++) f->wanted[i] = f->count[i] > index;
@@ -141,19 +143,25 @@ void sl_film_begin(sl_film *f, bool objects_moved) {
 
 /* Finds where sub-frames behind the pilot will see what others do not. */
 static sl_status know_edges(sl_film *f, const sl_raster *raster, sl_error *error) {
-    if (f->edges_known || f->samples <= PILOT) return SL_OK;
+    const unsigned others = pilot_of(f), at_edges = is_quick(f) ? f->samples : PILOT + f->samples;
+    if (f->edges_known) return SL_OK;
     memset(f->edge, 0, pixels_of(f));
-    sl_status status = find_edges(f, raster, error);
+    sl_status status = f->samples > 1 ? find_edges(f, raster, error) : SL_OK;
     for (float r = 0.5f; status == SL_OK && r < f->shape.radius; r += 1.0f) status = widen(f, f->edge, error);
-    for (size_t i = 0; i < pixels_of(f); i++)
-        f->count[i] = (uint16_t)(f->edge[i] ? PILOT + f->samples : PILOT);
-    set_wanted(f, PILOT);
+    for (size_t i = 0; i < pixels_of(f); i++) f->count[i] = (uint16_t)(f->edge[i] ? at_edges : others);
+    set_wanted(f, others);
     f->edges_known = status == SL_OK;
     return status;
 }
 
 /* Everything is asked for but what light alone will want. */
 static unsigned asks_of(const sl_film *f) { return f->asks ? smaller(f->samples, PILOT + ASKED) : 0; }
+
+/* Returns into how many sub-frames a pixel's light samples are shared out. */
+static unsigned share_of(const sl_film *f, unsigned index) {
+    if (is_quick(f)) return index ? f->samples : 1;
+    return index < PILOT ? PILOT : LATER_SHARE;
+}
 
 bool sl_film_next(const sl_film *f, sl_sub_frame *next) {
     const bool asking = f->asked < asks_of(f);
@@ -169,8 +177,8 @@ bool sl_film_next(const sl_film *f, sl_sub_frame *next) {
                                       : f->asked > 0 ? SL_SUB_FRAME_ASKS
                                                      : SL_SUB_FRAME_BOTH,
                            .turn = index,
-                           .share = index < PILOT ? smaller(f->samples, PILOT) : LATER_SHARE,
-                           .wanted = index < PILOT ? NULL : f->wanted,
+                           .share = share_of(f, index),
+                           .wanted = index < pilot_of(f) ? NULL : f->wanted,
                            .mips = f->mips};
     return true;
 }
@@ -314,7 +322,7 @@ static void add_run(sl_film *f, const sl_image *picture, sl_pixel_run run) {
 static void add_samples(sl_film *f, const sl_image *picture) {
     const size_t pixels = pixels_of(f);
     uint64_t added = 0;
-    const sl_sub_frame drawn = {.wanted = f->drawn >= PILOT ? f->wanted : NULL};
+    const sl_sub_frame drawn = {.wanted = f->drawn >= pilot_of(f) ? f->wanted : NULL};
     for (size_t row = 0; row < pixels; row += (size_t)f->width) {
         const size_t end = row + (size_t)f->width;
         for (sl_pixel_run r = sl_sub_frame_run(&drawn, row, end); r.first < r.end;
@@ -332,14 +340,14 @@ sl_status sl_film_add(sl_film *f, const sl_raster *raster, const sl_image *pictu
     if (!picture || status != SL_OK) return status;
     status = f->sums ? SL_OK : make_like(picture, NULL, &f->sums, error);
     if (status != SL_OK) return status;
-    if (f->drawn < PILOT) note_contrast(f, picture);
+    if (!is_quick(f) && f->drawn < PILOT) note_contrast(f, picture);
     add_samples(f, picture);
     f->drawn++;
-    if (f->drawn == PILOT && f->samples > PILOT) {
+    if (f->drawn == PILOT && !is_quick(f)) {
         settle_counts(f);
         status = look_at_rims(f, raster, error);
     }
-    if (f->drawn >= PILOT) set_wanted(f, f->drawn);
+    if (f->drawn >= pilot_of(f)) set_wanted(f, f->drawn);
     return status;
 }
 
@@ -361,7 +369,7 @@ sl_status sl_film_develop(const sl_film *f, sl_image **image, sl_error *error) {
     sl_status status = make_like(f->sums, layers ? "samples" : NULL, image, error);
     for (size_t i = 0; status == SL_OK && i < pixels; i++) {
         const size_t at = image_place(f, i);
-        const unsigned drawn = f->drawn <= PILOT ? f->drawn : smaller(f->drawn, f->count[i]),
+        const unsigned drawn = smaller(f->drawn, f->count[i]),
                        count = f->drawn > PILOT && f->edge[i] ? drawn - PILOT : drawn;
         if (layers) (*image)->planes[channels * pixels + at] = (float)count;
         for (size_t c = 0; c < channels; c++)

@@ -253,11 +253,36 @@ static void samples_lie_where_they_matter(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* For things that move: edges are found at the first sub-frame, all else has one sample. */
+static void of_four_sub_frames_one_is_whole_and_three_are_of_edges(void **state) {
+    (void)state;
+    enum { SIDE = 24 };
+    sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
+    for (int m = 0; m < METHODS; m++) {
+        const sl_settings settings = on_film(methods[m], SIDE, 4);
+        sl_image *image = render(scene, &settings, NULL);
+        const float *red = sl_image_channel(image, "R"), *samples = sl_image_channel(image, "samples");
+        double off = 0.0, drawn = 0.0;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const double c = covered(SIDE, i % SIDE, i / SIDE, 0.9, 0.7, 0.3);
+            const bool inside = c == 0.0 || c == 1.0;
+            const float count = samples ? samples[i] : inside ? 1.0f : 4.0f;
+            assert_true(count == 4.0f || (inside && count == 1.0f));
+            assert_true(inside ? (double)red[i] == c : fabs((double)red[i] - c) < 0.4);
+            off += fabs((double)red[i] - c) / (SIDE * SIDE);
+            drawn += (double)count / (SIDE * SIDE);
+        }
+        assert_true(drawn < 2.5 && off < 0.02);
+        sl_image_destroy(image);
+    }
+    sl_scene_destroy(scene);
+}
+
 static void the_bits_do_not_depend_on_threads(void **state) {
     (void)state;
     sl_scene *scene = load_scene("scenes/cornell-mirror.json");
     for (int m = 0; m < METHODS; m++) {
-        sl_settings settings = on_film(methods[m], 24, 16);
+        sl_settings settings = on_film(methods[m], 24, m % 2 ? 4 : 16);
         assert_same_bits_with_any_threads(scene, &settings);
     }
     sl_scene_destroy(scene);
@@ -370,6 +395,7 @@ int main(void) {
         cmocka_unit_test(a_checkerboard_is_grey_towards_the_horizon),
         cmocka_unit_test(every_method_comes_near_to_the_mean_over_pixels),
         cmocka_unit_test(samples_lie_where_they_matter),
+        cmocka_unit_test(of_four_sub_frames_one_is_whole_and_three_are_of_edges),
         cmocka_unit_test(the_bits_do_not_depend_on_threads),
         cmocka_unit_test(a_film_follows_edits),
         cmocka_unit_test(edges_along_pixel_centres_are_half_seen),
