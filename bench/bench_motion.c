@@ -10,16 +10,20 @@
  *
  * Errors are those of pixels over their whole squares, on surfaces (pixels that show a lamp or the sky are
  * left out), against all light, path traced twice over: the mean of (x - p)(x - q) is the squared error
- * without the noise of either half. Flicker is the root mean square of what a pixel shown changes by from a
+ * without the noise of either half. Beside the methods runs the RenderCache (render_cache.h), whose samples
+ * are few points on lamps and few paths. Flicker is the root mean square of what a pixel shown changes by from a
  * frame to the next, over that of the truth. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "app/bench/trials.h"
+#include "base/memory.h"
 #include "base/random.h"
 #include "cache/audit/trace_probes.h"
+#include "cache/shading_cache/plan.h"
 #include "common.h"
+#include "render_cache.h"
 #include "scene/copy.h"
 
 enum { RATE = 25, FRAMES = 30 * RATE, STEP = 5, SIZE = 512, PROBES = 4096, SAMPLES = 24, CONTESTANTS = 24 };
@@ -61,7 +65,19 @@ static double nanoseconds(const sl_counters *counters) {
 /* Of both cores, for a picture of SIZE x SIZE; smaller ones get as much a pixel. */
 static double frame_nanoseconds(int size) { return 2.0 * 1e9 / RATE * size * size / (SIZE * SIZE); }
 
+/* What the RenderCache projects, before its samples and with them: no counter tells. */
+static double projecting(int size) { return 2.0 * 10.0 * 1.5 * size * size; }
+
 /* ---- a method in motion ---------------------------------------------------------------------- */
+
+/* The RenderCache, on the Shading Cache's sample renderers. */
+typedef struct rival {
+    sl_tracer *own;
+    const sl_tracer *tracer;
+    sl_sample_renderer renderer[2];
+    render_cache *cache;
+    sl_counters counters;
+} rival;
 
 typedef struct contestant {
     char name[32];
@@ -70,6 +86,7 @@ typedef struct contestant {
     sl_method *method;
     void *window;         /* NULL: pictures are resolved between updates */
     sl_counters drawing;  /* by the window */
+    rival *rival;         /* NULL: a method */
     sl_image *shown, *before;
     double balance, spent;
     bool may_move;        /* what was last told of has been shown */
@@ -82,27 +99,89 @@ static void check(sl_status status, const sl_error *error) {
     if (status != SL_OK) bench_fail("bench_motion", error);
 }
 
-static void open_contestant(contestant *c, const sl_scene *scene, const char *method, double times,
-                            int size) {
+static void set_up(const char *method, int size, sl_settings *settings) {
     char text[128];
-    sl_settings settings;
-    sl_error error = {SL_ERROR_USAGE, "options that mean nothing"};
-    *c = (contestant){.times = times, .budget = times * frame_nanoseconds(size), .may_move = true};
-    snprintf(c->name, sizeof c->name, "%s", method);
+    const sl_error error = {SL_ERROR_USAGE, "options that mean nothing"};
     snprintf(text, sizeof text, "--method %s --filter centre --quality draft --threads 2", method);
-    check(sl_trial_settings(text, &settings) ? SL_OK : SL_ERROR_USAGE, &error);
-    settings.width = settings.height = size;
-    settings.shading_cache.frames_per_update = 1;
-    settings.shading_cache.updates = 1000000000;
-    settings.records_per_frame = 256;
-    check(sl_scene_copy(scene, &c->scene, &error), &error);
+    check(sl_trial_settings(text, settings) ? SL_OK : SL_ERROR_USAGE, &error);
+    settings->width = settings->height = size;
+    settings->shading_cache.frames_per_update = 1;
+    settings->shading_cache.updates = 1000000000;
+    settings->records_per_frame = 256;
+}
+
+static void make_tracer(const contestant *c) {
+    rival *r = c->rival;
+    sl_error error;
+    sl_tracer_destroy(r->own);
+    check(sl_tracer_create(c->scene, 2, NULL, &r->own, &error), &error);
+    r->tracer = r->own;
+}
+
+static render_cache *make_cache(const contestant *c, int size, int samples) {
+    const render_cache_settings settings = {.scene = c->scene,
+                                            .tracer = &c->rival->tracer,
+                                            .renderer = c->rival->renderer,
+                                            .renderers = 2,
+                                            .width = size,
+                                            .height = size,
+                                            .samples = samples,
+                                            .threads = 2};
+    return render_cache_create(&settings);
+}
+
+/* A frame projects all points, one and a half a pixel, and takes as many samples as the rest is enough for. */
+static void open_rival(contestant *c, int size) {
+    enum { TRIED = 1024 };
+    sl_settings settings;
+    sl_error error;
+    rival *r = c->rival = bench_allocate(1, sizeof *r);
+    set_up("shading-cache", size, &settings);
+    settings.shading_cache.area_samples = 4;
+    settings.shading_cache.indirect_samples = 1;
+    sl_shading_complete(&settings);
+    make_tracer(c);
+    const sl_renderer_settings of = {c->scene, &r->tracer, settings.shading_cache, 0, 2};
+    check(sl_area_renderer(&of, &r->renderer[0], &error), &error);
+    check(sl_bidirectional_renderer(&of, &r->renderer[1], &error), &error);
+    render_cache *tried = make_cache(c, size, TRIED);
+    render_cache_frame(tried, &r->counters);
+    const double each = nanoseconds(&r->counters) / (double)render_cache_samples(tried);
+    render_cache_destroy(tried);
+    r->counters = (sl_counters){{0}};
+    const double samples = (c->budget - projecting(size)) / each;
+    r->cache = make_cache(c, size, samples > 1.0 ? (int)samples : 1);
+}
+
+static void open_method(contestant *c, const char *method, int size) {
+    sl_settings settings;
+    sl_error error;
+    set_up(method, size, &settings);
     check(sl_method_create(c->scene, &settings, &c->method, &error), &error);
     const sl_window_class *window = c->method->class->window;
     if (window) check(window->create(c->method->state, c->scene, &c->window, &error), &error);
+}
+
+static void open_contestant(contestant *c, const sl_scene *scene, const char *method, double times,
+                            int size) {
+    sl_error error;
+    *c = (contestant){.times = times, .budget = times * frame_nanoseconds(size), .may_move = true};
+    snprintf(c->name, sizeof c->name, "%s", method);
+    check(sl_scene_copy(scene, &c->scene, &error), &error);
+    if (strcmp(method, "render-cache") == 0) open_rival(c, size);
+    else open_method(c, method, size);
     for (int i = 0; i < FRAMES; i++) c->error[i] = NAN;
 }
 
+static void close_rival(rival *r) {
+    render_cache_destroy(r->cache);
+    for (int i = 0; i < 2; i++) r->renderer[i].destroy(r->renderer[i].state);
+    sl_tracer_destroy(r->own);
+    sl_free(r);
+}
+
 static void close_contestant(contestant *c) {
+    if (c->rival) close_rival(c->rival);
     if (c->window) c->method->class->window->destroy(c->window);
     sl_method_destroy(c->method);
     sl_scene_copy_destroy(c->scene);
@@ -110,8 +189,12 @@ static void close_contestant(contestant *c) {
     sl_image_destroy(c->shown);
 }
 
+static const sl_counters *counters_of(const contestant *c) {
+    return c->rival ? &c->rival->counters : sl_method_counters(c->method);
+}
+
 static void pay(contestant *c) {
-    double now = nanoseconds(sl_method_counters(c->method)) + nanoseconds(&c->drawing);
+    double now = nanoseconds(counters_of(c)) + nanoseconds(&c->drawing);
     c->balance -= now - c->spent;
     c->spent = now;
 }
@@ -124,10 +207,18 @@ static void draw_window(contestant *c, sl_image **image) {
     check(c->method->class->window->draw(c->window, *image, &versions, &c->drawing, &error), &error);
 }
 
-static void show(contestant *c) {
+static void draw_rival(const contestant *c, int size, sl_image **image) {
+    sl_error error;
+    check(sl_image_create(size, size, 3, NULL, image, &error), &error);
+    memcpy((*image)->planes, render_cache_picture(c->rival->cache),
+           3 * (size_t)size * (size_t)size * sizeof(float));
+}
+
+static void show(contestant *c, int size) {
     sl_error error;
     sl_image *image;
-    if (c->window) draw_window(c, &image);
+    if (c->rival) draw_rival(c, size, &image);
+    else if (c->window) draw_window(c, &image);
     else check(sl_method_resolve(c->method, &image, &error), &error);
     if (c->shown != c->before) sl_image_destroy(c->shown);
     c->shown = image;
@@ -135,10 +226,22 @@ static void show(contestant *c) {
     pay(c);
 }
 
+static void follow_with_rival(const contestant *c, unsigned changes) {
+    rival *r = c->rival;
+    sl_error error;
+    if (changes & SL_CHANGED_OBJECTS) make_tracer(c);
+    for (int i = 0; i < 2; i++) check(r->renderer[i].edit(r->renderer[i].state, changes, &error), &error);
+    render_cache_edit(r->cache, changes);
+}
+
 static void follow(contestant *c, double time) {
     unsigned changes = 0;
     sl_error error;
     check(sl_scene_set_time(c->scene, time, &changes, &error), &error);
+    if (c->rival) {
+        if (changes) follow_with_rival(c, changes);
+        return;
+    }
     if (changes) check(sl_method_edit(c->method, changes, &error), &error);
     if (c->window && (changes & SL_CHANGED_OBJECTS))
         check(c->method->class->window->move(c->window, &error), &error);
@@ -151,22 +254,28 @@ static bool shows(const contestant *c, const sl_progress *progress) {
 }
 
 /* One frame: updates while the budget lasts; what is left over or owed is the next frame's. */
-static void play(contestant *c, double time) {
+static void play(contestant *c, double time, int size) {
     sl_progress progress = {0};
     sl_error error;
     if (c->shown != c->before) sl_image_destroy(c->before);
     c->before = c->shown;
     if (c->may_move) follow(c, time);
     c->balance += c->budget;
+    if (c->rival) {
+        render_cache_frame(c->rival->cache, &c->rival->counters);
+        render_cache_show(c->rival->cache, true);
+        show(c, size);
+        return;
+    }
     while (c->balance > 0.0 && !progress.done) {
         check(sl_method_update(c->method, &progress, &error), &error);
         pay(c);
         if (c->window || !shows(c, &progress)) continue;
-        show(c);
+        show(c, size);
         if (c->balance > 0.0 && !c->may_move) follow(c, time);
         c->may_move = true;
     }
-    if (c->window) show(c);
+    if (c->window) show(c, size);
     if (c->balance > 0.0) c->balance = 0.0;
 }
 
@@ -304,7 +413,7 @@ static void put_row(const char *scene, const contestant *c) {
         worst = fmax(worst, c->error[k]);
         judged++;
     }
-    const sl_counters *n = sl_method_counters(c->method);
+    const sl_counters *n = counters_of(c);
     bench_row("%s|%s|%.1f|%.1f|%.1f|%.1f|%.2f|%.2f|%.2f|%.1f|%llu|%llu|%llu", scene, c->name, c->times,
               100.0 * sum / judged, 100.0 * worst, 100.0 * least_at_rest(c), seconds_until(c, 0.5),
               seconds_until(c, 0.1), sqrt(c->change / fmax(c->truth, 1e-300)),
@@ -333,7 +442,7 @@ static void put_curves(const options *o, const char *scene, const contestant *co
 /* ---- a scene --------------------------------------------------------------------------------- */
 
 static const char *const methods[] = {"splatting",  "direct-radiance", "light-octree",
-                                      "multi-mesh", "shading-cache",   "path"};
+                                      "multi-mesh", "shading-cache",   "path", "render-cache"};
 
 static int open_all(const options *o, const sl_scene *scene, int size, contestant *contestants) {
     static const double budgets[] = {0.5, 1.0, 2.0};
@@ -376,7 +485,7 @@ static void run_scene(const options *o, const char *path) {
         if (judged || pair) trace_truth(&now, scene, size, o->common.brief ? 4 : SAMPLES);
         for (int i = 0; i < count; i++) {
             contestant *c = &contestants[i];
-            play(c, time);
+            play(c, time, size);
             c->dark += !c->shown || !has_light(c->shown);
             if (judged) c->error[k] = relative_error(c->shown, &now);
             if (pair) add_changes(c, &before, &now);
