@@ -23,13 +23,14 @@ static void next_level(sl_octree_state *s) {
     s->phase = s->depth <= s->settings.light_octree.depth ? SL_OCTREE_PHASE_OCTREE : SL_OCTREE_PHASE_DONE;
 }
 
-/* With the one that is shown, unless that was of a scene in motion. */
+/* With the one that is shown; after one of a scene in motion with a deeper one, if there is to be any. */
 static void go_on_with_levels(sl_octree_state *s) {
-    s->depth = s->plan.first_depth;
+    const bool whole = s->shown.octree && !s->motion.shown;
+    const int deepest = s->settings.light_octree.depth;
+    s->depth = s->plan.first_depth + (s->motion.shown && s->plan.first_depth < deepest);
     s->phase = SL_OCTREE_PHASE_OCTREE;
-    if (!s->shown.octree || s->motion.shown) return;
-    if (s->lit) next_level(s);
-    else s->phase = SL_OCTREE_PHASE_SHADE;
+    if (whole && s->lit) next_level(s);
+    else if (whole) s->phase = SL_OCTREE_PHASE_SHADE;
 }
 
 static sl_status finish_photons(sl_octree_state *s, sl_error *error) {
@@ -48,6 +49,14 @@ static sl_status finish_photons(sl_octree_state *s, sl_error *error) {
     return SL_OK;
 }
 
+sl_photon_options sl_octree_photon_options(const sl_octree_state *s) {
+    return (sl_photon_options){.stored = s->settings.light_octree.photons,
+                               .store = s->settings.light_octree.store,
+                               .sky = s->sky.present ? &s->sky : NULL,
+                               .seed = s->settings.seed,
+                               .threads = s->settings.threads};
+}
+
 static sl_status trace_photons(sl_octree_state *s, sl_error *error) {
     if (!s->plan.photons) {
         s->phase = SL_OCTREE_PHASE_DONE;
@@ -57,14 +66,12 @@ static sl_status trace_photons(sl_octree_state *s, sl_error *error) {
         go_on_with_levels(s);
         return SL_OK;
     }
-    sl_photon_options options = {.stored = s->settings.light_octree.photons,
-                                 .store = s->settings.light_octree.store,
-                                 .sky = s->sky.present ? &s->sky : NULL,
-                                 .seed = s->settings.seed,
-                                 .threads = s->settings.threads};
+    const sl_photon_options options = sl_octree_photon_options(s);
     bool done = false;
-    sl_status status = sl_photons_trace(s->scene, s->tracer, &options, sl_octree_photon_chunks(&s->settings),
-                                        &s->photons, &done, &s->counters, error);
+    sl_status status = sl_octree_take_slices(s, error);
+    if (status == SL_OK)
+        status = sl_photons_trace(s->scene, s->tracer, &options, sl_octree_photon_chunks(&s->settings),
+                                  &s->photons, &done, &s->counters, error);
     return status == SL_OK && done ? finish_photons(s, error) : status;
 }
 

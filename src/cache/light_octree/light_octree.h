@@ -144,6 +144,7 @@ sl_octree_shading sl_octree_state_shading(const sl_octree_state *s);
 
 /* The next step of the pass that is under way (light_octree.c). */
 sl_status sl_octree_step(sl_octree_state *s, sl_error *error);
+sl_photon_options sl_octree_photon_options(const sl_octree_state *s);
 /* An octree of that depth and the lights of its voxels, and the pixels' light from what is shown, at once. */
 sl_status sl_octree_show_level_of(sl_octree_state *s, const sl_photon_tree *tree, int depth, sl_error *error);
 sl_status sl_octree_light_picture(sl_octree_state *s, sl_error *error);
@@ -151,6 +152,8 @@ sl_status sl_octree_light_picture(sl_octree_state *s, sl_error *error);
 /* A whole frame: G-buffer, direct light, octree where light has changed, pixels (motion.c). */
 sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error);
 void sl_octree_age_light(sl_octree_motion *motion);
+/* Begins the photons of a picture at rest with those slices that are of the scene as it is. */
+sl_status sl_octree_take_slices(sl_octree_state *s, sl_error *error);
 /* The octree that is shown is none of slices any more. */
 void sl_octree_forget_slices(sl_octree_motion *motion);
 void sl_octree_forget_motion(sl_octree_motion *motion);

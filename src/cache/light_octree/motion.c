@@ -1,10 +1,10 @@
 /* Frames while something moves: the update behind an edit draws a whole one, so that no frame is without
  * light. Direct light is by shadow maps, rays are for what stands still. Where light has changed, photons are
  * traced again in slices, one an edit, and the older a slice is the less it counts. A slice's paths are the
- * same each time: where nothing has moved its photons keep their places, and light does not flash. */
+ * same each time: where nothing has moved its photons keep their places, and light does not flash. They are
+ * the first of a picture at rest, which goes on from slices that are all of the scene as it is. */
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/random.h"
 #include "cache/light_octree/light_octree.h"
 
 #include <math.h>
@@ -86,27 +86,40 @@ void sl_octree_forget_motion(sl_octree_motion *m) {
     sl_octree_forget_slices(m);
 }
 
+/* The paths of a slice are some of those that a picture at rest begins with. */
+static uint64_t chunks_of_slice(const sl_octree_state *s) {
+    const uint64_t paths = s->settings.light_octree.photons / PATHS_DIVISOR;
+    return (paths + SL_PHOTON_CHUNK - 1) / SL_PHOTON_CHUNK;
+}
+
 static sl_status trace_slice(sl_octree_state *s, int k, sl_error *error) {
-    const uint64_t paths = s->settings.light_octree.photons / PATHS_DIVISOR,
-                   chunks = (paths + SL_PHOTON_CHUNK - 1) / SL_PHOTON_CHUNK;
-    const sl_photon_options options = {.stored = UINT64_MAX,
-                                       .emitted_at_most = chunks * SL_PHOTON_CHUNK,
-                                       .store = s->settings.light_octree.store,
-                                       .sky = s->sky.present ? &s->sky : NULL,
-                                       .seed = sl_random_key(s->settings.seed, (uint64_t)k + 1),
-                                       .threads = s->settings.threads};
+    const uint64_t chunks = chunks_of_slice(s);
+    sl_photon_options options = sl_octree_photon_options(s);
     sl_photon_list *slice = NULL;
-    bool done = false;
-    sl_status status = SL_OK;
-    while (status == SL_OK && !done)
-        status = sl_photons_trace(s->scene, s->tracer, &options, (size_t)chunks, &slice, &done, &s->counters,
-                                  error);
+    bool done;
+    options.stored = UINT64_MAX; /* never done: fluxes stay undivided */
+    options.first = (uint64_t)k * chunks * SL_PHOTON_CHUNK;
+    sl_status status = sl_photons_trace(s->scene, s->tracer, &options, (size_t)chunks, &slice, &done,
+                                        &s->counters, error);
     if (status == SL_OK) {
         sl_photon_list_destroy(s->motion.slice[k]);
         s->motion.slice[k] = slice;
         s->motion.age[k] = 0;
     } else {
         sl_photon_list_destroy(slice);
+    }
+    return status;
+}
+
+sl_status sl_octree_take_slices(sl_octree_state *s, sl_error *error) {
+    const uint64_t paths = chunks_of_slice(s) * SL_PHOTON_CHUNK, most = s->settings.light_octree.photons;
+    sl_status status = SL_OK;
+    for (int k = 0; k < SL_OCTREE_SLICES && status == SL_OK; k++) {
+        const sl_photon_list *slice = s->motion.slice[k], *all = s->photons;
+        if (!slice || s->motion.age[k] > 0 || (all ? all->emitted : 0) != (uint64_t)k * paths ||
+            (all ? all->count : 0) + slice->count >= most)
+            return SL_OK;
+        status = sl_photons_append(&s->photons, slice, error);
     }
     return status;
 }
@@ -127,7 +140,8 @@ static sl_status renew_slices(sl_octree_state *s, sl_error *error) {
     return status;
 }
 
-static void add_slice(sl_photon_list *all, const sl_photon_list *slice, double weight) {
+static void add_slice(sl_photon_list *all, const sl_photon_list *slice, double share) {
+    const double weight = slice->emitted > 0 ? share / (double)slice->emitted : 0.0;
     for (size_t i = 0; i < slice->count; i++) {
         sl_photon *p = &all->photon[all->count++];
         *p = slice->photon[i];
@@ -201,6 +215,6 @@ sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error) {
 size_t sl_octree_motion_bytes(const sl_octree_motion *m) {
     size_t bytes = m->maps ? sl_shadow_maps_bytes(m->maps) : 0;
     for (int k = 0; k < SL_OCTREE_SLICES; k++)
-        if (m->slice[k]) bytes += m->slice[k]->count * sizeof(sl_photon);
+        if (m->slice[k]) bytes += m->slice[k]->capacity * sizeof(sl_photon);
     return bytes + (m->tree ? sl_photon_tree_bytes(m->tree) : 0);
 }

@@ -339,16 +339,28 @@ static bool resize(sl_photon_list *list, size_t capacity) {
     return true;
 }
 
-static sl_status commit(sl_photon_list *list, const chunk_result *r, sl_counters *counters, sl_error *error) {
-    if (r->out_of_memory) return sl_fail_memory(error, "photons");
-    size_t count = list->count + r->count;
+static sl_status add(sl_photon_list *list, size_t photons, const sl_photon *photon, uint64_t emitted,
+                     double cut_flux, sl_error *error) {
+    size_t count = list->count + photons;
     if (count >= UINT32_MAX)
         return sl_fail(error, SL_ERROR_RESOURCES, "at most %u photons can be stored", UINT32_MAX - 1);
     if (count > list->capacity && !resize(list, count + count / 2)) return sl_fail_memory(error, "photons");
-    if (r->count > 0) memcpy(list->photon + list->count, r->ordered, r->count * sizeof *r->ordered);
+    if (photons > 0) memcpy(list->photon + list->count, photon, photons * sizeof *photon);
     list->count = count;
-    list->emitted += SL_PHOTON_CHUNK;
-    list->cut_flux += r->cut_flux;
+    list->emitted += emitted;
+    list->cut_flux += cut_flux;
+    return SL_OK;
+}
+
+sl_status sl_photons_append(sl_photon_list **list, const sl_photon_list *more, sl_error *error) {
+    if (!*list && !(*list = sl_allocate(1, sizeof **list))) return sl_fail_memory(error, "photons");
+    return add(*list, more->count, more->photon, more->emitted, more->cut_flux, error);
+}
+
+static sl_status commit(sl_photon_list *list, const chunk_result *r, sl_counters *counters, sl_error *error) {
+    if (r->out_of_memory) return sl_fail_memory(error, "photons");
+    sl_status status = add(list, r->count, r->ordered, SL_PHOTON_CHUNK, r->cut_flux, error);
+    if (status != SL_OK) return status;
     sl_counters_add(counters, &r->counters);
     sl_count(counters, SL_COUNT_PHOTONS_EMITTED, SL_PHOTON_CHUNK);
     sl_count(counters, SL_COUNT_PHOTONS_STORED, r->count);
@@ -402,7 +414,7 @@ static bool can_store(const sl_scene *scene, const sl_photon_options *options) {
 static sl_status trace_some(photon_job *job, const sl_photon_options *options, unsigned threads,
                             size_t *chunks, sl_photon_list *list, sl_counters *counters, sl_error *error) {
     size_t now = chunks_at_once(list, options, *chunks < CHUNKS_AT_ONCE ? *chunks : CHUNKS_AT_ONCE, threads);
-    job->first_chunk = list->emitted / SL_PHOTON_CHUNK;
+    job->first_chunk = (options->first + list->emitted) / SL_PHOTON_CHUNK;
     sl_parallel_for(threads, now, trace_chunk, job);
     sl_status status = SL_OK;
     for (size_t i = 0; i < now && status == SL_OK && !is_complete(list, options); i++) {

@@ -41,6 +41,7 @@ typedef struct sl_photon_options {
      * flux. NULL: none */
     const sl_environment *sky;
     uint64_t seed;
+    uint64_t first;           /* so many paths are passed over: whole chunks */
     unsigned threads;
 } sl_photon_options;
 
@@ -67,6 +68,9 @@ enum { SL_PHOTON_CHUNK = 4096 };
 sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const sl_photon_options *options,
                            size_t chunks, sl_photon_list **list, bool *done, sl_counters *counters,
                            sl_error *error);
+/* Appends paths that were traced elsewhere, by the same options but for `first`, which was what `*list` (NULL
+ * at first) has emitted. Neither list may be done. */
+sl_status sl_photons_append(sl_photon_list **list, const sl_photon_list *more, sl_error *error);
 void sl_photon_list_destroy(sl_photon_list *list);
 
 #endif
