@@ -1,5 +1,7 @@
 /* The method: makes and ends a cache, shows its picture, takes edits. One update of it is in shading_cache.c.
  * */
+#include <math.h>
+
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -16,6 +18,7 @@ static void shading_destroy(void *state) {
     for (int i = 0; i < s->renderer_count; i++) s->renderer[i].destroy(s->renderer[i].state);
     sl_display_destroy(s->display);
     sl_object_places_destroy(s->places);
+    sl_sampled_lights_destroy(s->lights);
     sl_patches_destroy(s->patches);
     sl_primitives_destroy(s->primitives);
     sl_tracer_destroy(s->own_tracer);
@@ -97,6 +100,15 @@ static void judge_by_light_of_now(sl_shading_state *s) {
     if (sl_display_guess(s->display, sl_ambient_irradiance_of_all_bounces(s->scene))) s->drawn = false;
 }
 
+/* Where they are, and their colours: no triangles of theirs. */
+static sl_status take_lights(const sl_shading_state *s, sl_sampled_lights **lights, sl_error *error) {
+    sl_status status = sl_sampled_lights_find(s->scene, lights, error);
+    if (status != SL_OK) return status;
+    sl_free((*lights)->light_of_triangle);
+    (*lights)->light_of_triangle = NULL;
+    return status;
+}
+
 static sl_status make_cache(sl_shading_state *s, sl_error *error) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
     sl_display_settings display = {s->settings.width, s->settings.height,
@@ -112,7 +124,8 @@ static sl_status make_cache(sl_shading_state *s, sl_error *error) {
         status = sl_patches_create(s->primitives, &kept, &s->patches, error);
     if (status == SL_OK) status = make_renderers(s, error);
     if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
-    return status == SL_OK ? sl_object_places_take(s->scene, &s->places, error) : status;
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    return status == SL_OK ? take_lights(s, &s->lights, error) : status;
 }
 
 static sl_status shading_create(const sl_scene *scene, const sl_settings *settings,
@@ -133,6 +146,7 @@ static sl_status shading_create(const sl_scene *scene, const sl_settings *settin
                               .no_ageing = settings->shading_cache.no_ageing};
     s->layers = (sl_layers){.kept = s->plan.layers, .now = SL_VERSION_FIRST};
     s->last_update = settings->shading_cache.updates;
+    s->last_sample = INFINITY;
     sl_status status = make_cache(s, error);
     if (status != SL_OK) {
         shading_destroy(s);
@@ -224,18 +238,63 @@ static void note_version(sl_layers *l, unsigned what) {
     if (what & SL_CHANGED_CAMERA) l->eye_moved = l->now;
 }
 
-static sl_status note_motion(sl_shading_state *s, unsigned what, sl_error *error) {
+/* What was found out is the cache's from then on, whatever comes of the edit. */
+static sl_status find_moves(sl_shading_state *s, sl_object_places *places, unsigned *what, sl_error *error) {
+    sl_sampled_lights *lights = NULL;
+    sl_light_moves *moves = NULL;
+    sl_status status = take_lights(s, &lights, error);
+    if (status == SL_OK)
+        status = sl_light_moves_find(s->scene, s->places, places, s->lights, lights, &moves, error);
+    if (moves) *what = sl_shading_keep(s, *what, moves, s->lights);
+    sl_light_moves_destroy(moves);
+    if (status != SL_OK) {
+        sl_sampled_lights_destroy(lights);
+        return status;
+    }
+    sl_sampled_lights_destroy(s->lights);
+    s->lights = lights;
+    return SL_OK;
+}
+
+static sl_status note_motion(sl_shading_state *s, unsigned *what, sl_error *error) {
     sl_object_places *places;
     sl_status status = sl_object_places_take(s->scene, &places, error);
     if (status != SL_OK) return status;
     for (size_t i = 0; i < places->count; i++) s->stale[i] = sl_object_has_moved(s->places, places, i);
-    sl_shading_keep_untouched(s, what, places, s->stale);
+    status = find_moves(s, places, what, error);
+    sl_object_places_destroy(s->places);
+    s->places = places;
+    return status;
+}
+
+static unsigned as_light(unsigned what) {
+    const unsigned light = SL_CHANGED_POWER | SL_CHANGED_MATERIALS;
+    return what & light ? (what & ~light) | SL_CHANGED_LIGHTS : what;
+}
+
+/* Much is known already: eight tenths of what a picture takes from its beginning make one as good, or half of
+ * it where direct light is kept. */
+static void allow_more(sl_shading_state *s, unsigned what) {
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    const double most = 2.0 * (double)c->points, share = what == SL_CHANGED_MATERIALS ? 0.5 : 0.8;
+    s->last_update = (uint64_t)s->now + c->updates;
+    if (!(s->samples_an_update > 0.0))
+        s->samples_an_update = s->now ? fmin(s->samples / (double)s->now, most) : most;
+    s->last_sample = what == SL_CHANGED_CAMERA
+                         ? INFINITY
+                         : s->samples + share * (double)c->updates * s->samples_an_update;
+}
+
+static void begin_picture(sl_shading_state *s, unsigned what) {
+    allow_more(s, what);
+    what = as_light(what);
     sl_changes_edit(&s->changes, what, s->stale, s->now + 1);
     note_version(&s->layers, what);
     s->may_be_stale = true;
-    sl_object_places_destroy(s->places);
-    s->places = places;
-    return SL_OK;
+    if (!s->edited && (what & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
+    const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    s->shows_only = s->edits++ % (uint32_t)c->frames_per_update != 0 && !(c->hold_levels > 0.0);
+    if (what & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
 }
 
 /* The display follows at once; the shading finds out for itself what has changed. Of a series of frames every
@@ -244,15 +303,13 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     sl_shading_state *s = state;
     s->done = s->scene->sub_frame.purpose != SL_SUB_FRAME_BOTH; /* the others draw what there is */
     if (s->done) return SL_OK;
-    sl_status status = note_motion(s, of_the_eye(s, changes), error);
-    s->done = false;
-    if (!s->edited && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
+    unsigned left = of_the_eye(s, changes);
     sl_fades_finish(&s->fades, s->patches);
-    s->last_update = (uint64_t)s->now + s->settings.shading_cache.updates;
-    const sl_shading_cache_settings *c = &s->settings.shading_cache;
-    s->shows_only = s->edits++ % (uint32_t)c->frames_per_update != 0 && !(c->hold_levels > 0.0);
-    if (changes & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
-    if (changes & SL_CHANGED_OBJECTS) judge_by_light_of_now(s);
+    sl_status status = note_motion(s, &left, error);
+    if (left) begin_picture(s, left);
+    s->done = !left && sl_shading_is_done(s);
+    changes = as_light(changes);
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) judge_by_light_of_now(s);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = make_tracer(s, error);
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) sl_solids_edit(s->primitives->solids);
@@ -310,6 +367,7 @@ const sl_method_class sl_shading_cache_method = {
     .complete = sl_shading_complete,
     .create = shading_create,
     .destroy = shading_destroy,
+    .tells_apart = SL_CHANGED_POWER | SL_CHANGED_MATERIALS,
     .update = shading_update,
     .resolve = shading_resolve,
     .edit = shading_edit,

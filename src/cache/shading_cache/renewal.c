@@ -47,7 +47,8 @@ static size_t cheap_renewals(const sl_shading_state *s) {
 static size_t dear_renewals(const sl_shading_state *s, size_t cheap_taken) {
     double cheap = rays_of(s, SL_LAYER_CHEAP), dear = rays_of(s, SL_LAYER_DEAR), all = samples_of(s);
     double count = (all * (cheap + dear) - (double)cheap_taken * cheap) / dear;
-    return (size_t)fmin(fmax(count, 0.5 * all), all);
+    double left = s->last_sample - s->samples;
+    return (size_t)fmin(fmin(fmax(count, 0.5 * all), all), fmax(left, 1.0));
 }
 
 /* ---- which ---- */

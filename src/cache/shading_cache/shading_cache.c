@@ -235,7 +235,7 @@ static sl_status age(sl_shading_state *s, sl_error *error) {
 /* A vertex without light of its own is extrapolated from the corners around it. */
 static sl_status move_and_age(sl_shading_state *s, size_t vertices, sl_error *error) {
     sl_shading_commit(s, vertices);
-    if (s->now >= s->last_update) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
+    if (s->now >= s->last_update || s->samples >= s->last_sample) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
     sl_status status = age(s, error);
     if (status == SL_OK) sl_patches_extrapolate(s->patches);
     sl_announce_pass(&s->announcer, "commit", "motion, age");
@@ -266,7 +266,7 @@ sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     sl_shading_sample(s, vertices);
     status = move_and_age(s, vertices, error);
     if (status == SL_OK) status = build_display_arrays(s, error);
-    s->done = s->now >= s->last_update || sl_shading_nothing_is_left(s);
+    s->done = sl_shading_is_done(s);
     if (s->done) s->edited = 0; /* nothing that is seen has changed */
     return status;
 }

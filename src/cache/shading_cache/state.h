@@ -3,6 +3,7 @@
 #define SL_SHADING_CACHE_STATE_H
 
 #include "cache/frame/announce.h"
+#include "cache/light/moves.h"
 #include "cache/shading_cache/change.h"
 #include "cache/patches/display/display.h"
 #include "cache/shading_cache/layers.h"
@@ -10,7 +11,6 @@
 #include "cache/shading_cache/priority.h"
 #include "cache/shading_cache/renderers.h"
 #include "cache/shading_cache/work.h"
-#include "scene/object_places.h"
 
 enum { SL_SHADING_RENDERERS = 3 };
 
@@ -29,6 +29,7 @@ typedef struct sl_shading_state {
     sl_display *display;
     sl_changes changes;
     sl_object_places *places;
+    sl_sampled_lights *lights;     /* where they are, and of what colour */
 
     sl_display_ids ids;            /* id map */
     float *id_memory;
@@ -52,7 +53,11 @@ typedef struct sl_shading_state {
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
     double samples;                /* so far: parts of one count as what they cost */
-    uint64_t last_update;          /* after which a picture is done: an edit allows as many again */
+    /* after which a picture is done: an edit allows as many again, and no more than so many updates of a
+     * picture from its beginning take */
+    uint64_t last_update;
+    double last_sample;
+    double samples_an_update;      /* until the first edit; 0: there was none */
     sl_vec3 eye;                   /* as the last edit left it */
     uint32_t edits;                /* ... of a series: frames */
     uint32_t edited;               /* the first update after an edit whose change is not found yet; 0: none */
@@ -82,6 +87,7 @@ void sl_shading_each_leaf(sl_shading_state *s, sl_leaf_visit *visit);
 void sl_shading_leave_out_finished(sl_shading_state *s);
 void sl_shading_note_idle(sl_shading_state *s, size_t choices);
 bool sl_shading_nothing_is_left(const sl_shading_state *s);
+bool sl_shading_is_done(const sl_shading_state *s);
 
 /* renewal.c. Appends vertices that are stale to s->vertex[0 .. *count), and tells which layers each of
  * them is asked for. */
@@ -90,9 +96,11 @@ sl_status sl_shading_renew(sl_shading_state *s, size_t *count, sl_error *error);
 double sl_shading_cheap_samples(const sl_shading_state *s);
 /* Adds the requests made to the samples so far. */
 void sl_shading_count_samples(sl_shading_state *s, size_t requests);
-/* untouched.c. Before an edit is noted: marks as new direct light that no moved object can have touched. */
-void sl_shading_keep_untouched(sl_shading_state *s, unsigned what, const sl_object_places *after,
-                               const bool *moved);
+/* untouched.c. Before an edit is noted: scales all light where its power alone is another, and marks as new
+ * direct light that is as it was. Returns what is left of the changes, with SL_CHANGED_LIGHTS where no light
+ * was kept. */
+unsigned sl_shading_keep(sl_shading_state *s, unsigned what, const sl_light_moves *moves,
+                         const sl_sampled_lights *before);
 
 /* samples.c. The samples of s->vertex[0 .. count), into s->sample: the sample renderer is asked for E of
  * diffuse surfaces, and for L_o towards the eye of others. */

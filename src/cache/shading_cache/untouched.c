@@ -1,73 +1,64 @@
-/* What outlives an edit: where objects have moved and nothing else has changed, direct light is as it was
- * at a vertex from which no light is seen through a place where something was, or is now. */
+/* What outlives an edit: direct light at a vertex from which no light has changed, nor is seen through a place
+ * where something was, or is now; and all light where nothing but its power has changed. */
 #include <math.h>
 
 #include "base/math.h"
 #include "cache/shading_cache/state.h"
 
-/* Tells whether a segment from a point to somewhere in a box may meet another box: whether at some share t of
- * the way p + t (light - p) and the box overlap along each axis. */
-static bool may_cross(sl_vec3 point, const sl_box *light, const sl_box *box) {
-    const float p[3] = {point.x, point.y, point.z},
-                low[3] = {light->low.x, light->low.y, light->low.z},
-                high[3] = {light->high.x, light->high.y, light->high.z},
-                from[3] = {box->low.x, box->low.y, box->low.z},
-                to[3] = {box->high.x, box->high.y, box->high.z};
-    float t[2] = {0.0f, 1.0f};
-    for (int a = 0; a < 3; a++) {
-        /* p + t (low - p) <= to, and p + t (high - p) >= from: d t <= room */
-        const float d[2] = {low[a] - p[a], p[a] - high[a]}, room[2] = {to[a] - p[a], p[a] - from[a]};
-        for (int k = 0; k < 2; k++) {
-            if (d[k] > 0.0f) t[1] = fminf(t[1], room[k] / d[k]);
-            else if (d[k] < 0.0f) t[0] = fmaxf(t[0], room[k] / d[k]);
-            else if (room[k] < 0.0f) return false;
+enum { FEW = 32 };
+
+/* ---- power: light adds up, and scales with what it comes from ---- */
+
+/* Of what is black in a channel any ratio is right: `ratio` keeps what it has. */
+static bool find_ratio(sl_rgb before, sl_rgb now, double ratio[3]) {
+    const float from[3] = {before.r, before.g, before.b}, to[3] = {now.r, now.g, now.b};
+    for (int c = 0; c < 3; c++) {
+        if (!(from[c] > 0.0f) && to[c] > 0.0f) return false;
+        if (from[c] > 0.0f) ratio[c] = (double)to[c] / (double)from[c];
+    }
+    return true;
+}
+
+static bool is_about(double a, double b) { return fabs(a - b) <= 1e-6 * b; }
+
+/* Of several lights one ratio holds if it is that of each of them, and if it is grey: paths choose among
+ * colours. */
+static bool find_common_ratio(const sl_sampled_lights *before, const sl_sampled_lights *now,
+                              double ratio[3]) {
+    for (size_t l = 0; l < now->count; l++) {
+        double of_this[3] = {NAN, NAN, NAN};
+        if (!find_ratio(before->light[l].colour, now->light[l].colour, of_this)) return false;
+        for (int c = 0; c < 3; c++) {
+            if (isnan(ratio[c])) ratio[c] = of_this[c];
+            bool grey = now->count == 1 || is_about(ratio[c], ratio[0]);
+            if (!grey || !(isnan(of_this[c]) || is_about(of_this[c], ratio[c]))) return false;
         }
     }
-    return t[0] <= t[1];
+    return now->count > 0;
 }
 
-static void hold(sl_box *box, sl_vec3 p) {
-    box->low = sl_v3(fminf(box->low.x, p.x), fminf(box->low.y, p.y), fminf(box->low.z, p.z));
-    box->high = sl_v3(fmaxf(box->high.x, p.x), fmaxf(box->high.y, p.y), fmaxf(box->high.z, p.z));
+static void scale(float *value, int channels, const double ratio[3]) {
+    for (int c = 0; c < channels; c++)
+        if (value[c] != 0.0f) value[c] = (float)((double)value[c] * ratio[c % 3]);
 }
 
-static const sl_box nowhere = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-
-/* Lights, a box each; all emissive triangles in one. More than there is room for, or light from infinity:
- * none. */
-enum { BOXES = 32 };
-static size_t find_lights(const sl_scene *scene, sl_box box[BOXES]) {
-    size_t count = 0;
-    if (scene->light_count >= BOXES) return 0;
-    for (size_t l = 0; l < scene->light_count; l++) {
-        if (scene->lights[l].type == SL_LIGHT_DIRECTIONAL) return 0;
-        box[count++] = (sl_box){scene->lights[l].position, scene->lights[l].position};
+/* Within the rounding of a float. */
+static bool scale_light(sl_shading_state *s, const sl_light_moves *moves, const sl_sampled_lights *before) {
+    double ratio[3] = {NAN, NAN, NAN};
+    sl_patches *p = s->patches;
+    if (p->sets || s->scene->environment.present || !find_common_ratio(before, moves->lights, ratio))
+        return false;
+    for (uint32_t v = 0; v < p->vertex_count; v++) {
+        if (!p->vertex[v].references || p->vertex[v].evaluated == SL_VERTEX_NEVER) continue;
+        scale(sl_vertex_value(p, v), p->settings.channels, ratio);
+        if (v < s->layers.capacity) scale(sl_cheap_layer(&s->layers, p, v), 2 * p->settings.channels, ratio);
+        sl_patches_touch(p, p->vertex[v].place);
     }
-    if (scene->emitter_count == 0) return count;
-    box[count] = nowhere;
-    for (size_t e = 0; e < scene->emitter_count; e++) {
-        for (int c = 0; c < 3; c++)
-            hold(&box[count], sl_scene_position(scene, scene->vertex[c][scene->emitters[e].triangle]));
-    }
-    return count + 1;
+    s->drawn = false;
+    return true;
 }
 
-/* Where things were and are that have moved, a little larger as places are rounded; returns how many. */
-static size_t find_moved(const sl_object_places *before, const sl_object_places *after, const bool *moved,
-                         float slack, sl_box box[BOXES]) {
-    size_t count = 0;
-    for (size_t i = 0; i < after->count; i++) {
-        if (!moved[i]) continue;
-        if (count + 2 > BOXES) return 0;
-        box[count++] = before->box[i];
-        box[count++] = after->box[i];
-    }
-    for (size_t i = 0; i < count; i++) {
-        box[i].low = sl_sub(box[i].low, sl_v3(slack, slack, slack));
-        box[i].high = sl_add(box[i].high, sl_v3(slack, slack, slack));
-    }
-    return count;
-}
+/* ---- places ---- */
 
 /* Only light that comes straight from lamps tells by its way whether something came between. */
 static bool is_told_by_lamps(const sl_shading_state *s) {
@@ -75,23 +66,30 @@ static bool is_told_by_lamps(const sl_shading_state *s) {
     return s->plan.direct && !s->plan.caustics && !sky && (s->layers.kept || !s->plan.indirect);
 }
 
-void sl_shading_keep_untouched(sl_shading_state *s, unsigned what, const sl_object_places *after,
-                               const bool *moved) {
-    sl_box light[BOXES], box[BOXES];
-    if (what != SL_CHANGED_OBJECTS || !is_told_by_lamps(s)) return;
-    size_t lights = find_lights(s->scene, light),
-           boxes = find_moved(s->places, after, moved, 1e-4f * sl_scene_central_diagonal(s->scene), box);
-    if (lights == 0 || boxes == 0) return;
-    for (uint32_t v = 0; v < s->patches->vertex_count; v++) {
-        sl_patch_vertex *vertex = &s->patches->vertex[v];
-        if (!vertex->references || vertex->evaluated == SL_VERTEX_NEVER || vertex->extrapolated ||
-            moved[sl_root_object(s->primitives, vertex->root)] || sl_vertex_is_stale(s->patches, &s->work, v))
-            continue;
-        sl_lit_point at;
-        sl_vertex_sample_point(s->patches, v, &at);
-        bool touched = false;
-        for (size_t k = 0; k < lights * boxes && !touched; k++)
-            touched = may_cross(at.position, &light[k / boxes], &box[k % boxes]);
-        if (!touched) sl_vertex_mark(vertex, s->now + 1);
-    }
+static bool is_untouched(const sl_shading_state *s, const sl_light_moves *moves, uint32_t v, bool recoloured) {
+    const sl_patch_vertex *vertex = &s->patches->vertex[v];
+    sl_lit_point at;
+    if (!vertex->references || vertex->evaluated == SL_VERTEX_NEVER || vertex->extrapolated ||
+        moves->object_moved[sl_root_object(s->primitives, vertex->root)] ||
+        (recoloured && sl_material_has_lobe(sl_root_material(s->primitives, vertex->root))) ||
+        sl_vertex_is_stale(s->patches, &s->work, v))
+        return false;
+    sl_vertex_sample_point(s->patches, v, &at);
+    for (size_t l = 0; l < moves->lights->count; l++)
+        if (sl_light_may_differ(moves, l, at.position, 1e-4 * (double)sl_scene_central_diagonal(s->scene)))
+            return false;
+    return true;
+}
+
+unsigned sl_shading_keep(sl_shading_state *s, unsigned what, const sl_light_moves *moves,
+                         const sl_sampled_lights *before) {
+    const unsigned kept = SL_CHANGED_OBJECTS | SL_CHANGED_MATERIALS;
+    if (what & SL_CHANGED_POWER && scale_light(s, moves, before)) what &= ~(unsigned)SL_CHANGED_POWER;
+    if (what == 0 || what == SL_CHANGED_CAMERA) return what;
+    if (what & ~kept || !is_told_by_lamps(s) || moves->lights->count > FEW || moves->box_count > 2 * FEW)
+        return what | SL_CHANGED_LIGHTS;
+    for (uint32_t v = 0; v < s->patches->vertex_count; v++)
+        if (is_untouched(s, moves, v, what & SL_CHANGED_MATERIALS))
+            sl_vertex_mark(&s->patches->vertex[v], s->now + 1);
+    return what;
 }

@@ -1,4 +1,5 @@
 /* What methods keep when a scene changes: the table in softlux.h at sl_method_edit(), entry by entry. */
+#include <math.h>
 #include <stdio.h>
 
 #include "unit_test.h"
@@ -27,6 +28,7 @@ static const struct {
     {"direct-radiance", LIGHT, SL_COUNT_MAP_PHOTONS, ANEW},
     {"light-octree", CAMERA, SL_COUNT_PHOTONS_EMITTED, 0.0},
     {"light-octree", CAMERA, SL_COUNT_LEAVES, 0.0},
+    {"light-octree", LIGHT, SL_COUNT_PHOTONS_EMITTED, ANEW},
     {"multi-mesh", CAMERA, SL_COUNT_LIGHT_SAMPLES, 0.1},
     {"multi-mesh", CAMERA, SL_COUNT_COARSE_SAMPLES, 0.0},
     {"multi-mesh", CAMERA, SL_COUNT_INDIRECT_SAMPLES, 0.3},
@@ -37,6 +39,8 @@ static const struct {
     {"multi-mesh", LIGHT, SL_COUNT_INDIRECT_SAMPLES, 1.3},
     {"shading-cache", CAMERA, SL_COUNT_POINTS_SHADED, 0.3},
     {"shading-cache", LIGHT & ~(1u << EDIT_SKY), SL_COUNT_SPLITS, 0.2},
+    {"shading-cache", 1u << EDIT_COLOUR, SL_COUNT_POINTS_SHADED, 0.6},
+    {"shading-cache", LIGHT, SL_COUNT_INDIRECT_SAMPLES, 1.0},
     {"path", CAMERA | LIGHT, SL_COUNT_SAMPLES, ANEW},
     {"bidirectional", CAMERA | LIGHT, SL_COUNT_SAMPLES, ANEW},
 };
@@ -147,11 +151,70 @@ static void shading_since_the_last_edit_is_what_a_fresh_cache_computes(void **st
     sl_scene_destroy(scene);
 }
 
+static sl_scene *box_of_light(void) {
+    sl_error error;
+    sl_scene *scene;
+    good(sl_scene_load("scenes/cornell.json", &scene, &error), &error);
+    return scene;
+}
+
+static void shine(sl_scene *scene, const float emission[3]) {
+    sl_error error;
+    sl_scene_edit *edit;
+    sl_material_data data = {.size = sizeof data};
+    const uint32_t lamp = sl_scene_find_material(scene, "light");
+    assert_true(sl_scene_material(scene, lamp, &data));
+    memcpy(data.emission, emission, sizeof data.emission);
+    good(sl_scene_edit_begin(scene, &edit, &error), &error);
+    good(sl_edit_material(edit, lamp, &data, &error), &error);
+    good(sl_scene_edit_commit(edit, NULL, &error), &error);
+}
+
+static double most_apart(const sl_method *method, const sl_method *fresh) {
+    const sl_patches *p = ((const sl_shading_state *)method->state)->patches,
+                     *q = ((const sl_shading_state *)fresh->state)->patches;
+    double most = 0.0;
+    size_t same = 0;
+    for (uint32_t v = 0; v < p->vertex_count; v++) {
+        const uint32_t w = p->vertex[v].references ? sl_vertex_find(q, p->vertex[v].place) : SL_NO_INDEX;
+        if (w == SL_NO_INDEX || !p->vertex[v].evaluated || !q->vertex[w].evaluated ||
+            p->vertex[v].extrapolated || p->vertex[v].is_dense != q->vertex[w].is_dense)
+            continue;
+        for (int c = 0; c < 3; c++) {
+            const double a = (double)sl_vertex_value(p, v)[c], b = (double)sl_vertex_value(q, w)[c];
+            most = fmax(most, fabs(a - b) / fmax(b, 1e-3));
+        }
+        same++;
+    }
+    assert_true(same > 100);
+    return most;
+}
+
+static void when_all_light_is_that_of_a_lamp_of_another_power_nothing_is_sampled_and_values_are_scaled(
+    void **state) {
+    (void)state;
+    sl_scene *scene = box_of_light();
+    sl_method *method = finished(scene, "shading-cache");
+    const uint64_t before = sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED];
+    shine(scene, (const float[3]){31.0f, 7.0f, 5.5f});
+    follow(method);
+    assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], before);
+    sl_method *fresh = finished(scene, "shading-cache");
+    const double apart = most_apart(method, fresh);
+    print_message("values are apart by %.2g of them at most\n", apart);
+    assert_true(apart < 1e-5);
+    sl_method_destroy(fresh);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_the_table_says_is_kept_is_not_computed_again),
         cmocka_unit_test(every_record_is_its_gather_done_anew),
         cmocka_unit_test(shading_since_the_last_edit_is_what_a_fresh_cache_computes),
+        cmocka_unit_test(
+            when_all_light_is_that_of_a_lamp_of_another_power_nothing_is_sampled_and_values_are_scaled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

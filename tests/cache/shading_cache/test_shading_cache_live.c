@@ -221,8 +221,8 @@ static sl_live_state frames_until_a_change_shows(sl_live *live, uint64_t changes
 
 /* ---- moves that wait ------------------------------------------------------------------------- */
 
-/* Two boards on a wall; one moves in the first second, the other in the next. Of light from infinity nothing
- * is taken to outlive that. */
+/* Two boards on a wall; one moves in the first second, the other in the next. The light turns a little, so that
+ * none of it outlives that. */
 static sl_scene *two_boards(void) {
     static const char json[] =
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"transform\": {\"scale\": 3}}, "
@@ -230,7 +230,9 @@ static sl_scene *two_boards(void) {
         "0.5]}, {\"time\": 1, \"translate\": [-1, 1, 0.5]}]}, "
         "{\"file\": \"mesh.obj\", \"name\": \"right\", \"keyframes\": [{\"time\": 1, \"translate\": [1, 0, "
         "0.5]}, {\"time\": 2, \"translate\": [1, -1, 0.5]}]}], "
-        "\"lights\": [{\"type\": \"directional\", \"direction\": [0, 0, -1], \"irradiance\": 1}], "
+        "\"lights\": [{\"type\": \"directional\", \"direction\": [0, 0, -1], \"irradiance\": 1, "
+        "\"keyframes\": [{\"time\": 0, \"direction\": [0, 0, -1]}, {\"time\": 3, \"direction\": [0.1, 0, "
+        "-1]}]}], "
         "\"camera\": {\"eye\": [0, 0, 6], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 40}}";
     return scene_from_text(json, "v -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0.5 0.5 0\nv -0.5 0.5 0\nf 1 2 3 4\n");
 }
