@@ -230,7 +230,8 @@ static void follow_with_rival(const contestant *c, unsigned changes) {
     rival *r = c->rival;
     sl_error error;
     if (changes & SL_CHANGED_OBJECTS) make_tracer(c);
-    for (int i = 0; i < 2; i++) check(r->renderer[i].edit(r->renderer[i].state, changes, &error), &error);
+    for (int i = 0; i < 2 && changes & ~(unsigned)SL_CHANGED_CAMERA; i++)
+        check(r->renderer[i].edit(r->renderer[i].state, &error), &error);
     render_cache_edit(r->cache, changes);
 }
 

@@ -77,8 +77,8 @@ unsigned shading_move(shading_world *w, double time) {
     sl_error error;
     if (sl_scene_set_time(w->scene, time, &changes, &error) != SL_OK) bench_fail("time", &error);
     if (changes & SL_CHANGED_OBJECTS) make_tracer(w);
-    for (int i = 0; i < w->renderers && changes; i++)
-        if (w->renderer[i].edit(w->renderer[i].state, changes, &error) != SL_OK)
+    for (int i = 0; i < w->renderers && changes & ~(unsigned)SL_CHANGED_CAMERA; i++)
+        if (w->renderer[i].edit(w->renderer[i].state, &error) != SL_OK)
             bench_fail("renderer", &error);
     return changes;
 }

@@ -695,16 +695,19 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
  *   multi-mesh       irradiance, coarse  samples of direct     meshes; samples of   meshes; samples that
  *                    mesh, diffuse and   light; meshes, which   other lights; what   nothing moved before;
  *                    indirect meshes     show until renewed    shows, as left       what shows, as left
- *   shading-cache    shading             patches; their        as power             as power, but for
- *                                        shading shows until                        a sky that comes
- *                                        it is renewed                              or goes
+ *   shading-cache    shading             direct light where    patches; their       as places of lights,
+ *                                        surfaces alone have   shading shows until  and direct light that
+ *                                        other colours         it is renewed        nothing moved before
  *   path, bidirectional   -              -                     -                    -
  *
  * Of multi-mesh's direct light nothing is sampled again after power or colours have changed, but for lights
  * of the coarse mesh that matter more or less than before beside the others; thresholds that are new may
  * split meshes further, whose samples are all that SL_COUNT_LIGHT_SAMPLES counts then. Indirect light is
  * gathered again. With 16 lights or more by the ratio estimator samples depend on what other lights give, and
- * go. Where meshes have ended at the option "memory" it keeps nothing. SL_CHANGED_KINDS (objects that come,
+ * go. Where its meshes have ended at the option "memory" it keeps nothing. Of the shading cache all is scaled,
+ * to within the rounding of a float, where the power of all lights changes by one ratio and there is no sky;
+ * where their colour does, too, indirect light is renewed. At rest it shades no more than a method created
+ * then, and indirect light of fine patches follows that of coarse ones. SL_CHANGED_KINDS (objects that come,
  * go or are deformed are of these), lights of a kind that there was none of, and a light that is lit or put
  * out in multi-mesh: all is made anew, so that bits are those of a method that is created then. The paper of
  * splatting keeps records of a scene that stands still, as this does. */

@@ -155,7 +155,8 @@ static void release_lights(area_renderer *r) {
     r->lights = NULL;
 }
 
-static sl_status make_lights(area_renderer *r, sl_error *error) {
+static sl_status make_lights(void *state, sl_error *error) {
+    area_renderer *r = state;
     sl_light_sample_settings by_rays = sl_light_sample_defaults();
     by_rays.estimator = SL_LIGHT_RAYS;
     release_lights(r);
@@ -164,10 +165,6 @@ static sl_status make_lights(area_renderer *r, sl_error *error) {
         status = sl_light_sampling_create(r->settings.scene, NULL, *r->settings.tracer, r->lights, &by_rays,
                                           &r->sampling, error);
     return status;
-}
-
-static sl_status edit(void *state, unsigned changes, sl_error *error) {
-    return changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS) ? make_lights(state, error) : SL_OK;
 }
 
 static void destroy(void *state) {
@@ -187,7 +184,7 @@ static double rays(const void *state) {
 
 sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
                            sl_error *error) {
-    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = edit, .destroy = destroy,
+    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = make_lights, .destroy = destroy,
                                      .rays = rays};
     area_renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");

@@ -104,9 +104,8 @@ static void render(const void *state, size_t count, const sl_sample_request *req
 }
 
 /* The first set is made at once, so that what fails fails here. */
-static sl_status edit(void *state, unsigned changes, sl_error *error) {
+static sl_status edit(void *state, sl_error *error) {
     renderer *r = state;
-    if (!(changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) return SL_OK;
     forget_sets(r);
     return make_set(r, 0, error);
 }

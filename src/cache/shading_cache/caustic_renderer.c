@@ -51,7 +51,8 @@ static sl_status trace(const sl_renderer_settings *s, sl_photon_list **list, sl_
     return status;
 }
 
-static sl_status make_map(renderer *r, sl_error *error) {
+static sl_status make_map(void *state, sl_error *error) {
+    renderer *r = state;
     sl_photon_tree_destroy(r->tree);
     r->tree = NULL;
     sl_photon_list *list = NULL;
@@ -115,10 +116,6 @@ static void render(const void *state, size_t count, const sl_sample_request *req
     sl_render_each(render_point, state, count, requests, threads, samples, counters);
 }
 
-static sl_status edit(void *state, unsigned changes, sl_error *error) {
-    return changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS) ? make_map(state, error) : SL_OK;
-}
-
 static void destroy(void *state) {
     renderer *r = state;
     if (!r) return;
@@ -134,7 +131,7 @@ static double rays(const void *state) {
 
 sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_renderer *out,
                               sl_error *error) {
-    *out = (sl_sample_renderer){.name = "caustics", .render = render, .edit = edit, .destroy = destroy,
+    *out = (sl_sample_renderer){.name = "caustics", .render = render, .edit = make_map, .destroy = destroy,
                                 .rays = rays};
     renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");

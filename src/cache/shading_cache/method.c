@@ -37,21 +37,14 @@ static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
     s->leaf_of_pixel = sl_allocate(pixels, sizeof *s->leaf_of_pixel);
     s->choice = sl_allocate(choices, sizeof *s->choice);
     s->place = sl_allocate(choices, sizeof *s->place);
-    s->vertex_room = 4 * choices + 64;
-    s->vertex = sl_allocate(s->vertex_room, sizeof *s->vertex);
-    s->request = sl_allocate(s->vertex_room, sizeof *s->request);
-    s->sample = sl_allocate(s->vertex_room, sizeof *s->sample);
-    s->part = sl_allocate(s->vertex_room, sizeof *s->part);
-    s->layer = s->layers.kept ? sl_allocate(s->vertex_room, sizeof *s->layer) : NULL;
     s->stale = sl_allocate(s->scene->object_count, sizeof *s->stale);
     s->changes.object = sl_allocate(s->scene->object_count, sizeof *s->changes.object);
-    if (!s->ids.patch || !s->id_memory || !s->leaf_of_pixel || !s->choice || !s->place || !s->vertex ||
-        !s->request || !s->sample || !s->part || (s->layers.kept && !s->layer) || !s->stale ||
+    if (!s->ids.patch || !s->id_memory || !s->leaf_of_pixel || !s->choice || !s->place || !s->stale ||
         !s->changes.object)
         return sl_fail_memory(error, "the shading cache");
     s->ids.u = s->id_memory;
     s->ids.v = s->id_memory + pixels;
-    return SL_OK;
+    return sl_shading_reserve(s, 4 * choices + 64, error);
 }
 
 typedef sl_status renderer_maker(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
@@ -309,12 +302,13 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     if (left) begin_picture(s, left);
     s->done = !left && sl_shading_is_done(s);
     changes = as_light(changes);
-    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) judge_by_light_of_now(s);
+    const bool light = changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS);
+    if (light) judge_by_light_of_now(s);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = make_tracer(s, error);
-    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) sl_solids_edit(s->primitives->solids);
-    for (int i = 0; i < s->renderer_count && status == SL_OK; i++)
-        status = s->renderer[i].edit(s->renderer[i].state, changes, error);
+    if (light) sl_solids_edit(s->primitives->solids);
+    for (int i = 0; i < s->renderer_count && light && status == SL_OK; i++)
+        status = s->renderer[i].edit(s->renderer[i].state, error);
     if (status != SL_OK) s->tracer = NULL;
     return status;
 }

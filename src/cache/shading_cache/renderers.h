@@ -12,11 +12,7 @@
 #define SL_SHADING_CACHE_RENDERERS_H
 
 #include "cache/frame/settings.h"
-#include "cache/patches/primitives.h"
-
-/* Layers of light at one vertex, by what a sample costs: direct light, and caustics that have a map, by some
- * rays; indirect light by hundreds of paths. Each is renewed at its own rate, and their sum is displayed. */
-enum { SL_LAYER_CHEAP = 1, SL_LAYER_DEAR = 2, SL_LAYERS_ALL = 3 };
+#include "cache/patches/layers.h"
 
 typedef struct sl_sample_request {
     sl_lit_point point;
@@ -45,8 +41,8 @@ typedef struct sl_sample_renderer {
      * requests. One batch at a time. */
     void (*render)(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
                    sl_sample *samples, sl_counters *counters);
-    /* The scene has changed (SL_CHANGED_ bits); the tracer has been made anew where objects moved. */
-    sl_status (*edit)(void *state, unsigned changes, sl_error *error);
+    /* More than the camera has changed; the tracer has been made anew where objects moved. */
+    sl_status (*edit)(void *state, sl_error *error);
     void (*destroy)(void *state);
     /* Returns about how many rays a sample takes; NULL: none. */
     double (*rays)(const void *state);

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "base/error.h"
-#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/shading_cache/state.h"
@@ -170,19 +169,6 @@ static unsigned layers_of_new(const sl_shading_state *s, uint32_t vertex, bool c
     return waits ? SL_LAYER_CHEAP : SL_LAYERS_ALL;
 }
 
-static sl_status reserve_requests(sl_shading_state *s, size_t room, sl_error *error) {
-    size_t had = s->vertex_room;
-    if (room <= had) return SL_OK;
-    if (!sl_regrow(&s->vertex, had, room, sizeof *s->vertex) ||
-        !sl_regrow(&s->request, had, room, sizeof *s->request) ||
-        !sl_regrow(&s->sample, had, room, sizeof *s->sample) ||
-        !sl_regrow(&s->part, had, room, sizeof *s->part) ||
-        (s->layer && !sl_regrow(&s->layer, had, room, sizeof *s->layer)))
-        return sl_fail_memory(error, "renewal");
-    s->vertex_room = room;
-    return SL_OK;
-}
-
 static sl_status renew(sl_shading_state *s, renewals *r, size_t *count, sl_error *error) {
     size_t left = 0, new_ones = *count;
     weigh_vertices(s, r->weight);
@@ -192,7 +178,7 @@ static sl_status renew(sl_shading_state *s, renewals *r, size_t *count, sl_error
         left += r->layers[s->vertex[i]] != SL_LAYERS_ALL;
     }
     size_t cheap = least(r->count[0], cheap_renewals(s)), dear = least(r->count[1], dear_renewals(s, cheap));
-    sl_status status = reserve_requests(s, *count + cheap + dear, error);
+    sl_status status = sl_shading_reserve(s, *count + cheap + dear, error);
     if (status != SL_OK) return status;
     take(s, r, 0, cheap, count);
     take(s, r, 1, dear, count);

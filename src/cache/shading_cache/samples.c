@@ -3,6 +3,7 @@
 #include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/shading_cache/state.h"
@@ -10,6 +11,19 @@
 #include <string.h>
 
 /* ---- requests and samples ---- */
+
+sl_status sl_shading_reserve(sl_shading_state *s, size_t room, sl_error *error) {
+    size_t had = s->vertex_room;
+    if (room <= had) return SL_OK;
+    if (!sl_regrow(&s->vertex, had, room, sizeof *s->vertex) ||
+        !sl_regrow(&s->request, had, room, sizeof *s->request) ||
+        !sl_regrow(&s->sample, had, room, sizeof *s->sample) ||
+        !sl_regrow(&s->part, had, room, sizeof *s->part) ||
+        (s->layers.kept && !sl_regrow(&s->layer, had, room, sizeof *s->layer)))
+        return sl_fail_memory(error, "samples");
+    s->vertex_room = room;
+    return SL_OK;
+}
 
 static void make_request(const sl_shading_state *s, uint32_t vertex, sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
@@ -109,10 +123,22 @@ static compared compare_before(const sl_shading_state *s, uint32_t vertex, const
     return c;
 }
 
-/* All of it: no trace is left of what was there, be it a million times as bright. */
-static void blend(sl_patches *p, uint32_t vertex, const sl_sample *sample, float share) {
+static void channels_of(const sl_sample *sample, float channel[6]) {
     const sl_rgb e = sample->irradiance, l = sample->radiance;
-    const float parts[6] = {e.r, e.g, e.b, l.r, l.g, l.b};
+    memcpy(channel, (const float[6]){e.r, e.g, e.b, l.r, l.g, l.b}, 6 * sizeof *channel);
+}
+
+/* Returns what was sampled, with what is kept of a layer that was not. */
+static void take_layers(sl_shading_state *s, size_t i, float value[6]) {
+    float parts[2][6];
+    channels_of(&s->sample[i], value);
+    if (!s->layers.kept) return;
+    for (int k = 0; k < 2; k++) channels_of(&s->layer[i][k], parts[k]);
+    sl_layers_commit(&s->layers, s->patches, s->vertex[i], s->request[i].layers, parts, value);
+}
+
+/* All of it: no trace is left of what was there, be it a million times as bright. */
+static void blend(sl_patches *p, uint32_t vertex, const float parts[6], float share) {
     float *value = sl_vertex_value(p, vertex);
     for (int k = 0; k < p->settings.channels; k++)
         value[k] = share < 1.0f ? value[k] + share * (parts[k] - value[k]) : parts[k];
@@ -167,12 +193,13 @@ void sl_shading_commit_sample(sl_shading_state *s, size_t i) {
         return;
     }
     compared c = compare_before(s, vertex, request);
-    sl_layers_commit(&s->layers, s->patches, vertex, request->layers, s->layer ? s->layer[i] : NULL, sample);
+    float value[6];
+    take_layers(s, i, value);
     v->extrapolated = 0;
     v->is_dense = v->dense;
     float share = share_of(request), from[6];
     bool fades = is_to_fade(s, vertex, object) && sl_vertex_surroundings(s->patches, vertex, from);
-    blend(s->patches, vertex, sample, share);
+    blend(s->patches, vertex, value, share);
     if (s->patches->sets) {
         sl_vertex_sets *sets = &s->patches->sets[vertex];
         sets->variance = fmaxf(

@@ -21,7 +21,7 @@
  *   work.c                patches grouped, corners asked for, splits
  *   renewal.c             what is stale, by layers of light
  *   untouched.c           direct light that outlives an edit
- *   layers.h              light apart by what it costs, at the same vertices
+ *   cache/patches/layers.h  light apart by what it costs, at the same vertices
  *   renderers.h           direct light (cache/light), bidirectional paths, caustics (cache/photons)
  *   samples.c, change.c   requests, commits; change detection, resolution drop, blending
  *   explanation.c         the terms of a pixel, for observers */

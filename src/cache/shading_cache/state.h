@@ -6,7 +6,7 @@
 #include "cache/light/moves.h"
 #include "cache/shading_cache/change.h"
 #include "cache/patches/display/display.h"
-#include "cache/shading_cache/layers.h"
+#include "cache/patches/layers.h"
 #include "cache/shading_cache/plan.h"
 #include "cache/shading_cache/priority.h"
 #include "cache/shading_cache/renderers.h"
@@ -105,6 +105,8 @@ unsigned sl_shading_keep(sl_shading_state *s, unsigned what, const sl_light_move
 /* samples.c. The samples of s->vertex[0 .. count), into s->sample: the sample renderer is asked for E of
  * diffuse surfaces, and for L_o towards the eye of others. */
 void sl_shading_sample(sl_shading_state *s, size_t count);
+/* Makes room for so many vertices to be shaded. */
+sl_status sl_shading_reserve(sl_shading_state *s, size_t room, sl_error *error);
 void sl_shading_commit_sample(sl_shading_state *s, size_t request);
 /* Objects of which visible leaves still show values from before their change. */
 void sl_shading_find_stale(sl_shading_state *s);

@@ -1,5 +1,5 @@
-/* What outlives an edit: direct light at a vertex from which no light has changed, nor is seen through a place
- * where something was, or is now; and all light where nothing but its power has changed. */
+/* Keeps what outlives an edit: direct light at a vertex from which no light has changed, nor is seen through
+ * a place where something was, or is now; and all light where nothing but its power has changed. */
 #include <math.h>
 
 #include "base/math.h"
@@ -19,10 +19,10 @@ static bool find_ratio(sl_rgb before, sl_rgb now, double ratio[3]) {
     return true;
 }
 
-static bool is_about(double a, double b) { return fabs(a - b) <= 1e-6 * b; }
+/* What is not known is about anything. */
+static bool is_about(double a, double b) { return !(fabs(a - b) > 1e-6 * b); }
 
-/* Of several lights one ratio holds if it is that of each of them, and if it is grey: paths choose among
- * colours. */
+/* The ratio of each channel, if it is that of all lights. */
 static bool find_common_ratio(const sl_sampled_lights *before, const sl_sampled_lights *now,
                               double ratio[3]) {
     for (size_t l = 0; l < now->count; l++) {
@@ -30,8 +30,7 @@ static bool find_common_ratio(const sl_sampled_lights *before, const sl_sampled_
         if (!find_ratio(before->light[l].colour, now->light[l].colour, of_this)) return false;
         for (int c = 0; c < 3; c++) {
             if (isnan(ratio[c])) ratio[c] = of_this[c];
-            bool grey = now->count == 1 || is_about(ratio[c], ratio[0]);
-            if (!grey || !(isnan(of_this[c]) || is_about(of_this[c], ratio[c]))) return false;
+            if (!is_about(of_this[c], ratio[c])) return false;
         }
     }
     return now->count > 0;
@@ -42,12 +41,14 @@ static void scale(float *value, int channels, const double ratio[3]) {
         if (value[c] != 0.0f) value[c] = (float)((double)value[c] * ratio[c % 3]);
 }
 
-/* Within the rounding of a float. */
-static bool scale_light(sl_shading_state *s, const sl_light_moves *moves, const sl_sampled_lights *before) {
+/* Within the rounding of a float. Returns what is left to be done: where colours change paths are chosen
+ * otherwise, and indirect light is renewed as if surfaces had another colour. */
+static unsigned scale_light(sl_shading_state *s, const sl_light_moves *moves,
+                            const sl_sampled_lights *before) {
     double ratio[3] = {NAN, NAN, NAN};
     sl_patches *p = s->patches;
     if (p->sets || s->scene->environment.present || !find_common_ratio(before, moves->lights, ratio))
-        return false;
+        return SL_CHANGED_POWER;
     for (uint32_t v = 0; v < p->vertex_count; v++) {
         if (!p->vertex[v].references || p->vertex[v].evaluated == SL_VERTEX_NEVER) continue;
         scale(sl_vertex_value(p, v), p->settings.channels, ratio);
@@ -55,7 +56,8 @@ static bool scale_light(sl_shading_state *s, const sl_light_moves *moves, const 
         sl_patches_touch(p, p->vertex[v].place);
     }
     s->drawn = false;
-    return true;
+    bool grey = is_about(ratio[0], ratio[1]) && is_about(ratio[1], ratio[2]) && is_about(ratio[2], ratio[0]);
+    return grey ? 0 : SL_CHANGED_MATERIALS;
 }
 
 /* ---- places ---- */
@@ -66,7 +68,8 @@ static bool is_told_by_lamps(const sl_shading_state *s) {
     return s->plan.direct && !s->plan.caustics && !sky && (s->layers.kept || !s->plan.indirect);
 }
 
-static bool is_untouched(const sl_shading_state *s, const sl_light_moves *moves, uint32_t v, bool recoloured) {
+static bool is_untouched(const sl_shading_state *s, const sl_light_moves *moves, uint32_t v,
+                         bool recoloured) {
     const sl_patch_vertex *vertex = &s->patches->vertex[v];
     sl_lit_point at;
     if (!vertex->references || vertex->evaluated == SL_VERTEX_NEVER || vertex->extrapolated ||
@@ -83,8 +86,8 @@ static bool is_untouched(const sl_shading_state *s, const sl_light_moves *moves,
 
 unsigned sl_shading_keep(sl_shading_state *s, unsigned what, const sl_light_moves *moves,
                          const sl_sampled_lights *before) {
-    const unsigned kept = SL_CHANGED_OBJECTS | SL_CHANGED_MATERIALS;
-    if (what & SL_CHANGED_POWER && scale_light(s, moves, before)) what &= ~(unsigned)SL_CHANGED_POWER;
+    const unsigned kept = SL_CHANGED_OBJECTS | SL_CHANGED_MATERIALS, power = SL_CHANGED_POWER;
+    if (what & power) what = (what & ~power) | scale_light(s, moves, before);
     if (what == 0 || what == SL_CHANGED_CAMERA) return what;
     if (what & ~kept || !is_told_by_lamps(s) || moves->lights->count > FEW || moves->box_count > 2 * FEW)
         return what | SL_CHANGED_LIGHTS;

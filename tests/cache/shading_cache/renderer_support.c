@@ -56,8 +56,8 @@ static void constant_batch(const void *state, size_t count, const sl_sample_requ
     sl_render_each(constant_point, state, count, requests, threads, samples, counters);
 }
 
-static sl_status constant_edit(void *state, unsigned changes, sl_error *error) {
-    (void)state, (void)changes, (void)error;
+static sl_status constant_edit(void *state, sl_error *error) {
+    (void)state, (void)error;
     return SL_OK;
 }
 

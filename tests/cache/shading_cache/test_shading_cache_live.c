@@ -54,8 +54,8 @@ static void render_behind_the_gate(const void *state, size_t count, const sl_sam
     atomic_fetch_add(&batches, 1);
 }
 
-static sl_status edit_or_fail(void *state, unsigned changes, sl_error *error) {
-    (void)state, (void)changes;
+static sl_status edit_or_fail(void *state, sl_error *error) {
+    (void)state;
     sl_monitor_enter(&gate);
     edits++;
     if (edits_brighten) irradiance *= 2.0f;

@@ -7,11 +7,14 @@
  * away.
  *
  * Kept where there are samples of both kinds and values are no means of several sets. */
-#ifndef SL_SHADING_CACHE_LAYERS_H
-#define SL_SHADING_CACHE_LAYERS_H
+#ifndef SL_CACHE_PATCHES_LAYERS_H
+#define SL_CACHE_PATCHES_LAYERS_H
 
 #include "cache/patches/patches.h"
-#include "cache/shading_cache/renderers.h"
+
+/* Layers of light at one vertex, by what a sample costs: direct light, and caustics that have a map, by some
+ * rays; indirect light by hundreds of paths. */
+enum { SL_LAYER_CHEAP = 1, SL_LAYER_DEAR = 2, SL_LAYERS_ALL = 3 };
 
 /* Versions of the scene count its edits. A dear layer that was never sampled is interpolated from the corners
  * around it when its vertex gets its cheap one. */
@@ -46,10 +49,10 @@ static inline float *sl_dear_layer(const sl_layers *layers, const sl_patches *p,
 bool sl_dear_layer_is_stale(const sl_layers *layers, const sl_patches *patches, uint32_t vertex);
 /* Tells whether a vertex's dear layer could be interpolated from those around it. */
 bool sl_dear_layer_is_near(const sl_layers *layers, const sl_patches *patches, uint32_t vertex);
-/* Keeps the layers that were sampled (parts[0]: cheap, parts[1]: dear), and gives the sum in *sample where
- * one of the two was not. The vertex is not marked as evaluated yet. */
+/* Keeps the layers that were sampled (parts[0]: cheap, parts[1]: dear), and gives the sum of both where one
+ * of the two was not. The vertex is not marked as evaluated yet. */
 void sl_layers_commit(sl_layers *layers, const sl_patches *patches, uint32_t vertex, unsigned sampled,
-                      const sl_sample parts[2], sl_sample *sample);
+                      const float parts[2][6], float sum[6]);
 /* Before the commits of an update in which dear layers were sampled again, and after them: the other vertices
  * follow. Those that were sampled more lately than the ones they follow go the less of the way. */
 sl_status sl_layers_begin(sl_layers *layers, const sl_patches *patches, sl_error *error);

@@ -1,4 +1,4 @@
-#include "cache/shading_cache/layers.h"
+#include "cache/patches/layers.h"
 
 #include <string.h>
 
@@ -72,18 +72,12 @@ static void interpolate(sl_layers *l, const sl_patches *p, uint32_t vertex) {
     l->version[vertex] = SL_VERSION_INTERPOLATED;
 }
 
-static void put(float *layer, int channels, const sl_sample *part) {
-    const sl_rgb e = part->irradiance, r = part->radiance;
-    const float parts[6] = {e.r, e.g, e.b, r.r, r.g, r.b};
-    memcpy(layer, parts, (size_t)channels * sizeof *layer);
-}
-
-static void put_dear(sl_layers *l, const sl_patches *p, uint32_t vertex, bool again, const sl_sample *part) {
+static void put_dear(sl_layers *l, const sl_patches *p, uint32_t vertex, bool again, const float part[6]) {
     float *dear = sl_dear_layer(l, p, vertex);
     const size_t channels = (size_t)p->settings.channels;
     float before[6];
     memcpy(before, dear, channels * sizeof *dear);
-    put(dear, p->settings.channels, part);
+    memcpy(dear, part, channels * sizeof *dear);
     for (size_t c = 0; l->shift && again && c < channels; c++)
         l->shift[vertex * channels + c] = dear[c] - before[c];
     if (l->shift) l->span[vertex] = again ? l->now - l->version[vertex] + 1 : 1;
@@ -91,18 +85,14 @@ static void put_dear(sl_layers *l, const sl_patches *p, uint32_t vertex, bool ag
 }
 
 void sl_layers_commit(sl_layers *l, const sl_patches *p, uint32_t vertex, unsigned sampled,
-                      const sl_sample parts[2], sl_sample *sample) {
-    if (!l->kept) return;
+                      const float parts[2][6], float sum[6]) {
     bool first = p->vertex[vertex].evaluated == SL_VERTEX_NEVER;
-    if (sampled & SL_LAYER_CHEAP) put(sl_cheap_layer(l, p, vertex), p->settings.channels, &parts[0]);
+    float *cheap = sl_cheap_layer(l, p, vertex), *dear = sl_dear_layer(l, p, vertex);
+    if (sampled & SL_LAYER_CHEAP) memcpy(cheap, parts[0], (size_t)p->settings.channels * sizeof *cheap);
     if (sampled & SL_LAYER_DEAR)
-        put_dear(l, p, vertex, !first && l->version[vertex] != SL_VERSION_UNKNOWN, &parts[1]);
+        put_dear(l, p, vertex, !first && l->version[vertex] != SL_VERSION_UNKNOWN, parts[1]);
     else if (first) interpolate(l, p, vertex);
-    if (sampled == SL_LAYERS_ALL) return;
-    const float *cheap = sl_cheap_layer(l, p, vertex), *dear = sl_dear_layer(l, p, vertex);
-    sample->irradiance = (sl_rgb){cheap[0] + dear[0], cheap[1] + dear[1], cheap[2] + dear[2]};
-    if (p->settings.channels > 3)
-        sample->radiance = (sl_rgb){cheap[3] + dear[3], cheap[4] + dear[4], cheap[5] + dear[5]};
+    for (int c = 0; c < p->settings.channels && sampled != SL_LAYERS_ALL; c++) sum[c] = cheap[c] + dear[c];
 }
 
 /* ---- all that follow ---- */
