@@ -12,6 +12,12 @@ void *sl_allocate_planes(size_t stride, size_t planes, float **const plane[]) {
     return block;
 }
 
+void *sl_copy_of(const void *array, size_t count, size_t size) {
+    void *copy = sl_allocate_unset(count, size);
+    if (copy && count) memcpy(copy, array, count * size);
+    return copy;
+}
+
 bool sl_regrow(void *block, size_t used, size_t capacity, size_t size) {
     char *old, *larger = sl_allocate_unset(capacity, size);
     if (!larger) return false;

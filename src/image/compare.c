@@ -3,6 +3,7 @@
 #include "softlux.h"
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "image/metrics.h"
@@ -10,7 +11,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { OUTSIDE_MASK, NOT_FINITE, COMPARED };
 
@@ -93,9 +93,8 @@ static int compare_values(const void *a, const void *b) {
  * the first ones in order are left out. */
 static sl_status trimmed_sum(const double *terms, size_t count, size_t trimmed, double *sum,
                              sl_error *error) {
-    double *sorted = sl_allocate_unset(count, sizeof *sorted);
+    double *sorted = sl_copy_of(terms, count, sizeof *sorted);
     if (!sorted) return sl_fail_memory(error, "the trimmed error");
-    memcpy(sorted, terms, count * sizeof *sorted);
     qsort(sorted, count, sizeof *sorted, compare_values); /* equal terms are the same */
     const double least = trimmed ? sorted[count - trimmed] : INFINITY;
     size_t equal = 0;

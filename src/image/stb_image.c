@@ -2,7 +2,7 @@
 #include "image/formats.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/grow.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -127,10 +127,8 @@ sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *ha
     else if (stream.overrun)
         status = sl_fail(error, SL_ERROR_INPUT, "%s: the picture is cut short", bytes->path);
     if (status == SL_OK) {
-        size_t size = (size_t)*width * (size_t)*height * 4;
-        *rgba = sl_allocate(size, 1);
-        if (*rgba) memcpy(*rgba, texels, size);
-        else status = sl_fail_memory(error, bytes->path);
+        *rgba = sl_copy_of(texels, (size_t)*width * (size_t)*height, 4);
+        if (!*rgba) status = sl_fail_memory(error, bytes->path);
     }
     stbi_image_free(texels);
     return status;

@@ -2,7 +2,6 @@
  * scene/parts.h. */
 #include <float.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "base/error.h"
 #include "base/grow.h"
@@ -171,8 +170,7 @@ static sl_status check_mesh(size_t materials, const sl_mesh_data *d, const char 
 }
 
 static void *copy_of(const void *array, size_t bytes, bool *copied) {
-    void *copy = array ? sl_allocate_unset(bytes, 1) : NULL;
-    if (copy && bytes) memcpy(copy, array, bytes);
+    void *copy = array ? sl_copy_of(array, bytes, 1) : NULL;
     *copied &= !array || copy;
     return copy;
 }

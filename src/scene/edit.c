@@ -51,12 +51,6 @@ void sl_scene_edit_destroy(sl_scene_edit *edit) {
     sl_free(edit);
 }
 
-static void *copy_of(const void *array, size_t count, size_t size) {
-    void *copy = sl_allocate_unset(count, size);
-    if (copy && count) memcpy(copy, array, count * size);
-    return copy;
-}
-
 sl_status sl_scene_edit_begin(sl_scene *scene, sl_scene_edit **edit, sl_error *error) {
     if (edit) *edit = NULL;
     if (!scene || !edit) return sl_fail_null(error, "a scene and a place for an edit");
@@ -64,8 +58,8 @@ sl_status sl_scene_edit_begin(sl_scene *scene, sl_scene_edit **edit, sl_error *e
     if (e) {
         e->scene = scene;
         e->version = scene->version;
-        e->materials = copy_of(scene->materials, scene->material_count, sizeof *e->materials);
-        e->lights = copy_of(scene->lights, scene->light_count, sizeof *e->lights);
+        e->materials = sl_copy_of(scene->materials, scene->material_count, sizeof *e->materials);
+        e->lights = sl_copy_of(scene->lights, scene->light_count, sizeof *e->lights);
         e->light_count = e->light_room = scene->light_count;
     }
     if (!e || !e->materials || !e->lights) {
@@ -93,7 +87,6 @@ sl_status sl_edit_material(sl_scene_edit *edit, uint32_t material, const sl_mate
     if (status == SL_OK) *to = made;
     return status;
 }
-
 
 sl_status sl_edit_light(sl_scene_edit *edit, uint32_t light, const float strength[3],
                         const double position[3], const double direction[3], sl_error *error) {
@@ -266,8 +259,8 @@ sl_status sl_edit_vertices(sl_scene_edit *edit, uint32_t object, size_t count, c
                        name_of_object(edit, object - 1), there, count);
     if (!all_finite(positions, 3 * count) || !all_finite(normals, 3 * count))
         return fail_object(edit, object, "expected finite vertices", error);
-    sl_moulding m = {object - 1, count, copy_of(positions, 3 * count, sizeof *positions),
-                     normals ? copy_of(normals, 3 * count, sizeof *normals) : NULL};
+    sl_moulding m = {object - 1, count, sl_copy_of(positions, 3 * count, sizeof *positions),
+                     normals ? sl_copy_of(normals, 3 * count, sizeof *normals) : NULL};
     if (m.positions && (m.normals || !normals) &&
         sl_make_room(&r->moulding, r->mouldings, &r->moulding_room, sizeof m)) {
         r->moulding[r->mouldings++] = m;

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "scene/animation.h"
 #include "scene/derive.h"
@@ -188,10 +189,9 @@ static bool renew_animation(sl_surfaces *to, const sl_surfaces *from, const numb
 
 static bool renew_lists(sl_scene *s, const sl_scene *old, const sl_scene *more) {
     s->object_count = old->object_count + more->object_count;
-    s->bicubics = sl_allocate(old->bicubic_count, sizeof *s->bicubics);
+    s->bicubics = sl_copy_of(old->bicubics, old->bicubic_count, sizeof *s->bicubics);
     s->object_names = sl_allocate(s->object_count, sizeof *s->object_names);
     if (!s->bicubics || !s->object_names) return false;
-    if (old->bicubic_count) memcpy(s->bicubics, old->bicubics, old->bicubic_count * sizeof *s->bicubics);
     for (size_t i = 0; i < s->object_count; i++)
         s->object_names[i] =
             i < old->object_count ? old->object_names[i] : more->object_names[i - old->object_count];

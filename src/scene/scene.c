@@ -78,10 +78,7 @@ size_t sl_scene_memory_bytes(const sl_scene *scene) {
 
 char *sl_string_copy(const char *text) {
     if (!text) text = "";
-    size_t length = strlen(text);
-    char *copy = sl_allocate(length + 1, 1);
-    if (copy) memcpy(copy, text, length);
-    return copy;
+    return sl_copy_of(text, strlen(text) + 1, 1);
 }
 
 void sl_strings_free(char **list, size_t count) {

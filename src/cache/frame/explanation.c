@@ -2,6 +2,7 @@
 #include "cache/frame/method.h"
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 
 #include <stdio.h>
@@ -17,17 +18,10 @@ struct sl_explanation_writer {
 
 void sl_explanation_add(sl_explanation_writer *writer, const sl_explanation_term *term) {
     sl_explanation *explanation = writer->explanation;
-    if (explanation->count == writer->capacity) {
-        size_t capacity = writer->capacity ? 2 * writer->capacity : 16;
-        sl_explanation_term *terms = sl_allocate(capacity, sizeof *terms);
-        writer->failed = writer->failed || !terms;
-        if (!terms) return;
-        if (explanation->count) memcpy(terms, explanation->terms, explanation->count * sizeof *terms);
-        sl_free(explanation->terms);
-        explanation->terms = terms;
-        writer->capacity = capacity;
-    }
-    explanation->terms[explanation->count++] = *term;
+    const bool fits =
+        sl_make_room(&explanation->terms, explanation->count, &writer->capacity, sizeof *term);
+    writer->failed = writer->failed || !fits;
+    if (fits) explanation->terms[explanation->count++] = *term;
 }
 
 void sl_explanation_add_light(sl_explanation_writer *writer, const char *layer, const char *kind,

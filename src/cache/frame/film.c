@@ -2,6 +2,7 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "cache/frame/picture_value.h"
 #include "cache/frame/rims.h"
@@ -107,9 +108,8 @@ static sl_status find_edges(sl_film *f, const sl_raster *raster, sl_error *error
 /* Adds the pixels beside those that are marked. */
 static sl_status widen(const sl_film *f, uint8_t *marked, sl_error *error) {
     const int w = f->width, h = f->height;
-    uint8_t *narrow = sl_allocate(pixels_of(f), sizeof *narrow);
+    uint8_t *narrow = sl_copy_of(marked, pixels_of(f), sizeof *narrow);
     if (!narrow) return sl_fail_memory(error, "a film");
-    memcpy(narrow, marked, pixels_of(f));
     for (int y = 0; y < h; y++) {
         for (int x = 0; x < w; x++) {
             for (int k = 0; k < 9; k++) {

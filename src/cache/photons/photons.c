@@ -6,6 +6,7 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "base/octahedral.h"
 #include "base/parallel.h"
@@ -330,11 +331,7 @@ void sl_photon_list_destroy(sl_photon_list *list) {
 }
 
 static bool resize(sl_photon_list *list, size_t capacity) {
-    sl_photon *photon = sl_allocate(capacity, sizeof *photon);
-    if (!photon) return false;
-    if (list->count > 0) memcpy(photon, list->photon, list->count * sizeof *photon);
-    sl_free(list->photon);
-    list->photon = photon;
+    if (!sl_regrow(&list->photon, list->count, capacity, sizeof *list->photon)) return false;
     list->capacity = capacity;
     return true;
 }
