@@ -237,6 +237,10 @@ static sl_status keep_shares(sl_multi_mesh_state *s, sl_error *error) {
     return sl_coarse_keep(&s->light, s->next.coarse, shares, &s->kept, error);
 }
 
+/* While things move, a first coarse mesh is taken as soon as it has any light: those that follow see it, and
+ * add a bounce each. */
+static bool is_awaited(const sl_multi_mesh_state *s) { return !s->whole.coarse && s->next.world != s->world; }
+
 /* The light of lamps is there. The environment's is yet to be gathered, and so is each bounce after the
  * first. */
 static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
@@ -251,7 +255,7 @@ static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     }
     if (sky) blacken_coarse(s);
     s->next.gathers = rounds_of(s);
-    if (s->next.gathers == 0) {
+    if (s->next.gathers == 0 || (is_awaited(s) && !sky)) {
         end_coarse(s);
         return SL_OK;
     }
@@ -276,7 +280,7 @@ static void finish_gathers(sl_multi_mesh_state *s) {
                                        : "coarse mesh, the environment's light",
                      "for equation (7)");
     s->next.done = 0;
-    if (!--s->next.gathers) end_coarse(s);
+    if (!--s->next.gathers || is_awaited(s)) end_coarse(s);
 }
 
 static size_t update_share(const sl_multi_mesh_state *s) {

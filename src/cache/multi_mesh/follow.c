@@ -204,21 +204,23 @@ static bool coarse_irradiance(const sl_coarse_rounds *r, sl_root_place at, float
     return true;
 }
 
-/* What a change of light does to details that were gathered before it, at most so much. */
-static float scaled(float value, float before, float now) {
-    static const float MOST = 16.0f;
-    if (!(before > 0.0f) || !(now >= 0.0f)) return value;
-    return value * fminf(fmaxf(now / before, 1.0f / MOST), MOST);
+/* Returns a value that was gathered before the light around it changed, at most by MOST. Gathers of few pixels
+ * are rough: where the coarse meshes have less than the scene's mean their difference says little. */
+static float scaled(float value, float before, float now, float mean) {
+    static const float MOST = 4.0f;
+    if (!(before >= 0.0f) || !(now >= 0.0f) || !(mean > 0.0f)) return value;
+    return value * fminf(fmaxf((now + mean) / (before + mean), 1.0f / MOST), MOST);
 }
 
 void sl_multi_mesh_carry(sl_multi_mesh_state *s) {
     sl_displayed *d = s->part[SL_INDIRECT];
+    const float mean[3] = {s->ambient.r, s->ambient.g, s->ambient.b};
     for (uint32_t v = 0; v < d->mesh->vertex_count; v++) {
         float before[3], now[3], *value = sl_vertex_value(d->mesh, v);
         sl_root_place at = d->mesh->vertex[v].place;
         if (!d->mesh->vertex[v].references || sl_mesh_state(d->mesh, v) != SL_VERTEX_KNOWN) continue;
         if (!coarse_irradiance(&s->whole, at, before) || !coarse_irradiance(&s->next, at, now)) continue;
-        for (int c = 0; c < 3; c++) value[c] = scaled(value[c], before[c], now[c]);
+        for (int c = 0; c < 3; c++) value[c] = scaled(value[c], before[c], now[c], mean[c]);
     }
     d->dirty_all = true;
     sl_displayed_age(d, SL_WORLDS_GATHERED, NULL);
