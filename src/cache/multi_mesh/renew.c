@@ -118,7 +118,6 @@ static sl_status sort(listing *l, sl_old_vertex **sorted, sl_error *error) {
         order[i] = (sl_coded){(uint32_t)~sl_float_bits(l->old[i].weight), (uint32_t)i};
     if (done) sl_sort_coded(order, l->count);
     for (size_t i = 0; done && i < l->count; i++) (*sorted)[i] = l->old[order[i].item];
-    if (!done) sl_free(*sorted);
     sl_free(order);
     return done ? SL_OK : sl_fail_memory(error, "old vertices");
 }
