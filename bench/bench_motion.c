@@ -11,8 +11,8 @@
  * Errors are those of pixels over their whole squares, on surfaces (pixels that show a lamp or the sky are
  * left out), against all light, path traced twice over: the mean of (x - p)(x - q) is the squared error
  * without the noise of either half. Beside the methods runs the RenderCache (render_cache.h), whose samples
- * are few points on lamps and few paths. Flicker is the root mean square of what a pixel shown changes by from a
- * frame to the next, over that of the truth. */
+ * are few points on lamps and few paths. Flicker is the root mean square of what a pixel shown changes by from
+ * a frame to the next, over that of the truth. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -130,7 +130,7 @@ static render_cache *make_cache(const contestant *c, int size, int samples) {
     return render_cache_create(&settings);
 }
 
-/* A frame projects all points, one and a half a pixel, and takes as many samples as the rest is enough for. */
+/* A frame projects all points, one and a half a pixel; samples are as many as the rest is enough for. */
 static void open_rival(contestant *c, int size) {
     enum { TRIED = 1024 };
     sl_settings settings;

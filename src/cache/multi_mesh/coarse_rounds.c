@@ -187,8 +187,8 @@ static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *er
     sl_root_place place[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) place[i] = sl_coarse_lit_place(r->coarse, r->done + i);
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
-    return sl_coarse_light_take(&s->light, count, place, r->shares ? r->shares + r->done * lights : NULL, r->direct + r->done,
-                                &s->counters, error);
+    return sl_coarse_light_take(&s->light, count, place, r->shares ? r->shares + r->done * lights : NULL,
+                                r->direct + r->done, &s->counters, error);
 }
 
 /* U_dd, and E_i / pi where it is known, is what gathers see. */

@@ -155,7 +155,8 @@ typedef struct sl_old_vertex {
     uint32_t vertex, leaf;     /* a leaf that shows it */
     float weight;              /* the pixels of leaves that show it, times the worlds since */
 } sl_old_vertex;
-/* Lists those that were taken in worlds before `world`, heaviest first; the caller's to free, also after a failure. */
+/* Lists those that were taken in worlds before `world`, heaviest first; the caller's to free, also after a
+ * failure. */
 sl_status sl_displayed_list_old(sl_displayed *displayed, uint32_t world, sl_old_vertex **old, size_t *count,
                                 sl_error *error);
 /* Tests edges of touched leaves again, as far as their values are of now; closes and puts together. */

@@ -204,7 +204,7 @@ static bool coarse_irradiance(const sl_coarse_rounds *r, sl_root_place at, float
     return true;
 }
 
-/* Returns a value that was gathered before the light around it changed, at most by MOST. Gathers of few pixels
+/* Scales a value that was gathered before the light around it changed, by at most MOST. Gathers of few pixels
  * are rough: where the coarse meshes have less than the scene's mean their difference says little. */
 static float scaled(float value, float before, float now, float mean) {
     static const float MOST = 4.0f;

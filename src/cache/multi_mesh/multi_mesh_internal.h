@@ -88,7 +88,7 @@ typedef struct sl_multi_mesh_state {
     size_t old_left;                /* values in view that an edit has left to be taken again */
     uint32_t oldest_left;           /* the world of the oldest of direct light */
     uint32_t renewed_world;         /* the world in the last update that renewed some */
-    bool mixed; /* nothing has moved since, and soon all gathers are of one world: until then they cut nothing */
+    bool mixed;                     /* nothing has moved since: gathers cut nothing until all are of now */
     bool judged;                    /* all edges, since the last edit */
 
     /* what depends on the view */

@@ -235,7 +235,8 @@ static sl_status age(sl_shading_state *s, sl_error *error) {
 /* A vertex without light of its own is extrapolated from the corners around it. */
 static sl_status move_and_age(sl_shading_state *s, size_t vertices, sl_error *error) {
     sl_shading_commit(s, vertices);
-    if (s->now >= s->last_update || s->samples >= s->last_sample) sl_fades_finish(&s->fades, s->patches); /* the picture is done */
+    bool done = s->now >= s->last_update || s->samples >= s->last_sample;
+    if (done) sl_fades_finish(&s->fades, s->patches);
     sl_status status = age(s, error);
     if (status == SL_OK) sl_patches_extrapolate(s->patches);
     sl_announce_pass(&s->announcer, "commit", "motion, age");
