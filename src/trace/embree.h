@@ -22,7 +22,7 @@ static inline void *sl_embree_state(const void *callback_context) {
     return ((const sl_embree_query *)callback_context)->state;
 }
 
-/* Which copy of a mesh is met; RTC_INVALID_GEOMETRY_ID: none. */
+/* Returns the copy of a mesh that is met; RTC_INVALID_GEOMETRY_ID: none. */
 static inline unsigned sl_embree_instance(const void *callback_context) {
     return ((const sl_embree_query *)callback_context)->context.instID[0];
 }

@@ -52,7 +52,7 @@ sl_status sl_second_gather_first(sl_second_cache *cache, sl_counters *counters, 
 
 /* ---- the second, and what it tells of all others ---- */
 
-/* What a record gathers of the others' light, and what it receives of what each of them receives. */
+/* A record's gather of the others' light, and its row: the share that each of them has in it. */
 typedef struct {
     sl_irradiance light;
     sl_second_link *row;

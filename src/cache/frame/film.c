@@ -272,7 +272,7 @@ static void settle_counts(sl_film *f) {
 
 /* ---- lamps' rims ---- */
 
-/* What shines by more than so many means of the picture makes a rim. */
+/* In means of the picture: brighter emission makes a rim. */
 static const float rim_brightness = 4.0f;
 
 /* Marks the pixels in which the pilot saw emission that is much brighter than the picture. */

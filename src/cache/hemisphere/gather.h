@@ -112,7 +112,7 @@ void sl_gather_irradiance(const sl_gather *gather, const sl_gather_point *point,
 void sl_gather_second_irradiance(const sl_gather *gather, const sl_gather_point *point,
                                  sl_gather_scratch *scratch, sl_irradiance *irradiance,
                                  sl_counters *counters);
-/* What the cells of that gather see, and what of it is reflected; owned by the scratch. */
+/* The points that the cells of that gather see, and their reflectances; owned by the scratch. */
 typedef struct sl_gather_hits_seen {
     sl_second_points points;
     const float *diffuse[3]; /* k_d */

@@ -1,4 +1,4 @@
-/* What a gather sees: which triangle, and where, in every cell of its picture. */
+/* Finds the triangle, and the point of it, that each cell of a gather sees. */
 #include "cache/hemisphere/gather_internal.h"
 
 #include "base/counters.h"

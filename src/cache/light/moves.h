@@ -1,5 +1,5 @@
-/* What has moved between two states of a scene, and whose direct light that can have changed. A sample of one
- * light at one point stays what it is, bit by bit, while neither the light nor the point has moved and
+/* Tells what has moved between two states of a scene, and whose direct light may differ for it. A sample of
+ * one light at one point stays what it is, bit by bit, while neither the light nor the point has moved and
  * nothing that has moved was, or is, between them: the cone from the point around the light against the
  * boxes of what moved, before and after. Colours and powers change no sample. */
 #ifndef SL_CACHE_LIGHT_MOVES_H

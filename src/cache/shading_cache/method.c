@@ -231,7 +231,7 @@ static void note_version(sl_layers *l, unsigned what) {
     if (what & SL_CHANGED_CAMERA) l->eye_moved = l->now;
 }
 
-/* What was found out is the cache's from then on, whatever comes of the edit. */
+/* Finds them, and hands what they were found from to the cache, whatever comes of the edit. */
 static sl_status find_moves(sl_shading_state *s, sl_object_places *places, unsigned *what, sl_error *error) {
     sl_sampled_lights *lights = NULL;
     sl_light_moves *moves = NULL;

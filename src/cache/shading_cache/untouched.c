@@ -19,7 +19,7 @@ static bool find_ratio(sl_rgb before, sl_rgb now, double ratio[3]) {
     return true;
 }
 
-/* What is not known is about anything. */
+/* An unknown ratio (NaN) is about any. */
 static bool is_about(double a, double b) { return !(fabs(a - b) > 1e-6 * b); }
 
 /* The ratio of each channel, if it is that of all lights. */
