@@ -135,7 +135,7 @@ void sl_film_begin(sl_film *f, bool objects_moved) {
     f->asked = f->drawn = 0;
     forget_rims(f);
     f->edges_known = false;
-    f->most = f->samples > PILOT ? PILOT + f->samples : f->samples;
+    f->most = is_quick(f) ? f->samples : PILOT + f->samples;
     if (!objects_moved) return;
     sl_outlines_destroy(f->outlines);
     f->outlines = NULL;

@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/coarse.h"
 
 /* An update's, beside refinement; where most shares of light are kept so many times as long as few are
  * sampled. */
@@ -229,12 +228,14 @@ static void blacken_coarse(sl_multi_mesh_state *s) {
     sl_coarse_finish(s->next.coarse, s->settings.threads);
 }
 
-/* Shares that were taken in one state of the scene. */
+/* Keeps them if they were taken in one state of the scene; the rounds that follow have no use for them. */
 static sl_status keep_shares(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_share *shares = s->next.shares;
-    if (!shares || s->next.lit != s->lit) return SL_OK;
     s->next.shares = NULL;
-    return sl_coarse_keep(&s->light, s->next.coarse, shares, &s->kept, error);
+    if (shares && s->next.lit == s->lit)
+        return sl_coarse_keep(&s->light, s->next.coarse, shares, &s->kept, error);
+    sl_free(shares);
+    return SL_OK;
 }
 
 /* While things move, a first coarse mesh is taken as soon as it has any light: those that follow see it, and
