@@ -3,9 +3,9 @@
  * as they draw a view; their caches belong to the scene and stay.
  *
  * The first sub-frames, the pilot, are whole pictures: four, or one where there are no more than four in all.
- * Others are drawn where they matter alone: at edges, which geometry tells (raster/views/outlines.h), and where
- * the pilot's samples differ. Behind four, how many samples a pixel gets is settled when the pilot is there, in
- * such a way that the mean stays unbiased. */
+ * Others are drawn where they matter alone: at edges, which geometry tells (raster/views/outlines.h), and
+ * where the pilot's samples differ. Behind four, how many samples a pixel gets is settled when the pilot is
+ * there, in such a way that the mean stays unbiased. */
 #ifndef SL_FRAME_FILM_H
 #define SL_FRAME_FILM_H
 
