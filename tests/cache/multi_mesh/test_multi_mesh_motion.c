@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "unit_test.h"
+#include "base/math.h"
 #include "base/sanitized.h"
 #include "cache/light/moves.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
@@ -212,6 +213,18 @@ static size_t known_alike(const sl_patches *ours, const sl_patches *fresh) {
     return alike;
 }
 
+/* The light samples of the coarse mesh, and its colours with all bounces. */
+static void assert_same_coarse(const sl_multi_mesh_state *s, const sl_multi_mesh_state *fresh) {
+    const sl_patches *a = s->whole.coarse->vertices, *b = fresh->whole.coarse->vertices;
+    assert_int_equal(s->kept.count, fresh->kept.count);
+    for (size_t i = 0; i < s->kept.count * s->lights->count; i++) {
+        const sl_coarse_share mine = s->kept.share[i], its = fresh->kept.share[i];
+        if (its.by) assert_true(mine.by == its.by && sl_float_bits(mine.share) == sl_float_bits(its.share));
+    }
+    assert_int_equal(a->vertex_count, b->vertex_count);
+    assert_memory_equal(a->value, b->value, 3 * a->vertex_count * sizeof *a->value);
+}
+
 static void samples_that_survive_a_move_are_those_of_a_fresh_method(void **state) {
     (void)state;
     sl_scene *scene = moving_room();
@@ -232,6 +245,7 @@ static void samples_that_survive_a_move_are_those_of_a_fresh_method(void **state
         print_message("%zu samples have survived\n", kept);
         assert_true(kept > 100);
         update_to_the_end(s);
+        assert_same_coarse(s, fresh);
         sl_multi_mesh_method.destroy(fresh);
     }
     sl_multi_mesh_method.destroy(s);
