@@ -45,6 +45,14 @@ static void note_objects(sl_light_moves *m, const sl_object_places *before, cons
     }
 }
 
+sl_status sl_light_places_take(const sl_scene *scene, sl_sampled_lights **lights, sl_error *error) {
+    sl_status status = sl_sampled_lights_find(scene, lights, error);
+    if (status != SL_OK) return status;
+    sl_free((*lights)->light_of_triangle);
+    (*lights)->light_of_triangle = NULL;
+    return SL_OK;
+}
+
 sl_status sl_light_moves_find(const sl_scene *scene, const sl_object_places *places_before,
                               const sl_object_places *places, const sl_sampled_lights *lights_before,
                               const sl_sampled_lights *lights, sl_light_moves **moves, sl_error *error) {

@@ -18,6 +18,8 @@ typedef struct sl_light_moves {
     bool recoloured;                 /* some light has another colour */
 } sl_light_moves;
 
+/* Finds the lights as they are now, to be compared later: without the table of triangles. */
+sl_status sl_light_places_take(const sl_scene *scene, sl_sampled_lights **lights, sl_error *error);
 /* Compares two states of one scene. Scene and lights must outlive it. *moves is NULL where there are other
  * lights than before, or other objects. */
 sl_status sl_light_moves_find(const sl_scene *scene, const sl_object_places *places_before,

@@ -170,7 +170,7 @@ sl_status sl_coarse_keep(const sl_irradiance_settings *light, const sl_coarse *c
                              .scale = light->scene->scale,
                              .step = sl_light_sampling_step(light->sampling)};
     sl_status status = kept->place ? SL_OK : sl_fail_memory(error, "the coarse mesh's light");
-    if (status == SL_OK) status = sl_sampled_lights_find(light->scene, &kept->lights, error);
+    if (status == SL_OK) status = sl_light_places_take(light->scene, &kept->lights, error);
     if (status == SL_OK) status = sl_object_places_take(light->scene, &kept->places, error);
     for (size_t v = 0; status == SL_OK && v < kept->count; v++)
         kept->place[v] = sl_coarse_lit_place(coarse, v);

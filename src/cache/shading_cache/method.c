@@ -93,15 +93,6 @@ static void judge_by_light_of_now(sl_shading_state *s) {
     if (sl_display_guess(s->display, sl_ambient_irradiance_of_all_bounces(s->scene))) s->drawn = false;
 }
 
-/* Where they are, and their colours: no triangles of theirs. */
-static sl_status take_lights(const sl_shading_state *s, sl_sampled_lights **lights, sl_error *error) {
-    sl_status status = sl_sampled_lights_find(s->scene, lights, error);
-    if (status != SL_OK) return status;
-    sl_free((*lights)->light_of_triangle);
-    (*lights)->light_of_triangle = NULL;
-    return status;
-}
-
 static sl_status make_cache(sl_shading_state *s, sl_error *error) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
     sl_display_settings display = {s->settings.width, s->settings.height,
@@ -118,7 +109,7 @@ static sl_status make_cache(sl_shading_state *s, sl_error *error) {
     if (status == SL_OK) status = make_renderers(s, error);
     if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
     if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
-    return status == SL_OK ? take_lights(s, &s->lights, error) : status;
+    return status == SL_OK ? sl_light_places_take(s->scene, &s->lights, error) : status;
 }
 
 static sl_status shading_create(const sl_scene *scene, const sl_settings *settings,
@@ -235,7 +226,7 @@ static void note_version(sl_layers *l, unsigned what) {
 static sl_status find_moves(sl_shading_state *s, sl_object_places *places, unsigned *what, sl_error *error) {
     sl_sampled_lights *lights = NULL;
     sl_light_moves *moves = NULL;
-    sl_status status = take_lights(s, &lights, error);
+    sl_status status = sl_light_places_take(s->scene, &lights, error);
     if (status == SL_OK)
         status = sl_light_moves_find(s->scene, s->places, places, s->lights, lights, &moves, error);
     if (moves) *what = sl_shading_keep(s, *what, moves, s->lights);
