@@ -11,8 +11,8 @@
  * Errors are those of pixels over their whole squares, on surfaces (pixels that show a lamp or the sky are
  * left out), against all light, path traced twice over: the mean of (x - p)(x - q) is the squared error
  * without the noise of either half. Beside the methods runs the RenderCache (render_cache.h), whose samples
- * are few points on lamps and few paths. Flicker is the root mean square of what a pixel shown changes by from
- * a frame to the next, over that of the truth. */
+ * are few points on lamps and few paths. Flicker is the root mean square of what a pixel shown changes by
+ * from a frame to the next, over that of the truth. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,10 +21,9 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/audit/trace_probes.h"
-#include "cache/shading_cache/plan.h"
 #include "common.h"
-#include "render_cache.h"
 #include "scene/copy.h"
+#include "shading_bench.h"
 
 enum { RATE = 25, FRAMES = 30 * RATE, STEP = 5, SIZE = 512, PROBES = 4096, SAMPLES = 24, CONTESTANTS = 24 };
 
@@ -72,9 +71,7 @@ static double projecting(int size) { return 2.0 * 10.0 * 1.5 * size * size; }
 
 /* The RenderCache, on the Shading Cache's sample renderers. */
 typedef struct rival {
-    sl_tracer *own;
-    const sl_tracer *tracer;
-    sl_sample_renderer renderer[2];
+    shading_world world;
     render_cache *cache;
     sl_counters counters;
 } rival;
@@ -110,81 +107,51 @@ static void set_up(const char *method, int size, sl_settings *settings) {
     settings->records_per_frame = 256;
 }
 
-static void make_tracer(const contestant *c) {
-    rival *r = c->rival;
-    sl_error error;
-    sl_tracer_destroy(r->own);
-    check(sl_tracer_create(c->scene, 2, NULL, &r->own, &error), &error);
-    r->tracer = r->own;
-}
-
-static render_cache *make_cache(const contestant *c, int size, int samples) {
-    const render_cache_settings settings = {.scene = c->scene,
-                                            .tracer = &c->rival->tracer,
-                                            .renderer = c->rival->renderer,
-                                            .renderers = 2,
-                                            .width = size,
-                                            .height = size,
-                                            .samples = samples,
-                                            .threads = 2};
-    return render_cache_create(&settings);
-}
-
 /* A frame projects all points, one and a half a pixel; samples are as many as the rest is enough for. */
-static void open_rival(contestant *c, int size) {
-    enum { TRIED = 1024 };
-    sl_settings settings;
-    sl_error error;
+static void open_rival(contestant *c, const char *path, int size) {
+    enum { TRIED = 1024, LAMP_POINTS = 4, PATHS = 1 };
     rival *r = c->rival = bench_allocate(1, sizeof *r);
-    set_up("shading-cache", size, &settings);
-    settings.shading_cache.area_samples = 4;
-    settings.shading_cache.indirect_samples = 1;
-    sl_shading_complete(&settings);
-    make_tracer(c);
-    const sl_renderer_settings of = {c->scene, &r->tracer, settings.shading_cache, 0, 2};
-    check(sl_area_renderer(&of, &r->renderer[0], &error), &error);
-    check(sl_bidirectional_renderer(&of, &r->renderer[1], &error), &error);
-    render_cache *tried = make_cache(c, size, TRIED);
+    if (!shading_open(&(bench_options){0}, path, size, LAMP_POINTS, PATHS, &r->world)) abort();
+    c->scene = r->world.scene;
+    render_cache *tried = shading_rival(&r->world, TRIED);
     render_cache_frame(tried, &r->counters);
     const double each = nanoseconds(&r->counters) / (double)render_cache_samples(tried);
     render_cache_destroy(tried);
     r->counters = (sl_counters){{0}};
     const double samples = (c->budget - projecting(size)) / each;
-    r->cache = make_cache(c, size, samples > 1.0 ? (int)samples : 1);
+    r->cache = shading_rival(&r->world, samples > 1.0 ? (int)samples : 1);
 }
 
-static void open_method(contestant *c, const char *method, int size) {
+static void open_method(contestant *c, const sl_scene *scene, const char *method, int size) {
     sl_settings settings;
     sl_error error;
     set_up(method, size, &settings);
+    check(sl_scene_copy(scene, &c->scene, &error), &error);
     check(sl_method_create(c->scene, &settings, &c->method, &error), &error);
     const sl_window_class *window = c->method->class->window;
     if (window) check(window->create(c->method->state, c->scene, &c->window, &error), &error);
 }
 
-static void open_contestant(contestant *c, const sl_scene *scene, const char *method, double times,
-                            int size) {
-    sl_error error;
+static void open_contestant(contestant *c, const sl_scene *scene, const char *path, const char *method,
+                            double times, int size) {
     *c = (contestant){.times = times, .budget = times * frame_nanoseconds(size), .may_move = true};
     snprintf(c->name, sizeof c->name, "%s", method);
-    check(sl_scene_copy(scene, &c->scene, &error), &error);
-    if (strcmp(method, "render-cache") == 0) open_rival(c, size);
-    else open_method(c, method, size);
+    if (strcmp(method, "render-cache") == 0) open_rival(c, path, size);
+    else open_method(c, scene, method, size);
     for (int i = 0; i < FRAMES; i++) c->error[i] = NAN;
 }
 
 static void close_rival(rival *r) {
     render_cache_destroy(r->cache);
-    for (int i = 0; i < 2; i++) r->renderer[i].destroy(r->renderer[i].state);
-    sl_tracer_destroy(r->own);
+    shading_close(&r->world);
     sl_free(r);
 }
 
 static void close_contestant(contestant *c) {
-    if (c->rival) close_rival(c->rival);
     if (c->window) c->method->class->window->destroy(c->window);
     sl_method_destroy(c->method);
-    sl_scene_copy_destroy(c->scene);
+    if (c->rival) close_rival(c->rival);
+    else sl_scene_copy_destroy(c->scene);
     if (c->shown != c->before) sl_image_destroy(c->before);
     sl_image_destroy(c->shown);
 }
@@ -226,23 +193,14 @@ static void show(contestant *c, int size) {
     pay(c);
 }
 
-static void follow_with_rival(const contestant *c, unsigned changes) {
-    rival *r = c->rival;
-    sl_error error;
-    if (changes & SL_CHANGED_OBJECTS) make_tracer(c);
-    for (int i = 0; i < 2 && changes & ~(unsigned)SL_CHANGED_CAMERA; i++)
-        check(r->renderer[i].edit(r->renderer[i].state, &error), &error);
-    render_cache_edit(r->cache, changes);
-}
-
 static void follow(contestant *c, double time) {
     unsigned changes = 0;
     sl_error error;
-    check(sl_scene_set_time(c->scene, time, &changes, &error), &error);
     if (c->rival) {
-        if (changes) follow_with_rival(c, changes);
+        render_cache_edit(c->rival->cache, shading_move(&c->rival->world, time));
         return;
     }
+    check(sl_scene_set_time(c->scene, time, &changes, &error), &error);
     if (changes) check(sl_method_edit(c->method, changes, &error), &error);
     if (c->window && (changes & SL_CHANGED_OBJECTS))
         check(c->method->class->window->move(c->window, &error), &error);
@@ -445,14 +403,15 @@ static void put_curves(const options *o, const char *scene, const contestant *co
 static const char *const methods[] = {"splatting",  "direct-radiance", "light-octree",
                                       "multi-mesh", "shading-cache",   "path", "render-cache"};
 
-static int open_all(const options *o, const sl_scene *scene, int size, contestant *contestants) {
+static int open_all(const options *o, const sl_scene *scene, const char *path, int size,
+                    contestant *contestants) {
     static const double budgets[] = {0.5, 1.0, 2.0};
     int count = 0;
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
         if (o->method && strcmp(o->method, methods[m]) != 0) continue;
         for (int b = 0; b < 3; b++) {
             if (o->budget > 0.0 ? b == 0 : true)
-                open_contestant(&contestants[count++], scene, methods[m],
+                open_contestant(&contestants[count++], scene, path, methods[m],
                                 o->budget > 0.0 ? o->budget : budgets[b], size);
         }
     }
@@ -477,7 +436,7 @@ static void run_scene(const options *o, const char *path) {
     bench_scene_name(path, name);
     if (!bench_wants(&o->common, name) || !bench_open_scene(path, &scene)) return;
     check(sl_scene_set_time(scene, 0.0, NULL, &error), &error);
-    int count = open_all(o, scene, size, contestants);
+    int count = open_all(o, scene, path, size, contestants);
     for (int k = 0; k < FRAMES; k++) {
         double time = (double)k / RATE;
         bool judged = k % step == 0, pair = k % RATE == 1 && is_moving(k) && k > RATE;

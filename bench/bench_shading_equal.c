@@ -156,7 +156,7 @@ static void experiment(const bench_options *o, const char *path) {
     shading_world w;
     static curve curves[4];
     int size = 512;
-    if (!shading_open(o, path, size, o->brief ? 25 : 400, &w)) return;
+    if (!shading_open(o, path, size, 0, o->brief ? 25 : 400, &w)) return;
     shading_judge(&w, o->brief ? 16 : 8);
     printf("\n%s, %d x %d, %d paths and %d light samples a point, %zu pixels judged.\n", w.name, size,
               size, w.settings.shading_cache.indirect_samples, w.settings.shading_cache.area_samples,

@@ -91,7 +91,7 @@ static void motion(const bench_options *o, const char *path, film f) {
     rival rivals[2] = {{0}};
     static judgement judged[JUDGED];
     int block = o->brief ? 16 : 8;
-    if (!shading_open(o, path, o->brief ? 256 : 512, o->brief ? 25 : PATHS, &w)) return;
+    if (!shading_open(o, path, o->brief ? 256 : 512, 0, o->brief ? 25 : PATHS, &w)) return;
     shading_move(&w, 0.0);
     shading_run_open(&run, &w, NULL);
     rivals[0] = (rival){.run = &run};
@@ -182,7 +182,7 @@ static void jump(const bench_options *o, const char *path) {
     for (int i = 0; i <= JUMPS; i++) {
         shading_world w;
         shading_run run;
-        if (!shading_open(o, path, 256, 25, &w)) return;
+        if (!shading_open(o, path, 256, 0, 25, &w)) return;
         shading_move(&w, 0.0);
         sl_settings s = w.settings;
         const char *name = "RenderCache, wide fill";

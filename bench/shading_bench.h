@@ -21,9 +21,9 @@ typedef struct shading_world {
     sl_display_curve display;        /* radiance to grey levels, as the cache itself reckons */
 } shading_world;
 
-/* size: of pictures; indirect: paths a point (0: no indirect light). One thread. False where the scene is not
- * wanted, or not there. */
-bool shading_open(const bench_options *o, const char *path, int size, int indirect,
+/* size: of pictures; area: points on each lamp (0: the cache's own); indirect: paths a point (0: no indirect
+ * light). One thread. False where the scene is not wanted, or not there. */
+bool shading_open(const bench_options *o, const char *path, int size, int area, int indirect,
                   shading_world *w);
 void shading_close(shading_world *w);
 /* Everything goes to where it is at a time; returns SL_CHANGED_ bits. */

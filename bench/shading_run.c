@@ -12,11 +12,12 @@
 
 /* ---- worlds ---- */
 
-static sl_settings settings_for(int size, int indirect) {
+static sl_settings settings_for(int size, int area, int indirect) {
     sl_settings s = sl_settings_of_papers();
     s.method = "shading-cache";
     s.width = s.height = size;
     s.threads = 1;
+    s.shading_cache.area_samples = area;
     s.shading_cache.indirect_samples = indirect;
     s.shading_cache.indirect = indirect > 0 ? SL_INDIRECT_BIDIRECTIONAL : SL_INDIRECT_NONE;
     s.shading_cache.frames_per_update = 1;
@@ -46,12 +47,12 @@ static void make_renderers(shading_world *w) {
         bench_fail("indirect light", &error);
 }
 
-bool shading_open(const bench_options *o, const char *path, int size, int indirect,
+bool shading_open(const bench_options *o, const char *path, int size, int area, int indirect,
                   shading_world *w) {
     memset(w, 0, sizeof *w);
     bench_scene_name(path, w->name);
     if (!bench_wants(o, w->name) || !bench_open_scene(path, &w->scene)) return false;
-    w->settings = settings_for(size, indirect);
+    w->settings = settings_for(size, area, indirect);
     w->display = (sl_display_curve){.reference = sl_rgb_mean(sl_ambient_irradiance_of_all_bounces(w->scene)) *
                                                  (float)(1.0 / SL_PI)};
     make_tracer(w);
