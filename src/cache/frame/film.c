@@ -1,11 +1,14 @@
 #include "cache/frame/film.h"
 
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "cache/frame/picture_value.h"
 #include "cache/frame/rims.h"
+#include "image/unset.h"
 #include "raster/textures/mip.h"
 #include "raster/views/outlines.h"
 #include "trace/film.h"
@@ -192,7 +195,7 @@ double sl_film_share(const sl_film *f) {
 
 bool sl_film_has_picture(const sl_film *f) { return f->sums != NULL; }
 
-/* Makes a black picture of the same channels, and one more where it is named, with the metadata. */
+/* Makes a picture of the same channels, of any values, and one more where it is named, with the metadata. */
 static sl_status make_like(const sl_image *picture, const char *more, sl_image **like, sl_error *error) {
     enum { MOST = 64 };
     const char *names[MOST] = {NULL};
@@ -201,8 +204,9 @@ static sl_status make_like(const sl_image *picture, const char *more, sl_image *
                        MOST - 1);
     for (int c = 0; c < picture->channels; c++) names[c] = picture->channel_name[c];
     if (more) names[picture->channels] = more;
-    sl_status status = sl_image_create(picture->width, picture->height, picture->channels + (more != NULL),
-                                       names, like, error);
+    const int channels = picture->channels + (more != NULL);
+    sl_status status =
+        sl_image_create_unset(picture->width, picture->height, channels, names, like, error);
     for (size_t i = 0; status == SL_OK && i < picture->metadata_count; i++)
         status = sl_image_set_metadata(*like, picture->metadata[i].key, picture->metadata[i].value, error);
     if (status == SL_OK) return SL_OK;
@@ -215,6 +219,13 @@ static sl_status make_like(const sl_image *picture, const char *more, sl_image *
 static size_t image_place(const sl_film *f, size_t pixel) {
     const size_t width = (size_t)f->width;
     return ((size_t)f->height - 1 - pixel / width) * width + pixel % width;
+}
+
+static sl_status make_sums(sl_film *f, const sl_image *picture, sl_error *error) {
+    sl_status status = make_like(picture, NULL, &f->sums, error);
+    const size_t bytes = pixels_of(f) * (size_t)picture->channels * sizeof *f->sums->planes;
+    if (status == SL_OK) memset(f->sums->planes, 0, bytes);
+    return status;
 }
 
 static float brightness(const sl_image *picture, size_t at) {
@@ -305,40 +316,49 @@ static sl_status look_at_rims(sl_film *f, const sl_raster *raster, sl_error *err
     return sl_rims_look(f->scene, raster, f->width, f->height, f->rim, f->rim_emission, &f->counters, error);
 }
 
-/* Adds pixels of one row. */
-static void add_run(sl_film *f, const sl_image *picture, sl_pixel_run run) {
+/* Adds a run of one row. The first sample behind the pilot takes its place at edges, where more follow in any
+ * case: what the pilot saw has told how many. */
+static void add_run(const sl_film *f, const sl_image *picture, sl_pixel_run run) {
     const size_t pixels = pixels_of(f), at = image_place(f, run.first), count = run.end - run.first;
     const uint8_t *edge = f->edge + run.first;
     for (size_t c = 0; c < (size_t)picture->channels; c++) {
-        const float *sample = picture->planes + c * pixels + at;
-        float *sum = f->sums->planes + c * pixels + at;
-        for (size_t i = 0; i < count; i++)
-            sum[i] = sample[i] + (f->drawn == PILOT && edge[i] ? 0.0f : sum[i]);
+        const float *restrict sample = picture->planes + c * pixels + at;
+        float *restrict sum = f->sums->planes + c * pixels + at;
+        if (f->drawn == PILOT)
+            for (size_t i = 0; i < count; i++) sum[i] = edge[i] ? 0.0f : sum[i];
+        for (size_t i = 0; i < count; i++) sum[i] += sample[i];
     }
 }
 
-/* Adds the pixels that are wanted. At edges, where more samples follow in any case, the pilot's are left out:
- * what they saw has told how many. */
-static void add_samples(sl_film *f, const sl_image *picture) {
-    const size_t pixels = pixels_of(f);
-    uint64_t added = 0;
-    const sl_sub_frame drawn = {.wanted = f->drawn >= pilot_of(f) ? f->wanted : NULL};
-    for (size_t row = 0; row < pixels; row += (size_t)f->width) {
-        const size_t end = row + (size_t)f->width;
-        for (sl_pixel_run r = sl_sub_frame_run(&drawn, row, end); r.first < r.end;
-             r = sl_sub_frame_run(&drawn, r.end, end)) {
-            add_run(f, picture, r);
-            added += r.end - r.first;
-        }
+typedef struct addition {
+    const sl_film *film;
+    const sl_image *picture;
+    sl_sub_frame drawn;
+} addition;
+
+static void add_row(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)result;
+    const addition *a = context;
+    const size_t row = index * (size_t)a->film->width, end = row + (size_t)a->film->width;
+    for (sl_pixel_run r = sl_sub_frame_run(&a->drawn, row, end); r.first < r.end;
+         r = sl_sub_frame_run(&a->drawn, r.end, end)) {
+        add_run(a->film, a->picture, r);
+        sl_count(counters, SL_COUNT_SAMPLES, r.end - r.first);
     }
-    sl_count(&f->counters, SL_COUNT_SAMPLES, added);
+}
+
+/* Adds the pixels that are wanted. */
+static void add_samples(sl_film *f, const sl_image *picture) {
+    addition a = {f, picture, {.wanted = f->drawn >= pilot_of(f) ? f->wanted : NULL}};
+    const sl_batch rows = {.count = (size_t)f->height, .work = add_row, .context = &a};
+    sl_batch_run(&rows, f->threads, &f->counters);
 }
 
 sl_status sl_film_add(sl_film *f, const sl_raster *raster, const sl_image *picture, sl_error *error) {
     sl_status status = know_edges(f, raster, error);
     if (!picture) f->asked++;
     if (!picture || status != SL_OK) return status;
-    status = f->sums ? SL_OK : make_like(picture, NULL, &f->sums, error);
+    status = f->sums ? SL_OK : make_sums(f, picture, error);
     if (status != SL_OK) return status;
     if (!is_quick(f) && f->drawn < PILOT) note_contrast(f, picture);
     add_samples(f, picture);
@@ -363,20 +383,43 @@ static void put_rim(const sl_film *f, size_t pixel, size_t at, sl_image *image) 
     }
 }
 
-sl_status sl_film_develop(const sl_film *f, sl_image **image, sl_error *error) {
-    const size_t pixels = pixels_of(f), channels = (size_t)f->sums->channels;
-    const bool layers = channels > 3;
-    sl_status status = make_like(f->sums, layers ? "samples" : NULL, image, error);
-    for (size_t i = 0; status == SL_OK && i < pixels; i++) {
-        const size_t at = image_place(f, i);
-        const unsigned drawn = smaller(f->drawn, f->count[i]),
-                       count = f->drawn > PILOT && f->edge[i] ? drawn - PILOT : drawn;
-        if (layers) (*image)->planes[channels * pixels + at] = (float)count;
-        for (size_t c = 0; c < channels; c++)
-            (*image)->planes[c * pixels + at] =
-                sl_picture_value(f->sums->planes[c * pixels + at] / (float)count);
-        if (f->rim && f->rim[i]) put_rim(f, i, at, *image);
+/* Returns how many samples a pixel is the mean of. */
+static unsigned samples_of(const sl_film *f, size_t pixel) {
+    const unsigned drawn = smaller(f->drawn, f->count[pixel]);
+    return f->drawn > PILOT && f->edge[pixel] ? drawn - PILOT : drawn;
+}
+
+typedef struct development {
+    const sl_film *film;
+    sl_image *image;
+} development;
+
+/* Divides one row's sums, and tells by how much where there are layers. */
+static void develop_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    enum { BLOCK = 64 };
+    const development *d = context;
+    const sl_film *f = d->film;
+    const size_t pixels = pixels_of(f), width = (size_t)f->width, channels = (size_t)f->sums->channels;
+    float count[BLOCK];
+    for (size_t x = 0; x < width; x += BLOCK) {
+        const size_t n = x + BLOCK < width ? BLOCK : width - x, at = image_place(f, row * width + x);
+        for (size_t i = 0; i < n; i++) count[i] = (float)samples_of(f, row * width + x + i);
+        for (size_t c = 0; c < channels; c++) {
+            const float *restrict sum = f->sums->planes + c * pixels + at;
+            float *restrict mean = d->image->planes + c * pixels + at;
+            for (size_t i = 0; i < n; i++) mean[i] = sl_picture_value(sum[i] / count[i]);
+        }
+        if (channels > 3) memcpy(d->image->planes + channels * pixels + at, count, n * sizeof *count);
     }
+}
+
+sl_status sl_film_develop(const sl_film *f, sl_image **image, sl_error *error) {
+    sl_status status = make_like(f->sums, f->sums->channels > 3 ? "samples" : NULL, image, error);
+    if (status != SL_OK) return status;
+    sl_parallel_for(f->threads, (size_t)f->height, develop_row, &(development){f, *image});
+    for (size_t i = 0; f->rim && i < pixels_of(f); i++)
+        if (f->rim[i]) put_rim(f, i, image_place(f, i), *image);
     return status;
 }
 

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/print.h"
 #include "cache/light_octree/light_octree.h"
+#include "image/unset.h"
 
 #include <stdio.h>
 
@@ -14,8 +15,10 @@ static const char *const layer_names[LAYERS] = {"R",          "G",          "B",
 sl_status sl_octree_compose(const sl_octree_state *s, sl_image **image, sl_error *error) {
     const sl_gbuffer *g = s->gbuffer;
     float *const *direct = s->direct_light, *const *indirect = s->indirect_light;
-    sl_status status = sl_image_create(g->width, g->height, LAYERS, layer_names, image, error);
-    if (status != SL_OK || s->phase == SL_OCTREE_PHASE_GBUFFER) return status; /* nothing is drawn yet */
+    if (s->phase == SL_OCTREE_PHASE_GBUFFER) /* nothing is drawn yet */
+        return sl_image_create(g->width, g->height, LAYERS, layer_names, image, error);
+    sl_status status = sl_image_create_unset(g->width, g->height, LAYERS, layer_names, image, error);
+    if (status != SL_OK) return status;
     const sl_view view = sl_view_scene(s->scene, g->width, g->height);
     const sl_composition composition = {
         .scene = s->scene, .view = &view, .gbuffer = g, .reflections = s->reflections,

@@ -9,16 +9,16 @@
 #include "scene/bump.h"
 #include "trace/bsdf.h"
 
-/* ---- from the octree, in tiles of as many pixels as are shaded at a time ---- */
+/* ---- from the octree ---- */
 
 enum { TILE = 64 };
 
-typedef struct tile_pass {
+typedef struct listed_pixels {
     const sl_octree_pixels *pixels;
-    const uint8_t *side;   /* of the atlas; NULL: no atlas */
+    uint32_t *list; /* those that the octree lights, tile by tile, so that neighbours share their voxels */
+    size_t count;
     float *const *out;
-    int across, up;        /* tiles */
-} tile_pass;
+} listed_pixels;
 
 sl_octree_point sl_octree_point_of_pixel(const sl_scene *scene, const sl_gbuffer *g, sl_vec3 eye,
                                          size_t pixel) {
@@ -34,38 +34,49 @@ sl_octree_point sl_octree_point_of_pixel(const sl_scene *scene, const sl_gbuffer
                              .exponent = m->exponent};
 }
 
-/* Returns the pixel with that number, tile by tile; SIZE_MAX: the tile reaches beyond the picture. */
-static size_t pixel_at(const tile_pass *pass, size_t index) {
-    const sl_gbuffer *g = pass->pixels->gbuffer;
-    size_t tile = index / (TILE * TILE), across = (size_t)pass->across, width = (size_t)g->width;
-    size_t x = tile % across * TILE + index % TILE, y = tile / across * TILE + index / TILE % TILE;
-    return x < width && y < (size_t)g->height ? y * width + x : SIZE_MAX;
+static bool is_lit(const sl_octree_pixels *p, const uint8_t *side, size_t pixel) {
+    const uint32_t material = p->gbuffer->material[pixel];
+    if (material == SL_NO_INDEX || (side && side[pixel] != SL_ATLAS_NEITHER)) return false;
+    return !sl_material_is_mirror(&p->scene->materials[material]);
+}
+
+static void list_tile(listed_pixels *l, const uint8_t *side, int x0, int y0) {
+    const sl_gbuffer *g = l->pixels->gbuffer;
+    const int x1 = x0 + TILE < g->width ? x0 + TILE : g->width,
+              y1 = y0 + TILE < g->height ? y0 + TILE : g->height;
+    for (int y = y0; y < y1; y++) {
+        for (int x = x0; x < x1; x++) {
+            const size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
+            if (is_lit(l->pixels, side, pixel)) l->list[l->count++] = (uint32_t)pixel;
+        }
+    }
 }
 
 static bool find_pixel(const void *context, size_t index, sl_octree_point *point) {
-    const tile_pass *pass = context;
-    const sl_octree_pixels *p = pass->pixels;
-    size_t pixel = pixel_at(pass, index);
-    if (pixel == SIZE_MAX || (pass->side && pass->side[pixel] != SL_ATLAS_NEITHER)) return false;
-    uint32_t material = p->gbuffer->material[pixel];
-    if (material == SL_NO_INDEX || sl_material_is_mirror(&p->scene->materials[material])) return false;
-    *point = sl_octree_point_of_pixel(p->scene, p->gbuffer, p->eye, pixel);
+    const listed_pixels *l = context;
+    const sl_octree_pixels *p = l->pixels;
+    *point = sl_octree_point_of_pixel(p->scene, p->gbuffer, p->eye, l->list[index]);
     return true;
 }
 
 static void put_pixel(void *context, size_t index, const float rgb[3]) {
-    const tile_pass *pass = context;
-    size_t pixel = pixel_at(pass, index);
-    for (int c = 0; c < 3; c++) pass->out[c][pixel] = rgb[c];
+    const listed_pixels *l = context;
+    for (int c = 0; c < 3; c++) l->out[c][l->list[index]] = rgb[c];
 }
 
+/* side: of the atlas; NULL: no atlas. */
 static sl_status shade_pixels(const sl_octree_pixels *p, const uint8_t *side, float *const out[3],
                               sl_counters *counters, sl_error *error) {
-    tile_pass pass = {p, side, out, (p->gbuffer->width + TILE - 1) / TILE,
-                      (p->gbuffer->height + TILE - 1) / TILE};
-    const sl_octree_points points = {TILE * TILE * (size_t)pass.across * (size_t)pass.up, find_pixel,
-                                     put_pixel, &pass};
-    return sl_octree_shade(p->shading, &points, p->threads, counters, error);
+    const int width = p->gbuffer->width, height = p->gbuffer->height;
+    listed_pixels l = {.pixels = p, .out = out};
+    l.list = sl_allocate_unset((size_t)width * (size_t)height, sizeof *l.list);
+    if (!l.list) return sl_fail_memory(error, "the octree's pixels");
+    for (int y = 0; y < height; y += TILE)
+        for (int x = 0; x < width; x += TILE) list_tile(&l, side, x, y);
+    const sl_octree_points points = {l.count, find_pixel, put_pixel, &l};
+    sl_status status = sl_octree_shade(p->shading, &points, p->threads, counters, error);
+    sl_free(l.list);
+    return status;
 }
 
 /* ---- by way of the atlas, but for what depends on the view, or varies within a texel ---- */

@@ -134,7 +134,7 @@ void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl
  * chunk's list holds twice, with room to grow, before they are committed. Triangles are listed in every voxel
  * that they meet; lists are sorted. */
 enum {
-    A_PIXEL = 140,
+    A_PIXEL = 144,
     OF_MIRRORS = 96,
     A_PHOTON = 150,
     A_TRIANGLE = 180,

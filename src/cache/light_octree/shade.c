@@ -112,7 +112,11 @@ typedef struct worker_scratch {
     sl_shade_cells cells;
     sl_octree_point point[SL_OCTREE_BLOCK];
     voxel_place place[SL_OCTREE_BLOCK];
-    uint64_t order[SL_OCTREE_BLOCK]; /* bits of the cell, whether it is glossy, and the number in the block */
+    /* points one behind another in the same voxels: bits of the cell, whether they are glossy, and the first
+     * one's number in the block; and by that number how many they are */
+    uint64_t run[SL_OCTREE_BLOCK];
+    uint16_t length[SL_OCTREE_BLOCK];
+    uint16_t order[SL_OCTREE_BLOCK]; /* numbers of points that share their eight voxels */
     sl_counters counters;
 } worker_scratch;
 
@@ -130,58 +134,77 @@ static int by_value(const void *x, const void *y) {
     return (*a > *b) - (*a < *b);
 }
 
-/* Lists a block's points that get light, those of the same eight voxels side by side; returns how many. */
-static size_t order_points(const shading_pass *pass, size_t first, worker_scratch *s) {
+static uint64_t key_of(const sl_octree_point *p, const voxel_place *place) {
+    uint64_t key = is_glossy(p);
+    for (int axis = 0; axis < 3; axis++) key = key << CELL_BITS | (uint64_t)(place->cell[axis] + 1);
+    return key;
+}
+
+/* Lists runs of a block's points that get light, those of the same eight voxels side by side; returns how
+ * many. */
+static size_t list_runs(const shading_pass *pass, size_t first, worker_scratch *s) {
     const float dark[3] = {0.0f, 0.0f, 0.0f};
-    size_t left = pass->points->count - first, count = 0;
+    size_t left = pass->points->count - first, runs = 0, begin = 0, end = SIZE_MAX;
+    uint64_t before = 0;
     for (size_t i = 0; i < SL_OCTREE_BLOCK && i < left; i++) {
-        sl_octree_point *p = &s->point[i];
-        if (!pass->points->find(pass->points->context, first + i, p)) continue;
+        if (!pass->points->find(pass->points->context, first + i, &s->point[i])) continue;
         sl_count(&s->counters, SL_COUNT_FRAGMENTS_SHADED, 1);
-        if (!find_place(pass->shading, p, &s->place[i])) {
+        if (!find_place(pass->shading, &s->point[i], &s->place[i])) {
             pass->points->put(pass->points->context, first + i, dark);
             continue;
         }
-        uint64_t key = is_glossy(p);
-        for (int axis = 0; axis < 3; axis++) key = key << CELL_BITS | (uint64_t)(s->place[i].cell[axis] + 1);
-        s->order[count++] = key << NUMBER_BITS | i;
+        const uint64_t key = key_of(&s->point[i], &s->place[i]);
+        if (i != end || key != before) {
+            s->run[runs++] = key << NUMBER_BITS | i;
+            s->length[begin = i] = 0;
+        }
+        s->length[begin]++;
+        before = key;
+        end = i + 1;
     }
-    qsort(s->order, count, sizeof *s->order, by_value);
-    return count;
+    qsort(s->run, runs, sizeof *s->run, by_value);
+    return runs;
 }
 
 /* Shades points of the same eight voxels, which have been fetched. */
-static void shade_points(const shading_pass *pass, size_t first, const uint64_t *order, size_t count,
+static void shade_points(const shading_pass *pass, size_t first, const uint16_t *order, size_t count,
                          worker_scratch *s) {
     static const size_t LANES = SL_SHADE_LANES;
-    static const uint64_t mask = SL_OCTREE_BLOCK - 1;
-    bool glossy = is_glossy(&s->point[order[0] & mask]);
+    bool glossy = is_glossy(&s->point[order[0]]);
     float widest = widest_exponent(pass->shading->texture);
     size_t padded = (count + LANES - 1) / LANES * LANES;
     for (size_t k = 0; k < padded; k++) {
-        size_t i = order[k < count ? k : count - 1] & mask;
+        size_t i = order[k < count ? k : count - 1];
         load_point(&s->point[i], &s->place[i], glossy, widest, &s->block, k);
     }
     SL_KERNEL_OF(pass->isa, sl_shade_block)(&s->cells, padded, glossy, &s->block);
-    for (size_t k = 0; k < count; k++) {
-        size_t i = order[k] & mask;
-        put_light(pass->points, first + i, &s->point[i], glossy, &s->block, k);
+    for (size_t k = 0; k < count; k++)
+        put_light(pass->points, first + order[k], &s->point[order[k]], glossy, &s->block, k);
+}
+
+/* Puts the points of runs of one key in order; returns how many. *run: the first one behind them. */
+static size_t order_points(worker_scratch *s, size_t *run, size_t runs) {
+    const uint64_t key = s->run[*run] >> NUMBER_BITS;
+    size_t count = 0;
+    for (; *run < runs && s->run[*run] >> NUMBER_BITS == key; ++*run) {
+        const size_t begin = s->run[*run] & (SL_OCTREE_BLOCK - 1);
+        for (size_t i = 0; i < s->length[begin]; i++) s->order[count++] = (uint16_t)(begin + i);
     }
+    return count;
 }
 
 static void shade_block(void *context, size_t index, unsigned worker) {
     const shading_pass *pass = context;
     worker_scratch *s = &pass->scratch[worker];
-    size_t first = index * SL_OCTREE_BLOCK, count = order_points(pass, first, s);
-    for (size_t from = 0, end; from < count; from = end) {
-        uint64_t key = s->order[from] >> NUMBER_BITS, fetches = 0;
-        for (end = from + 1; end < count && s->order[end] >> NUMBER_BITS == key;) end++;
-        fetch_cells(pass->shading, s->place[s->order[from] & (SL_OCTREE_BLOCK - 1)].cell, &s->cells,
-                    &fetches);
-        sl_count(&s->counters, SL_COUNT_TEXTURE_FETCHES, fetches * (end - from)); /* as each fragment would */
-        for (size_t at = from; at < end; at += SL_SHADE_BLOCK)
-            shade_points(pass, first, s->order + at, end - at < SL_SHADE_BLOCK ? end - at : SL_SHADE_BLOCK,
-                         s);
+    const size_t first = index * SL_OCTREE_BLOCK, runs = list_runs(pass, first, s);
+    for (size_t run = 0; run < runs;) {
+        const size_t count = order_points(s, &run, runs);
+        uint64_t fetches = 0;
+        fetch_cells(pass->shading, s->place[s->order[0]].cell, &s->cells, &fetches);
+        sl_count(&s->counters, SL_COUNT_TEXTURE_FETCHES, fetches * count); /* as each fragment would */
+        for (size_t at = 0; at < count; at += SL_SHADE_BLOCK)
+            shade_points(pass, first, s->order + at,
+                         count - at < SL_SHADE_BLOCK ? count - at : SL_SHADE_BLOCK, s);
     }
 }
 

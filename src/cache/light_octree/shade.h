@@ -40,7 +40,7 @@ sl_status sl_octree_shade(const sl_octree_shading *shading, const sl_octree_poin
 
 /* ---- the loop over points that share their eight voxels (shade_kernels.c) ---- */
 
-enum { SL_SHADE_BLOCK = 64, SL_SHADE_LANES = 16 };
+enum { SL_SHADE_BLOCK = 64, SL_SHADE_LANES = 8 };
 
 typedef struct sl_shade_corner {
     int sets;              /* 0: void */

@@ -1,4 +1,4 @@
-/* Sixteen points at a time against lights that are the same for all of them. Colours are blended between
+/* Eight points at a time against lights that are the same for all of them. Colours are blended between
  * voxels after they are reflected: directions of unrelated clusters must not be averaged. */
 #include "cache/light_octree/shade.h"
 
@@ -10,7 +10,7 @@ typedef float lanes __attribute__((vector_size(4 * SL_SHADE_LANES)));
 typedef int32_t masks __attribute__((vector_size(4 * SL_SHADE_LANES)));
 
 typedef struct light_sum {
-    lanes irradiance[3], lobe[3];
+    lanes irradiance[3], lobe[3]; /* lobe: of glossy points alone */
 } light_sum;
 
 /* The part of the points that the loops need. */
@@ -54,18 +54,18 @@ static inline light_sum directional(const point_lanes *p, const sl_shade_set *se
 }
 
 /* One irradiance has no direction: gloss reflects it as a diffuse surface would. */
-static inline light_sum one_colour(const sl_shade_set *set) {
+static inline light_sum one_colour(const point_lanes *p, const sl_shade_set *set) {
     light_sum s = {{{0}}, {{0}}};
     for (int c = 0; c < 3; c++) {
         float e = set->lights > 0 ? set->light[0].color[c] : 0.0f;
         s.irradiance[c] += e;
-        s.lobe[c] += (float)(1.0 / SL_PI) * e;
+        if (p->glossy) s.lobe[c] += (float)(1.0 / SL_PI) * e;
     }
     return s;
 }
 
 static inline light_sum of_set(const point_lanes *p, const sl_shade_set *set) {
-    if (p->cells->lobes == SL_LOBES_NONE) return one_colour(set);
+    if (p->cells->lobes == SL_LOBES_NONE) return one_colour(p, set);
     return directional(p, set);
 }
 
@@ -108,7 +108,7 @@ static inline voxel_share of_corner(const point_lanes *p, const sl_shade_corner 
         best.facing = choose(closer, cosine_to(p, &corner->set[k]), best.facing);
         for (int c = 0; c < 3; c++) {
             best.light.irradiance[c] = choose(closer, s.irradiance[c], best.light.irradiance[c]);
-            best.light.lobe[c] = choose(closer, s.lobe[c], best.light.lobe[c]);
+            if (p->glossy) best.light.lobe[c] = choose(closer, s.lobe[c], best.light.lobe[c]);
         }
     }
     bool no_normal = n.x == 0.0f && n.y == 0.0f && n.z == 0.0f;
@@ -154,7 +154,7 @@ static inline void shade_lanes(const point_lanes *p, sl_shade_block *block, size
         sum += weight;
         for (int c = 0; c < 3; c++) {
             total.irradiance[c] += weight * share[k].light.irradiance[c];
-            total.lobe[c] += weight * share[k].light.lobe[c];
+            if (p->glossy) total.lobe[c] += weight * share[k].light.lobe[c];
         }
     }
     masks some = sum > 0.0f;
@@ -162,15 +162,21 @@ static inline void shade_lanes(const point_lanes *p, sl_shade_block *block, size
         cells->keep_void_dark && !cells->facing ? one : positive(one / choose(some, sum, one));
     for (int c = 0; c < 3; c++) {
         *(lanes *)&block->irradiance[c][first] = total.irradiance[c] * scale;
-        *(lanes *)&block->lobe[c][first] = total.lobe[c] * scale;
+        if (p->glossy) *(lanes *)&block->lobe[c][first] = total.lobe[c] * scale;
     }
 }
 
-void SL_KERNEL(sl_shade_block)(const sl_shade_cells *cells, size_t count, bool glossy, sl_shade_block *b) {
+static inline __attribute__((always_inline)) void shade_points(const sl_shade_cells *cells, size_t count,
+                                                               bool glossy, sl_shade_block *b) {
     for (size_t i = 0; i < count; i += LANES) {
         point_lanes p = {load(b->tx + i), load(b->ty + i),       load(b->tz + i), load(b->nx + i),
                          load(b->ny + i), load(b->nz + i),       load(b->mx + i), load(b->my + i),
                          load(b->mz + i), load(b->exponent + i), cells,           glossy};
         shade_lanes(&p, b, i);
     }
+}
+
+void SL_KERNEL(sl_shade_block)(const sl_shade_cells *cells, size_t count, bool glossy, sl_shade_block *b) {
+    if (glossy) shade_points(cells, count, true, b);
+    else shade_points(cells, count, false, b);
 }

@@ -6,6 +6,7 @@
 #include "scene/edges.h"
 
 #include <math.h>
+#include <string.h>
 
 /* A list of half-edges, by their numbers: one for each edge that counts from everywhere, two for one that is
  * a silhouette at times, the first of them marked. */
@@ -208,14 +209,23 @@ static void draw_edges(const drawing *d, const sl_outlines *o) {
 
 static float least(float a, float b) { return b < a ? b : a; }
 
+static void least_of(size_t count, const float *restrict depth, float *restrict to) {
+    for (size_t i = 0; i < count; i++) to[i] = least(to[i], depth[i]);
+}
+
+/* Takes the least of columns, then of rows. */
 static void spread_farthest(const sl_view *view, const float *depth, float *to) {
-    for (int y = 0; y < view->height; y++) {
-        for (int x = 0; x < view->width; x++) {
-            float far = INFINITY;
-            for (int v = y ? y - 1 : 0; v <= y + 1 && v < view->height; v++)
-                for (int u = x ? x - 1 : 0; u <= x + 1 && u < view->width; u++)
-                    far = least(far, depth[(size_t)v * (size_t)view->width + (size_t)u]);
-            to[(size_t)y * (size_t)view->width + (size_t)x] = far;
+    const size_t width = (size_t)view->width, height = (size_t)view->height;
+    for (size_t y = 0; y < height; y++) {
+        float *row = to + y * width;
+        memcpy(row, depth + y * width, width * sizeof *row);
+        if (y > 0) least_of(width, depth + (y - 1) * width, row);
+        if (y + 1 < height) least_of(width, depth + (y + 1) * width, row);
+        float before = row[0];
+        for (size_t x = 0; x < width; x++) {
+            const float here = row[x], behind = x + 1 < width ? row[x + 1] : here;
+            row[x] = least(least(before, here), behind);
+            before = here;
         }
     }
 }
