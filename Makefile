@@ -56,6 +56,11 @@ LIBS = $(shell pkg-config --libs-only-L libcjson libpng 2>/dev/null) \
 IMPORT_LIBS = $(shell pkg-config --libs-only-L assimp 2>/dev/null) -lassimp -lm
 EMBREE := $(if $(call header,embree4/rtcore.h),embree4,embree3)
 DEFINES += $(if $(filter embree4,$(EMBREE)),-DSL_EMBREE4)
+# What `softlux serve` speaks, and the pictures that it sends while things move; without them it says so, or sends PNG.
+WEBSOCKETS := $(if $(call header,libwebsockets.h),-lwebsockets)
+JPEG := $(if $(call header,jpeglib.h),-ljpeg)
+SERVE_LIBS := $(WEBSOCKETS) $(JPEG)
+DEFINES += $(if $(WEBSOCKETS),-DSL_HAVE_WEBSOCKETS) $(if $(JPEG),-DSL_HAVE_JPEG)
 # Mesa's software OpenGL, which only tests and benchmarks of the rasterizer load; without it they skip.
 OSMESA := $(if $(call header,GL/osmesa.h),OSMESA,$(if $(call header,EGL/eglext.h),EGL,NONE))
 OSMESA_LIBS := $(if $(filter OSMESA,$(OSMESA)),-lOSMesa)$(if $(filter EGL,$(OSMESA)),-lEGL -lGL)
@@ -69,8 +74,8 @@ sources = $(foreach depth,* */* */*/* */*/*/*,$(wildcard $(1)/$(depth).c))
 objects = $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(1))) \
           $(foreach isa,$(ISAS),$(patsubst %.c,$(BUILD)/o/%.$(isa).o,$(filter %_kernels.c,$(1))))
 
-SOURCES := $(call sources,src)
-APP_FILES := $(foreach kind,css js json trials,$(wildcard src/app/*/*.$(kind)))
+SOURCES := $(filter-out $(if $(WEBSOCKETS),,src/app/serve/network.c),$(call sources,src))
+APP_FILES := $(foreach kind,html css js svg json trials,$(wildcard src/app/*/*.$(kind) src/app/serve/page/*.$(kind)))
 APP_OBJECTS := $(call objects,$(filter src/app/%,$(SOURCES))) $(APP_FILES:%=$(BUILD)/o/%.o)
 IMPORT_OBJECTS := $(call objects,$(filter src/import/%,$(SOURCES)))
 LIBRARY_OBJECTS := $(call objects,$(filter-out src/app/% src/import/%,$(SOURCES)))
@@ -99,7 +104,7 @@ archive = $(call run,AR,$@) rm -f $@ && $(AR) rcs $@ $^
 all: $(BUILD)/softlux $(BUILD)/softlux-import $(BUILD)/libsoftlux.a $(BUILD)/libsoftlux.so
 
 $(BUILD)/softlux: $(APP_OBJECTS) $(BUILD)/libsoftlux.a
-	$(link) $(LIBS)
+	$(link) $(LIBS) $(SERVE_LIBS)
 
 $(BUILD)/softlux-import: $(IMPORT_OBJECTS) $(BUILD)/libsoftlux.a
 	$(link) -Wl,--as-needed $(LIBS) $(IMPORT_LIBS)
@@ -150,7 +155,7 @@ $(FUZZERS): $(BUILD)/o/tests/fuzz/replay.o
 endif
 
 $(TESTS) $(BENCHES) $(FUZZERS):
-	$(link) -Wl,--as-needed -lcmocka $(LIBS) $(IMPORT_LIBS) $(OSMESA_LIBS)
+	$(link) -Wl,--as-needed -lcmocka $(LIBS) $(IMPORT_LIBS) $(SERVE_LIBS) $(OSMESA_LIBS)
 
 # Takes only the elementary functions of the library, so that its files are the same everywhere.
 $(BUILD)/generate: $(call objects,scenes/generate.c $(wildcard scenes/generate/*.c) src/base/math.c)

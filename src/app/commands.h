@@ -19,5 +19,6 @@ int sl_command_bench(int argc, char **argv);
 int sl_command_steps(int argc, char **argv);
 int sl_command_check_numerics(int argc, char **argv);
 int sl_command_live(int argc, char **argv);
+int sl_command_serve(int argc, char **argv);
 
 #endif

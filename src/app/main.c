@@ -17,6 +17,7 @@ static const sl_command commands[] = {
     {"compare", sl_command_compare, "error metrics between two pictures; exit status for golden-image tests"},
     {"info", sl_command_info, "what is in a scene, and what a method would do with it"},
     {"live", sl_command_live, "play a scene that moves, as it comes"},
+    {"serve", sl_command_serve, "serve a page to move in a scene, change it, compare methods, take them apart"},
     {"bench", sl_command_bench, "speed against error of every method on a scene"},
     {"steps", sl_command_steps, "every pass of a method as a picture, explained, in one page"},
     {"check-numerics", sl_command_check_numerics, "every method on scenes that break careless code"},

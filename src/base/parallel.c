@@ -197,6 +197,16 @@ bool sl_monitor_open(sl_monitor *m) {
     return false;
 }
 
+/* By the calendar's clock, which may jump: who waits looks again whether it is time. */
+void sl_monitor_wait_for(sl_monitor *m, double seconds) {
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    const long more = until.tv_nsec + (long)(1e9 * (seconds < 1.0 ? seconds : 1.0));
+    until.tv_sec += more / 1000000000;
+    until.tv_nsec = more % 1000000000;
+    pthread_cond_timedwait(&m->changed, &m->lock, &until);
+}
+
 void sl_monitor_close(sl_monitor *m) {
     pthread_cond_destroy(&m->changed);
     pthread_mutex_destroy(&m->lock);

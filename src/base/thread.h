@@ -20,6 +20,8 @@ static inline void sl_monitor_leave(sl_monitor *m) { pthread_mutex_unlock(&m->lo
 /* Inside. Gives the lock away until another thread has signalled: to be called again until what is waited for
  * is so. */
 static inline void sl_monitor_wait(sl_monitor *m) { pthread_cond_wait(&m->changed, &m->lock); }
+/* The same, but for so many seconds at most, of which one is the most. */
+void sl_monitor_wait_for(sl_monitor *monitor, double seconds);
 static inline void sl_monitor_signal(sl_monitor *m) { pthread_cond_broadcast(&m->changed); }
 
 typedef struct sl_thread {

@@ -250,6 +250,16 @@ static bool same_camera(const sl_camera *a, const sl_camera *b) {
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
+double sl_scene_duration(const sl_scene *scene) {
+    const sl_animation *a = scene->animation;
+    double last = 0.0;
+    for (size_t i = 0; a && i < a->track_count; i++) {
+        const sl_track *t = &a->tracks[i];
+        if (t->key_count) last = fmax(last, t->keys[t->key_count - 1].time);
+    }
+    return last;
+}
+
 sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_error *error) {
     sl_camera camera;
     motion *motions = NULL;

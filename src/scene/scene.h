@@ -307,6 +307,9 @@ static inline float sl_spot_falloff(float cosine, float inner, float outer) {
 bool sl_light_illuminate(const sl_light *light, sl_vec3 p, sl_vec3 *to_light, float *distance,
                          sl_rgb *irradiance);
 
+/* The time of the last keyframe; 0 where nothing moves. */
+double sl_scene_duration(const sl_scene *scene);
+
 /* Tells whether one of the lights without extent is lit. */
 bool sl_scene_has_lit_light(const sl_scene *scene);
 

@@ -40,13 +40,13 @@
  *   {"do":"got","frame":n}                                         two frames without it are the most sent;
  *                                                                  n: the greatest number got
  *
- * Every message but "got" and "pick" is an event with a number, counted from 1 for the whole server: the
- * newest one that a frame shows stands in its header, and {"is":"did","event":n,"do":".."} tells the sender
- * its number at once.
+ * Messages that change the scene (camera, view, reset, time, edit, undo, redo) are events, numbered from 1 for
+ * the whole server: the newest one that a frame shows stands in its header. {"is":"did","event":n,"do":".."}
+ * answers every message but "got", "pick" and "story", n being the newest event by then.
  *
  * ---- to the page
  *
- *   {"is":"hello","version","size":[w,h],"methods":[..],"settings":[{name,methods,unit,symbol,help,minimum,
+ *   {"is":"hello","version","event","size":[w,h],"methods":[..],"settings":[{name,methods,unit,symbol,help,minimum,
  *       maximum,default,everyday}],"scene":{...},"sides":{"a":"splatting","b":""},"tone":{...},"duration"}
  *   {"is":"scene",name,triangles,cameras:[{name,eye,target,up,fov}],camera:{eye,target,up,fov},time,duration,
  *       objects:[{object,name,material,centre,bounds:[6],matrix:[12]}],

@@ -16,6 +16,7 @@
 #include "base/grow.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "cache/frame/live.h"
 #include "cache/frame/method.h"
 #include "scene/animation.h"
 #include "scene/copy.h"
@@ -43,9 +44,12 @@ struct sl_live {
     bool runs;
 
     sl_scene *scene_copy;
+    bool follows;              /* the copy is the caller's, and so are all moves */
+    sl_monitor drawing;        /* held while a window draws, and while changes may take its method away */
     void *window;              /* NULL: the method has none */
     sl_image *frame;
     pose shown, wanted;        /* wanted: of a higher number while it waits */
+    uint64_t told, seen;       /* numbers of changes: of the newest; of the newest in the frame */
     double hold;               /* levels; 0: moves do not wait */
     sl_live_state state;
     sl_counters counters;      /* of frames */
@@ -59,9 +63,20 @@ struct sl_live {
     uint64_t followed;         /* number of the pose that updates are at */
     sl_progress progress;
     double error_levels, samples;
+    sl_counters counted;       /* by the method */
     double rate;               /* to be told of; 0: none is */
     sl_live_event *log;
     size_t events, log_room;
+    sl_live_change *waiting;   /* not followed yet */
+    size_t changes, change_room;
+    sl_live_turn *turns;
+    size_t turn_count, turn_room;
+    uint64_t turn;
+    uint64_t changed, picture_changed; /* the number of the newest change followed; the picture's */
+    sl_live_visitor *visitor;
+    void *visit_context;
+    bool rest;
+    bool blind;                /* the method's state is another one than the window's */
     sl_image *picture;         /* the newest, not taken yet; NULL: none */
     double picture_time;
     uint64_t pictures;
@@ -113,11 +128,15 @@ static sl_status take_rate(sl_live *l, sl_error *error) {
     return status == SL_OK ? sl_method_rate(l->method, rate, error) : status;
 }
 
+static bool rests(const sl_live *l) {
+    return l->rest || (l->progress.done && l->asked.number == l->followed && !l->changes);
+}
+
 /* Waits while there is nothing to do; false: it is to end. Moves on once a picture of where things were has
  * been shown. */
 static bool next_turn(sl_live *l, bool shown, pose *turn, change *moved) {
     sl_monitor_enter(&l->meeting);
-    while (!l->stop && l->status == SL_OK && l->progress.done && l->asked.number == l->followed)
+    while (!l->stop && l->status == SL_OK && (l->blind || (!l->visitor && rests(l))))
         sl_monitor_wait(&l->meeting);
     bool goes_on = !l->stop && l->status == SL_OK;
     if (shown) {
@@ -127,6 +146,69 @@ static bool next_turn(sl_live *l, bool shown, pose *turn, change *moved) {
     }
     sl_monitor_leave(&l->meeting);
     return goes_on;
+}
+
+/* Takes the changes that wait, the caller's to free, and notes their turn. */
+static sl_status take_changes(sl_live *l, sl_live_change **taken, size_t *count, sl_error *error) {
+    sl_monitor_enter(&l->meeting);
+    bool fits = true;
+    *taken = l->waiting;
+    *count = l->changes;
+    l->turn += l->changes > 0;
+    for (size_t i = 0; i < l->changes && fits; i++) {
+        fits = sl_make_room(&l->turns, l->turn_count, &l->turn_room, sizeof *l->turns);
+        l->changed = l->waiting[i].number;
+        if (fits)
+            l->turns[l->turn_count++] = (sl_live_turn){l->method->progress.batches, l->turn, l->changed};
+    }
+    l->waiting = NULL;
+    l->changes = l->change_room = 0;
+    sl_monitor_leave(&l->meeting);
+    return fits ? SL_OK : sl_fail_memory(error, "the log of a live show");
+}
+
+/* *anew: the window must be made anew before the next update. */
+static sl_status make_changes(sl_live *l, const sl_live_change *taken, size_t count, bool *anew,
+                              sl_error *error) {
+    const unsigned states = l->method->states;
+    unsigned all = 0;
+    sl_status status = SL_OK;
+    for (size_t i = 0; status == SL_OK && i < count; i++) {
+        unsigned changes = 0;
+        status = taken[i].make(taken[i].what, l->scene, &changes, error);
+        all |= changes;
+    }
+    if (status == SL_OK && all) status = sl_method_edit(l->method, all, error);
+    *anew = l->window && l->method->states != states;
+    if (!*anew) return status;
+    sl_monitor_enter(&l->meeting);
+    l->blind = true;
+    l->progress.done = false;
+    sl_monitor_leave(&l->meeting);
+    return status;
+}
+
+/* *any: there were some. */
+static sl_status follow_changes(sl_live *l, bool *any, bool *anew, sl_error *error) {
+    sl_live_change *taken;
+    size_t count;
+    sl_status status = take_changes(l, &taken, &count, error);
+    *any = count > 0;
+    if (*any && status == SL_OK) {
+        sl_monitor_enter(&l->drawing);
+        status = make_changes(l, taken, count, anew, error);
+        sl_monitor_leave(&l->drawing);
+    }
+    sl_free(taken);
+    return status;
+}
+
+static void be_visited(sl_live *l) {
+    sl_monitor_enter(&l->meeting);
+    sl_live_visitor *visitor = l->visitor;
+    l->visitor = NULL;
+    sl_monitor_leave(&l->meeting);
+    if (visitor) visitor(l->visit_context, l->method);
 }
 
 static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
@@ -146,6 +228,7 @@ static bool shows_change(const sl_live *l, uint64_t shown_before, const sl_progr
 /* A display shows what there is; pictures take its place where the method has none, and are shown whole. */
 static bool shows(const sl_live *l, const sl_progress *progress) {
     if (l->window || progress->frame_done) return true;
+    if (l->follows && l->method->class->any_transport) return true; /* noisy, and at once */
     return l->method->class->shows && l->method->class->shows(l->method->state);
 }
 
@@ -181,12 +264,14 @@ static void tell(sl_live *l, const pose *p, const change *moved, const sl_progre
     l->progress = *progress;
     l->error_levels = levels;
     l->samples = samples;
+    l->counted = *sl_method_counters(l->method);
     if (moved && !l->found.waits) l->found = *moved;
     if (moved) l->changes_found++;
     if (picture) {
         old = l->picture;
         l->picture = picture;
         l->picture_time = p->time;
+        l->picture_changed = l->changed;
         l->pictures++;
     }
     if (status != SL_OK) {
@@ -208,10 +293,14 @@ static void update_on_and_on(void *context) {
         sl_error error = {0};
         sl_image *picture = NULL;
         uint64_t changes = sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN];
+        bool changed = false, anew = false;
+        be_visited(l);
         sl_status status = turn.number == at ? SL_OK : follow(l, &turn, &error);
-        shown = shown && turn.number == at;
+        if (status == SL_OK && shown) status = follow_changes(l, &changed, &anew, &error);
+        shown = shown && turn.number == at && !changed;
         at = turn.number;
         if (status == SL_OK) status = take_rate(l, &error);
+        if (status == SL_OK && anew) continue;
         if (status == SL_OK) status = sl_method_update(l->method, &progress, &error);
         if (status == SL_OK && shows(l, &progress)) {
             status = resolve(l, &picture, &error);
@@ -226,26 +315,33 @@ static void update_on_and_on(void *context) {
 
 /* ---- life ------------------------------------------------------------------------------------ */
 
+void sl_live_halt(sl_live *l) {
+    if (!l->runs) return;
+    sl_monitor_enter(&l->meeting);
+    l->stop = true;
+    sl_monitor_signal(&l->meeting);
+    sl_monitor_leave(&l->meeting);
+    sl_thread_join(&l->thread);
+    l->runs = false;
+}
+
 void sl_live_stop(sl_live *l, sl_counters *counters) {
     if (counters) *counters = (sl_counters){0};
     if (!l) return;
-    if (l->runs) {
-        sl_monitor_enter(&l->meeting);
-        l->stop = true;
-        sl_monitor_signal(&l->meeting);
-        sl_monitor_leave(&l->meeting);
-        sl_thread_join(&l->thread);
-    }
+    sl_live_halt(l);
     if (counters && l->method) {
         *counters = *sl_method_counters(l->method);
         sl_counters_add(counters, &l->counters);
     }
     if (l->window) l->method->class->window->destroy(l->window);
     sl_method_destroy(l->method);
-    sl_scene_copy_destroy(l->scene_copy);
+    if (!l->follows) sl_scene_copy_destroy(l->scene_copy);
+    sl_free(l->waiting);
+    sl_free(l->turns);
     sl_image_destroy(l->frame);
     sl_image_destroy(l->picture);
     sl_free(l->log);
+    sl_monitor_close(&l->drawing);
     sl_monitor_close(&l->meeting);
     sl_free(l);
 }
@@ -272,7 +368,7 @@ static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error)
     own.filter = SL_FILTER_CENTRE; /* frames are drawn beside updates, once each */
     if (!own.records_per_frame) own.records_per_frame = RECORDS_PER_FRAME;
     status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
-    if (status == SL_OK) status = sl_scene_copy(l->scene, &l->scene_copy, error);
+    if (status == SL_OK && !l->follows) status = sl_scene_copy(l->scene, &l->scene_copy, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = l->method->class;
     l->hold = class->error_levels ? settings->shading_cache.hold_levels : 0.0;
@@ -285,21 +381,35 @@ static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error)
     return l->runs ? SL_OK : sl_fail(error, SL_ERROR_RESOURCES, "no thread could be had for updates");
 }
 
-sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **live, sl_error *error) {
+static sl_status start(sl_scene *scene, sl_scene *shown, const sl_settings *settings, sl_live **live,
+                       sl_error *error) {
     if (!live) return sl_fail_null(error, "a place for a live show");
     *live = NULL;
     sl_live *l = sl_allocate(1, sizeof *l);
     if (!l) return sl_fail_memory(error, "a live show");
-    if (!sl_monitor_open(&l->meeting)) {
+    const bool meets = sl_monitor_open(&l->meeting), draws = meets && sl_monitor_open(&l->drawing);
+    if (!draws) {
+        if (meets) sl_monitor_close(&l->meeting);
         sl_free(l);
         return sl_fail(error, SL_ERROR_RESOURCES, "no lock could be had for a live show");
     }
     l->scene = scene;
+    l->scene_copy = shown;
+    l->follows = shown != NULL;
     l->error_levels = -1.0;
     sl_status status = begin(l, settings, error);
     if (status == SL_OK) *live = l;
     else sl_live_stop(l, NULL);
     return status;
+}
+
+sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **live, sl_error *error) {
+    return start(scene, NULL, settings, live, error);
+}
+
+sl_status sl_live_start_beside(sl_scene *scene, sl_scene *shown, const sl_settings *settings, sl_live **live,
+                               sl_error *error) {
+    return shown ? start(scene, shown, settings, live, error) : sl_fail_null(error, "a scene to draw");
 }
 
 const char *sl_live_reduction(const sl_live *l) { return l->method->reduced; }
@@ -401,6 +511,76 @@ size_t sl_live_log(sl_live *l, sl_live_event *events, size_t room) {
     return count;
 }
 
+/* ---- changes, of a show that follows them ---------------------------------------------------- */
+
+static bool add_change(sl_live *l, const sl_live_change *more) {
+    sl_live_change *last = l->changes ? &l->waiting[l->changes - 1] : NULL;
+    if (last && more->kind && last->kind == more->kind) {
+        *last = *more;
+        return true;
+    }
+    if (!sl_make_room(&l->waiting, l->changes, &l->change_room, sizeof *more)) return false;
+    l->waiting[l->changes++] = *more;
+    return true;
+}
+
+/* A window that is another state's will be made anew with the next frame. */
+static sl_status move_window(sl_live *l, sl_error *error) {
+    sl_monitor_enter(&l->drawing);
+    sl_status status = l->blind ? SL_OK : l->method->class->window->move(l->window, error);
+    sl_monitor_leave(&l->drawing);
+    return status;
+}
+
+sl_status sl_live_follow(sl_live *l, const sl_live_change *c, unsigned changes, sl_error *error) {
+    if (!l || !c) return sl_fail_null(error, "a live show and a change");
+    sl_status status = l->window && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_KINDS)) ? move_window(l, error) : SL_OK;
+    l->told = c->number;
+    sl_monitor_enter(&l->meeting);
+    bool fits = add_change(l, c);
+    if ((changes & ~(unsigned)SL_CHANGED_CAMERA) && !l->moved.waits)
+        l->moved = (change){true, (double)c->number, l->state.frames};
+    sl_monitor_signal(&l->meeting);
+    sl_monitor_leave(&l->meeting);
+    return fits || status != SL_OK ? status : sl_fail_memory(error, "changes of a live show");
+}
+
+uint64_t sl_live_shows(const sl_live *l) { return l->seen; }
+
+size_t sl_live_turns(sl_live *l, sl_live_turn *turns, size_t room, uint64_t *updates) {
+    sl_monitor_enter(&l->meeting);
+    if (updates) *updates = l->progress.batches;
+    size_t count = l->turn_count, given = count < room ? count : room;
+    if (given) memcpy(turns, l->turns, given * sizeof *turns);
+    sl_monitor_leave(&l->meeting);
+    return count;
+}
+
+bool sl_live_visit(sl_live *l, sl_live_visitor *visitor, void *context) {
+    sl_monitor_enter(&l->meeting);
+    bool free_now = !l->visitor && l->status == SL_OK;
+    if (free_now) {
+        l->visitor = visitor;
+        l->visit_context = context;
+        sl_monitor_signal(&l->meeting);
+    }
+    sl_monitor_leave(&l->meeting);
+    return free_now;
+}
+
+void sl_live_counters(sl_live *l, sl_counters *counters) {
+    sl_monitor_enter(&l->meeting);
+    *counters = l->counted;
+    sl_monitor_leave(&l->meeting);
+}
+
+void sl_live_rest(sl_live *l, bool rest) {
+    sl_monitor_enter(&l->meeting);
+    l->rest = rest;
+    sl_monitor_signal(&l->meeting);
+    sl_monitor_leave(&l->meeting);
+}
+
 /* ---- frames ---------------------------------------------------------------------------------- */
 
 /* Reads how far updates have come, and takes the newest picture, where they leave pictures. */
@@ -409,11 +589,12 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
     l->state.updates = l->progress.batches;
     l->state.error_levels = l->error_levels;
     l->state.samples = l->samples;
-    l->state.done = l->progress.done && l->followed == l->shown.number;
+    l->state.done = l->progress.done && l->followed == l->shown.number && !l->changes;
     *picture = l->status == SL_OK ? l->picture : NULL; /* else nobody would take it */
     *picture_time = l->picture_time;
     if (*picture) {
         l->picture = NULL;
+        l->seen = l->picture_changed;
         l->state.versions = l->pictures;
     }
     l->state.changes_shown = l->changes_found;
@@ -428,6 +609,30 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
     return status;
 }
 
+/* The method's state was made anew, and no update is under way. */
+static sl_status renew_window(sl_live *l, sl_error *error) {
+    l->method->class->window->destroy(l->window);
+    l->window = NULL;
+    sl_status status = l->method->class->window->create(l->method->state, l->scene_copy, &l->window, error);
+    sl_monitor_enter(&l->meeting);
+    l->blind = false;
+    if (status != SL_OK) l->status = status, l->error = *error;
+    sl_monitor_signal(&l->meeting);
+    sl_monitor_leave(&l->meeting);
+    return status;
+}
+
+static sl_status draw_window(sl_live *l, sl_error *error) {
+    sl_error why;
+    sl_monitor_enter(&l->drawing);
+    sl_status status = l->blind ? renew_window(l, &why) : SL_OK;
+    if (status == SL_OK)
+        status = l->method->class->window->draw(l->window, l->frame, &l->state.versions, &l->counters, &why);
+    sl_monitor_leave(&l->drawing);
+    if (status != SL_OK && error) *error = why;
+    return status;
+}
+
 sl_status sl_live_frame(sl_live *l, const sl_image **frame, sl_live_state *state, sl_error *error) {
     if (!frame) return sl_fail_null(error, "a place for a frame");
     *frame = NULL;
@@ -439,7 +644,8 @@ sl_status sl_live_frame(sl_live *l, const sl_image **frame, sl_live_state *state
     if (status == SL_OK) status = look_up(l, &picture, &picture_time, error);
     if (status != SL_OK) return status;
     if (l->window) {
-        status = l->method->class->window->draw(l->window, l->frame, &l->state.versions, &l->counters, error);
+        status = draw_window(l, error);
+        l->seen = l->told;
         l->state.time_seconds = l->shown.time;
     } else if (picture) {
         sl_image_destroy(l->frame);

@@ -196,6 +196,7 @@ static sl_status create_state(sl_method *m, sl_error *error) {
     if (status == SL_OK) status = m->class->create(seen, &m->settings, &m->transport, &m->state, error);
     if (status != SL_OK) destroy_state(m);
     m->planned = sl_scene_features(m->scene);
+    m->states++;
     remember_region(m);
     return status;
 }

@@ -108,6 +108,7 @@ typedef struct sl_method_class {
 struct sl_method {
     const sl_method_class *class;
     void *state;
+    unsigned states; /* made so far */
     const sl_scene *scene;
     sl_scene seen; /* with a film, what the class is given: the scene's arrays and the sub-frame to draw */
     sl_transport transport;

@@ -1,0 +1,435 @@
+#include "app/serve/network.h"
+
+#include "app/clock.h"
+#include "base/error.h"
+
+#include <libwebsockets.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+
+_Static_assert(SL_PACKET_ROOM >= LWS_PRE, "room for a frame's own header");
+
+enum { TEXTS = 128, UNSEEN = 2, CONNECTIONS = 64, CHUNK = 8192, HEADERS = 2048 };
+
+/* Who listens at the other end of a WebSocket. */
+typedef struct client {
+    struct client *next;
+    struct lws *wsi;
+    unsigned number;
+    char *message;                /* its parts so far; SL_MESSAGE_BYTES of room */
+    size_t length;
+    double second;                /* in which so many messages came */
+    int messages;
+    sl_packet *texts[TEXTS];      /* a ring */
+    size_t first, count;
+    sl_packet *pictures[SL_SLOTS]; /* the newest of each slot, not sent yet */
+    uint32_t unseen[UNSEEN];      /* frames that were sent and are not acknowledged; 0: none */
+    const char *reason;           /* why it ends */
+} client;
+
+/* Of a connection: either a file that is on its way, or a client. */
+typedef struct session {
+    const char *at, *end;
+    client *client;
+} session;
+
+struct sl_network {
+    sl_network_options options;
+    sl_mail *mail;
+    struct lws_context *context;
+    int port;
+    client *clients;
+    unsigned joined, present;
+};
+
+/* ---- packets of clients ---- */
+
+static void let_go(sl_packet *packet) {
+    if (packet && --packet->owners == 0) free(packet);
+}
+
+static void give_picture(client *c, sl_packet *p) {
+    let_go(c->pictures[p->slot]);
+    c->pictures[p->slot] = p;
+    p->owners++;
+}
+
+static void give_text(client *c, sl_packet *p) {
+    if (c->count == TEXTS) {
+        c->reason = "too slow: messages have not been read";
+        return;
+    }
+    c->texts[(c->first + c->count++) % TEXTS] = p;
+    p->owners++;
+}
+
+static void give(sl_network *n, sl_packet *p) {
+    p->owners = 1;
+    for (client *c = n->clients; c; c = c->next) {
+        if (p->client && p->client != c->number) continue;
+        if (p->slot >= 0) give_picture(c, p);
+        else give_text(c, p);
+        lws_callback_on_writable(c->wsi);
+    }
+    let_go(p);
+}
+
+static void collect(sl_network *n) {
+    for (sl_packet *p = sl_mail_collect(n->mail), *next; p; p = next) {
+        next = p->next;
+        give(n, p);
+    }
+}
+
+/* The oldest picture that waits, unless too many are under way. */
+static sl_packet *next_picture(client *c) {
+    int oldest = -1, place = -1;
+    for (int i = 0; i < UNSEEN; i++)
+        if (!c->unseen[i]) place = i;
+    for (int i = 0; place >= 0 && i < SL_SLOTS; i++)
+        if (c->pictures[i] && (oldest < 0 || c->pictures[i]->frame < c->pictures[oldest]->frame)) oldest = i;
+    if (oldest < 0) return NULL;
+    sl_packet *p = c->pictures[oldest];
+    c->pictures[oldest] = NULL;
+    c->unseen[place] = p->frame;
+    return p;
+}
+
+static sl_packet *next_packet(client *c) {
+    if (!c->count) return next_picture(c);
+    sl_packet *p = c->texts[c->first];
+    c->first = (c->first + 1) % TEXTS;
+    c->count--;
+    return p;
+}
+
+static int end_client(client *c, const char *reason, size_t length) {
+    unsigned char text[124];
+    length = length < sizeof text ? length : sizeof text - 1;
+    memcpy(text, reason, length);
+    lws_close_reason(c->wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, text, length);
+    return -1;
+}
+
+static int send_next(client *c) {
+    if (c->reason) return end_client(c, c->reason, strlen(c->reason));
+    sl_packet *p = next_packet(c);
+    if (!p) return 0;
+    unsigned char *bytes = p->bytes + SL_PACKET_ROOM;
+    int result = 0;
+    if (p->ends) result = end_client(c, (const char *)bytes, p->size);
+    else result = lws_write(c->wsi, bytes, p->size, p->slot < 0 ? LWS_WRITE_TEXT : LWS_WRITE_BINARY) < 0 ? -1 : 0;
+    let_go(p);
+    if (result == 0) lws_callback_on_writable(c->wsi);
+    return result;
+}
+
+/* ---- clients ---- */
+
+static client *join(sl_network *n, struct lws *wsi) {
+    client *c = n->present < SL_CLIENTS ? calloc(1, sizeof *c) : NULL;
+    if (c) c->message = malloc(SL_MESSAGE_BYTES);
+    if (!c || !c->message) {
+        free(c);
+        return NULL;
+    }
+    c->wsi = wsi;
+    c->number = ++n->joined;
+    c->next = n->clients;
+    n->clients = c;
+    n->present++;
+    sl_mail_post(n->mail, (sl_letter){c->number, SL_LETTER_JOINED, NULL});
+    return c;
+}
+
+static void leave(sl_network *n, client *c) {
+    client **at = &n->clients;
+    while (*at != c) at = &(*at)->next;
+    *at = c->next;
+    n->present--;
+    for (; c->count; c->count--, c->first = (c->first + 1) % TEXTS) let_go(c->texts[c->first]);
+    for (int i = 0; i < SL_SLOTS; i++) let_go(c->pictures[i]);
+    sl_mail_post(n->mail, (sl_letter){c->number, SL_LETTER_LEFT, NULL});
+    free(c->message);
+    free(c);
+}
+
+/* Acknowledges frames up to this one; the network's own message. */
+static bool take_got(client *c, cJSON *message) {
+    const cJSON *frame = cJSON_GetObjectItemCaseSensitive(message, "frame");
+    const bool sound = cJSON_IsNumber(frame);
+    for (int i = 0; i < UNSEEN && sound; i++)
+        if (c->unseen[i] <= frame->valuedouble) c->unseen[i] = 0;
+    cJSON_Delete(message);
+    lws_callback_on_writable(c->wsi);
+    return sound;
+}
+
+static bool is_too_fast(client *c) {
+    const double now = sl_seconds_now();
+    if (now - c->second >= 1.0) c->second = now, c->messages = 0;
+    return ++c->messages > SL_MESSAGES_A_SECOND;
+}
+
+static void take_message(sl_network *n, client *c) {
+    cJSON *message = sl_message_parse(c->message, c->length, &c->reason);
+    c->length = 0;
+    if (!message) return;
+    if (strcmp(cJSON_GetObjectItemCaseSensitive(message, "do")->valuestring, "got") == 0) {
+        if (!take_got(c, message)) c->reason = "got: expected a frame's number";
+    } else if (is_too_fast(c)) {
+        cJSON_Delete(message);
+        c->reason = "too many messages a second";
+    } else if (!sl_mail_post(n->mail, (sl_letter){c->number, SL_LETTER_MESSAGE, message})) {
+        c->reason = "too many messages wait";
+    }
+}
+
+static int receive(sl_network *n, client *c, const char *part, size_t length) {
+    if (lws_frame_is_binary(c->wsi)) c->reason = "expected text";
+    if (c->length + length > SL_MESSAGE_BYTES) c->reason = "a message is too long";
+    if (c->reason) return end_client(c, c->reason, strlen(c->reason));
+    memcpy(c->message + c->length, part, length);
+    c->length += length;
+    if (!lws_is_final_fragment(c->wsi) || lws_remaining_packet_payload(c->wsi)) return 0;
+    take_message(n, c);
+    return c->reason ? end_client(c, c->reason, strlen(c->reason)) : 0;
+}
+
+/* ---- requests ---- */
+
+static bool header(struct lws *wsi, enum lws_token_indexes which, char *text, size_t room) {
+    return lws_hdr_copy(wsi, text, (int)room, which) > 0;
+}
+
+/* A page of somebody else's cannot name us, whatever name it reaches us by, nor speak for ours. */
+static bool is_from_here(const sl_network *n, struct lws *wsi, bool needs_origin) {
+    char host[256], origin[256];
+    if (!header(wsi, WSI_TOKEN_HOST, host, sizeof host) || !sl_host_is_ours(host, n->options.host, n->port))
+        return false;
+    if (!header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin)) return !needs_origin;
+    return strncmp(origin, "http://", 7) == 0 && strcmp(origin + 7, host) == 0;
+}
+
+static bool is_token(const sl_network *n, const char *text, size_t length) {
+    unsigned differs = length != SL_TOKEN_BYTES - 1;
+    for (size_t i = 0; i < SL_TOKEN_BYTES - 1 && !differs; i++)
+        differs |= (unsigned char)(text[i] ^ n->options.token[i]);
+    return !differs;
+}
+
+static bool is_viewer(const sl_network *n, struct lws *wsi) {
+    char path[64] = "", token[128] = "";
+    header(wsi, WSI_TOKEN_GET_URI, path, sizeof path);
+    header(wsi, WSI_TOKEN_HTTP_URI_ARGS, token, sizeof token);
+    return is_from_here(n, wsi, true) && strcmp(path, "/socket") == 0 && is_token(n, token, strlen(token)) &&
+           n->present < SL_CLIENTS;
+}
+
+/* ---- files ---- */
+
+#define PAGE_FILE(name, ending, type)                                     \
+    extern const char _binary_src_app_serve_page_##name##_##ending##_start[], \
+        _binary_src_app_serve_page_##name##_##ending##_end[];
+#include "app/serve/page_files.h"
+#undef PAGE_FILE
+
+typedef struct page_file {
+    const char *path, *type, *at, *end;
+} page_file;
+
+#define PAGE_FILE(name, ending, type)                                               \
+    {"/" #name "." #ending, type, _binary_src_app_serve_page_##name##_##ending##_start, \
+     _binary_src_app_serve_page_##name##_##ending##_end},
+static const page_file page_files[] = {
+#include "app/serve/page_files.h"
+};
+#undef PAGE_FILE
+
+/* Frames are blobs of the page's own, if it shows them as images. */
+static const char *const safe_headers[][2] = {
+    {"content-security-policy:", "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action "
+                                 "'none'; frame-ancestors 'none'"},
+    {"x-frame-options:", "DENY"},
+    {"referrer-policy:", "no-referrer"},
+    {"x-content-type-options:", "nosniff"},
+    {"cross-origin-opener-policy:", "same-origin"},
+    {"cross-origin-resource-policy:", "same-origin"},
+    {"cache-control:", "no-store"}};
+enum { SAFE_HEADERS = sizeof safe_headers / sizeof safe_headers[0] };
+
+static bool add_header(struct lws *wsi, const char *name, const char *value, unsigned char **at,
+                       unsigned char *end) {
+    return lws_add_http_header_by_name(wsi, (const unsigned char *)name, (const unsigned char *)value,
+                                       (int)strlen(value), at, end) == 0;
+}
+
+static bool add_safe_headers(struct lws *wsi, unsigned char **at, unsigned char *end) {
+    bool good = true;
+    for (int i = 0; i < SAFE_HEADERS && good; i++)
+        good = add_header(wsi, safe_headers[i][0], safe_headers[i][1], at, end);
+    return good;
+}
+
+static int send_head(struct lws *wsi, unsigned status, const char *type, size_t length) {
+    unsigned char buffer[LWS_PRE + HEADERS], *start = buffer + LWS_PRE, *at = start, *end = start + HEADERS - 1;
+    if (lws_add_http_common_headers(wsi, status, type, length, &at, end)) return 1;
+    if (!add_safe_headers(wsi, &at, end)) return 1;
+    return lws_finalize_write_http_header(wsi, start, &at, end);
+}
+
+static int send_file(struct lws *wsi, session *s, unsigned status, const char *type, const char *at,
+                     const char *end) {
+    s->at = at;
+    s->end = end;
+    if (send_head(wsi, status, type, (size_t)(end - at))) return 1;
+    lws_callback_on_writable(wsi);
+    return 0;
+}
+
+static int send_part(struct lws *wsi, session *s) {
+    unsigned char buffer[LWS_PRE + CHUNK];
+    const size_t left = (size_t)(s->end - s->at), part = left < CHUNK ? left : CHUNK;
+    if (!s->at) return 0;
+    memcpy(buffer + LWS_PRE, s->at, part);
+    s->at += part;
+    const bool last = s->at == s->end;
+    if (lws_write(wsi, buffer + LWS_PRE, part, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) < 0) return 1;
+    if (!last) {
+        lws_callback_on_writable(wsi);
+        return 0;
+    }
+    s->at = NULL;
+    return lws_http_transaction_completed(wsi) ? -1 : 0;
+}
+
+static int refuse(struct lws *wsi, session *s, unsigned status, const char *text) {
+    return send_file(wsi, s, status, "text/plain", text, text + strlen(text));
+}
+
+/* /kept/TOKEN/7: the number of a file that the stage has offered. */
+static int send_kept(sl_network *n, struct lws *wsi, session *s, const char *path) {
+    char name[4096], *end;
+    const char *slash = strchr(path, '/');
+    if (!slash || !is_token(n, path, (size_t)(slash - path))) return refuse(wsi, s, 403, "not allowed\n");
+    const unsigned long number = strtoul(slash + 1, &end, 10);
+    if (*end || !sl_mail_offered(n->mail, number, name, sizeof name)) return refuse(wsi, s, 404, "not here\n");
+    unsigned char buffer[HEADERS], *at = buffer;
+    const char *file = strrchr(name, '/') ? strrchr(name, '/') + 1 : name;
+    char as[300];
+    snprintf(as, sizeof as, "attachment; filename=\"%.200s\"", file);
+    if (!add_safe_headers(wsi, &at, buffer + HEADERS) ||
+        !add_header(wsi, "content-disposition:", as, &at, buffer + HEADERS))
+        return -1;
+    const int result = lws_serve_http_file(wsi, name, "application/octet-stream", (const char *)buffer,
+                                           (int)(at - buffer));
+    return result < 0 || (result > 0 && lws_http_transaction_completed(wsi)) ? -1 : 0;
+}
+
+static int answer(sl_network *n, struct lws *wsi, session *s, const char *path) {
+    s->at = NULL;
+    if (!is_from_here(n, wsi, false)) return refuse(wsi, s, 403, "not allowed\n");
+    if (strncmp(path, "/kept/", 6) == 0) return send_kept(n, wsi, s, path + 6);
+    if (strcmp(path, "/") == 0) path = "/index.html";
+    for (size_t i = 0; i < sizeof page_files / sizeof page_files[0]; i++) {
+        const page_file *f = &page_files[i];
+        if (strcmp(f->path, path) == 0) return send_file(wsi, s, 200, f->type, f->at, f->end);
+    }
+    return refuse(wsi, s, 404, "not here\n");
+}
+
+/* ---- the loop ---- */
+
+static int on_http(sl_network *n, struct lws *wsi, enum lws_callback_reasons why, session *s, const char *in) {
+    switch (why) {
+    case LWS_CALLBACK_HTTP: return answer(n, wsi, s, in);
+    case LWS_CALLBACK_HTTP_WRITEABLE: return send_part(wsi, s);
+    case LWS_CALLBACK_HTTP_FILE_COMPLETION: return lws_http_transaction_completed(wsi) ? -1 : 0;
+    default: return 0;
+    }
+}
+
+static int on_event(struct lws *wsi, enum lws_callback_reasons why, void *user, void *in, size_t length) {
+    sl_network *n = lws_context_user(lws_get_context(wsi));
+    session *s = user;
+    switch (why) {
+    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: return is_viewer(n, wsi) ? 0 : 1;
+    case LWS_CALLBACK_ESTABLISHED: return (s->client = join(n, wsi)) ? 0 : -1;
+    case LWS_CALLBACK_RECEIVE: return receive(n, s->client, in, length);
+    case LWS_CALLBACK_SERVER_WRITEABLE: return send_next(s->client);
+    case LWS_CALLBACK_CLOSED:
+        if (s->client) leave(n, s->client);
+        s->client = NULL;
+        return 0;
+    case LWS_CALLBACK_EVENT_WAIT_CANCELLED: collect(n); return 0;
+    default: return on_http(n, wsi, why, s, in);
+    }
+}
+
+static const struct lws_protocols protocols[] = {
+    {.name = "softlux", .callback = on_event, .per_session_data_size = sizeof(session), .rx_buffer_size = 4096},
+    {.name = NULL}};
+
+static void wake(void *context) { lws_cancel_service(((sl_network *)context)->context); }
+
+sl_status sl_network_token(char token[SL_TOKEN_BYTES], sl_error *error) {
+    uint8_t bytes[(SL_TOKEN_BYTES - 1) / 2];
+    if (getrandom(bytes, sizeof bytes, 0) != (ssize_t)sizeof bytes)
+        return sl_fail(error, SL_ERROR_RESOURCES, "no random numbers could be had for a token");
+    for (size_t i = 0; i < sizeof bytes; i++) snprintf(token + 2 * i, 3, "%02x", bytes[i]);
+    return SL_OK;
+}
+
+static sl_status listen_at(sl_network *n, sl_error *error) {
+    struct lws_context_creation_info info;
+    memset(&info, 0, sizeof info);
+    info.port = n->options.port;
+    info.iface = n->options.host;
+    info.protocols = protocols;
+    info.user = n;
+    info.gid = info.uid = -1;
+    info.fd_limit_per_thread = CONNECTIONS;
+    info.timeout_secs = 10;
+    info.keepalive_timeout = 10;
+    info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
+    lws_set_log_level(0, NULL);
+    n->context = lws_create_context(&info);
+    if (!n->context)
+        return sl_fail(error, SL_ERROR_RESOURCES, "cannot listen at %.200s, port %d", n->options.host,
+                       n->options.port);
+    n->port = lws_get_vhost_listen_port(lws_get_vhost_by_name(n->context, "default"));
+    return SL_OK;
+}
+
+sl_status sl_network_open(const sl_network_options *options, sl_mail *mail, sl_network **network,
+                          sl_error *error) {
+    sl_network *n = calloc(1, sizeof *n);
+    *network = NULL;
+    if (!n) return sl_fail_memory(error, "the server");
+    n->options = *options;
+    n->mail = mail;
+    sl_status status = listen_at(n, error);
+    if (status != SL_OK) {
+        free(n);
+        return status;
+    }
+    mail->context = n;
+    mail->wake = wake;
+    *network = n;
+    return SL_OK;
+}
+
+int sl_network_port(const sl_network *network) { return network->port; }
+
+void sl_network_run(sl_network *n) {
+    while (!sl_interrupted() && !sl_mail_has_ended(n->mail) && lws_service(n->context, 0) >= 0) {}
+}
+
+void sl_network_close(sl_network *n) {
+    if (!n) return;
+    n->mail->wake = NULL;
+    lws_context_destroy(n->context);
+    free(n);
+}

@@ -1,0 +1,164 @@
+/* One method that is shown while it works: from the world's scene it is drawn, another copy is its own. */
+#include "app/serve/stage_parts.h"
+
+#include "app/clock.h"
+#include "app/page.h"
+#include "base/error.h"
+#include "cache/frame/method.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Seconds between frames while somebody moves, while samples come, and between accounts. */
+static const double moving = 1.0 / 60.0, refining = 1.0 / 12.0, telling = 0.5;
+
+const char *sl_side_name(int index) { return index ? "b" : "a"; }
+
+/* ---- life ---- */
+
+static sl_status catch_up(sl_stage *s, sl_side *d, sl_error *error) {
+    sl_status status = d->scene ? SL_OK : sl_world_copy(&s->world, &d->scene, error);
+    if (status == SL_OK) status = sl_world_catch_up(&s->world, d->has, d->scene, error);
+    d->has = s->world.count;
+    return status;
+}
+
+sl_status sl_side_start(sl_stage *s, int index, sl_error *error) {
+    sl_side *d = &s->side[index];
+    sl_status status = catch_up(s, d, error);
+    if (status == SL_OK)
+        status = sl_live_start_beside(d->scene, s->world.scene, &d->settings, &d->live, error);
+    d->wanted = status == SL_OK;
+    d->began = d->moved = sl_seconds_now();
+    d->last = (sl_live_state){0};
+    d->shown = s->world.count;
+    d->sent_still = false;
+    d->edit = 0;
+    if (status == SL_OK && !s->viewers) sl_live_rest(d->live, true);
+    return status;
+}
+
+/* The newest event that updates have followed; the scene is as they had it. */
+static uint64_t last_followed(sl_live *live, uint64_t before) {
+    uint64_t last = before;
+    const size_t count = sl_live_turns(live, NULL, 0, NULL);
+    sl_live_turn *turns = malloc((count + 1) * sizeof *turns);
+    if (turns && sl_live_turns(live, turns, count, NULL) >= count && count) last = turns[count - 1].number;
+    free(turns);
+    return last;
+}
+
+void sl_side_stop(sl_stage *s, int index) {
+    sl_side *d = &s->side[index];
+    if (d->live) {
+        sl_live_halt(d->live);
+        d->has = last_followed(d->live, d->has);
+        sl_live_stop(d->live, NULL);
+    }
+    d->live = NULL;
+    d->wanted = false;
+}
+
+sl_status sl_side_follow(sl_stage *s, int index, unsigned changes, sl_error *error) {
+    sl_side *d = &s->side[index];
+    const sl_event *e = s->world.events[s->world.count - 1];
+    if (!d->live) return SL_OK;
+    if (changes & ~(unsigned)SL_CHANGED_CAMERA) {
+        d->edit = e->number;
+        d->edit_changes = changes;
+        sl_live_counters(d->live, &d->before_edit);
+    }
+    d->moved = sl_seconds_now();
+    d->sent_still = false;
+    const sl_live_change change = {sl_event_make, e, e->number, e->kind};
+    return sl_live_follow(d->live, &change, changes, error);
+}
+
+/* ---- accounts ---- */
+
+static void add_kept(const sl_side *d, cJSON *state, const sl_counters *now) {
+    sl_counters since = *now;
+    cJSON *kept = cJSON_AddObjectToObject(state, "kept");
+    cJSON_AddNumberToObject(kept, "event", (double)d->edit);
+    cJSON_AddItemToObject(kept, "changes", sl_describe_changes(d->edit_changes));
+    cJSON *counters = cJSON_AddObjectToObject(kept, "counters");
+    sl_json_add_counters(counters, "before", &d->before_edit, false);
+    for (int i = 0; i < SL_COUNTERS; i++) since.value[i] -= d->before_edit.value[i];
+    sl_json_add_counters(counters, "since", &since, false);
+}
+
+static void tell_state(sl_stage *s, int index) {
+    const sl_side *d = &s->side[index];
+    sl_counters now;
+    cJSON *state = sl_message("state");
+    sl_live_counters(d->live, &now);
+    cJSON_AddStringToObject(state, "side", sl_side_name(index));
+    cJSON_AddStringToObject(state, "method", d->settings.method);
+    cJSON_AddNumberToObject(state, "seconds", sl_seconds_now() - d->began);
+    cJSON_AddNumberToObject(state, "batches", (double)d->last.updates);
+    cJSON_AddBoolToObject(state, "done", d->last.done);
+    if (d->last.error_levels >= 0.0) cJSON_AddNumberToObject(state, "levels", d->last.error_levels);
+    else cJSON_AddNullToObject(state, "levels");
+    cJSON_AddNumberToObject(state, "latency", 1e3 * d->latency);
+    cJSON_AddNumberToObject(state, "frame", d->frame);
+    cJSON_AddStringToObject(state, "reduced", sl_live_reduction(d->live));
+    cJSON_AddItemToObject(state, "settings", sl_describe_settings(&d->settings));
+    sl_json_add_counters(state, "counters", &now, false);
+    if (d->edit) add_kept(d, state, &now);
+    sl_say(s, 0, state);
+}
+
+/* ---- frames ---- */
+
+static bool is_due(const sl_stage *s, const sl_side *d, double now) {
+    const double since = now - d->drawn;
+    if (d->shown != s->world.count) return since >= moving;
+    return since >= refining && !(d->last.done && d->sent_still);
+}
+
+static void note_latency(const sl_stage *s, sl_side *d, uint64_t shown) {
+    if (shown != d->shown && shown + SL_TIMES > s->world.count)
+        d->latency = sl_seconds_now() - s->times[shown % SL_TIMES];
+    d->shown = shown;
+}
+
+/* What a side that has failed leaves is a line for all. */
+static void fail(sl_stage *s, int index, const sl_error *error) {
+    cJSON *refused = sl_message("refused");
+    cJSON_AddStringToObject(refused, "do", "method");
+    cJSON_AddStringToObject(refused, "side", sl_side_name(index));
+    cJSON_AddStringToObject(refused, "reason", error->message);
+    sl_say(s, 0, refused);
+    sl_side_stop(s, index);
+}
+
+static void draw(sl_stage *s, int index, double now) {
+    sl_side *d = &s->side[index];
+    const sl_image *frame;
+    sl_live_state state;
+    sl_error error;
+    if (sl_live_frame(d->live, &frame, &state, &error) != SL_OK) {
+        fail(s, index, &error);
+        return;
+    }
+    const uint64_t shown = sl_live_shows(d->live);
+    const bool differs = state.versions != d->last.versions || shown != d->shown,
+               still = state.done && shown == s->world.count && now - d->moved > 0.2;
+    d->last = state;
+    d->drawn = now;
+    if (!state.versions || (!differs && (!still || d->sent_still))) return;
+    note_latency(s, d, shown);
+    sl_show(s, (sl_frame_kind)index, (unsigned)index, frame, &s->tone, shown, still);
+    d->frame = s->frame;
+    d->sent_still = still;
+}
+
+void sl_side_step(sl_stage *s, int index, double now) {
+    sl_side *d = &s->side[index];
+    const bool rested = d->last.done && d->sent_still;
+    if (!d->live) return;
+    if (is_due(s, d, now)) draw(s, index, now);
+    if (!d->live || now - d->told < telling || (rested && d->told > d->drawn)) return;
+    d->told = now;
+    tell_state(s, index);
+}

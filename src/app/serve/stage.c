@@ -1,0 +1,345 @@
+#include "app/serve/stage_parts.h"
+
+#include "app/clock.h"
+#include "app/serve/parse.h"
+#include "base/error.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- to viewers ---- */
+
+cJSON *sl_message(const char *is) {
+    cJSON *m = cJSON_CreateObject();
+    cJSON_AddStringToObject(m, "is", is);
+    return m;
+}
+
+void sl_say(sl_stage *s, unsigned client, cJSON *message) {
+    sl_mail_send(s->mail, sl_packet_text(client, message));
+}
+
+void sl_show(sl_stage *s, sl_frame_kind kind, unsigned index, const sl_image *picture, sl_tone *tone,
+             uint64_t event, bool still) {
+    const sl_frame_told told = {kind, index, ++s->frame, event, still};
+    uint8_t *rgb = malloc(3 * (size_t)picture->width * (size_t)picture->height);
+    if (rgb && sl_image_srgb(picture, tone, rgb, NULL) == SL_OK)
+        sl_mail_send(s->mail, sl_packet_picture(&told, picture->width, picture->height, rgb));
+    free(rgb);
+}
+
+/* ---- what changes the world ---- */
+
+/* Tells the sides of the newest event. */
+static sl_status spread(sl_stage *s, unsigned changes, sl_error *error) {
+    sl_status status = SL_OK;
+    s->times[s->world.count % SL_TIMES] = sl_seconds_now();
+    for (int i = 0; i < SL_SIDES && status == SL_OK; i++) status = sl_side_follow(s, i, changes, error);
+    return status;
+}
+
+static sl_status take_camera(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    sl_camera camera;
+    unsigned changes;
+    sl_status status = sl_take_camera(message, s->world.scene, &camera, error);
+    if (status == SL_OK) status = sl_world_look(&s->world, &camera, &changes, error);
+    if (status == SL_OK) status = spread(s, changes, error);
+    if (status == SL_OK && s->viewers > 1) sl_say(s, 0, sl_describe_camera(s));
+    (void)client;
+    return status;
+}
+
+static sl_status look_first(sl_stage *s, sl_error *error) {
+    unsigned changes;
+    sl_status status = sl_world_look(&s->world, &s->world.first_camera, &changes, error);
+    if (status == SL_OK) status = spread(s, changes, error);
+    if (status == SL_OK) sl_say(s, 0, sl_describe_camera(s));
+    return status;
+}
+
+static sl_status take_view(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    const char *name = "";
+    sl_status status = sl_take_text(message, "name", &name, error);
+    (void)client;
+    if (status != SL_OK) return status;
+    return strcmp(name, "scene") == 0 ? look_first(s, error)
+                                      : sl_fail(error, SL_ERROR_USAGE, "view: the scene has no such camera");
+}
+
+static sl_status go_to(sl_stage *s, double seconds, sl_error *error) {
+    unsigned changes;
+    sl_status status = sl_world_go_to(&s->world, seconds, &changes, error);
+    return status == SL_OK ? spread(s, changes, error) : status;
+}
+
+static sl_status take_reset(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    (void)client, (void)message;
+    s->plays = false;
+    sl_status status = s->world.duration > 0.0 ? go_to(s, s->world.first_time, error) : SL_OK;
+    if (status == SL_OK) status = look_first(s, error);
+    s->world.looks = false;
+    return status;
+}
+
+static sl_status take_time(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    double at = 0.0;
+    bool there = false;
+    sl_status status = sl_take_number(message, "at", -1e6, 1e6, &at, &there, error);
+    if (status == SL_OK && !there) status = sl_fail(error, SL_ERROR_INPUT, "at: expected a number");
+    if (status == SL_OK) status = go_to(s, at, error);
+    s->play_from = at;
+    s->play_began = sl_seconds_now();
+    (void)client;
+    return status;
+}
+
+static sl_status take_play(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    sl_status status = sl_take_flag(message, "on", &s->plays, error);
+    (void)client;
+    if (status != SL_OK || !s->plays) return status;
+    s->play_from = s->world.time < s->world.duration ? s->world.time : 0.0;
+    s->play_began = sl_seconds_now();
+    s->plays = s->world.duration > 0.0;
+    return s->plays ? SL_OK : sl_fail(error, SL_ERROR_USAGE, "play: nothing moves in this scene");
+}
+
+static sl_status edited(sl_stage *s, sl_status status, unsigned changes, sl_error *error) {
+    if (status == SL_OK) status = spread(s, changes, error);
+    if (status == SL_OK) sl_say(s, 0, sl_describe_scene(s, false));
+    return status;
+}
+
+static sl_status take_edit(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    sl_item items[SL_ITEMS];
+    size_t count;
+    bool drag = false;
+    unsigned changes = 0;
+    sl_status status = sl_take_edits(message, &s->world, items, &count, error);
+    if (status == SL_OK) status = sl_take_flag(message, "drag", &drag, error);
+    if (status == SL_OK) status = sl_world_edit(&s->world, items, count, drag, &changes, error);
+    (void)client;
+    if (drag) return status == SL_OK ? spread(s, changes, error) : status;
+    return edited(s, status, changes, error);
+}
+
+static sl_status take_undo(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    unsigned changes = 0;
+    (void)client, (void)message;
+    return edited(s, sl_world_undo(&s->world, &changes, error), changes, error);
+}
+
+static sl_status take_redo(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    unsigned changes = 0;
+    (void)client, (void)message;
+    return edited(s, sl_world_redo(&s->world, &changes, error), changes, error);
+}
+
+/* ---- what is shown of it ---- */
+
+static sl_status restart(sl_stage *s, int side, sl_error *error) {
+    sl_side_stop(s, side);
+    return sl_side_start(s, side, error);
+}
+
+static sl_status take_size(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    double width = 0.0, height = 0.0;
+    bool w = false, h = false;
+    sl_status status = sl_take_number(message, "width", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, &width, &w, error);
+    if (status == SL_OK)
+        status = sl_take_number(message, "height", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, &height, &h, error);
+    if (status == SL_OK && !(w && h)) status = sl_fail(error, SL_ERROR_INPUT, "size: expected width and height");
+    (void)client;
+    for (int i = 0; i < SL_SIDES && status == SL_OK; i++) {
+        const bool shown = s->side[i].wanted;
+        s->side[i].settings.width = (int)width;
+        s->side[i].settings.height = (int)height;
+        if (shown) status = restart(s, i, error);
+    }
+    return status;
+}
+
+static sl_status take_setting(sl_settings *settings, const cJSON *item, sl_error *error) {
+    static const char *const fixed[] = {"method", "size", "threads", "memory"};
+    const char *name = item->string;
+    char number[40];
+    const sl_setting *row = sl_setting_named(name);
+    for (size_t i = 0; i < sizeof fixed / sizeof fixed[0]; i++)
+        if (row && strcmp(row->name, fixed[i]) == 0)
+            return sl_fail(error, SL_ERROR_USAGE, "%s is not a page's to set", row->name);
+    snprintf(number, sizeof number, "%.17g", item->valuedouble);
+    if (cJSON_IsBool(item)) snprintf(number, sizeof number, "%d", cJSON_IsTrue(item));
+    else if (!cJSON_IsNumber(item) && !cJSON_IsString(item))
+        return sl_fail(error, SL_ERROR_INPUT, "settings: expected texts or numbers");
+    return sl_settings_set(settings, name, cJSON_IsString(item) ? item->valuestring : number, error);
+}
+
+static sl_status take_settings(sl_settings *settings, const cJSON *message, sl_error *error) {
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(message, "settings"), *item;
+    sl_status status = SL_OK;
+    if (list && !cJSON_IsObject(list)) return sl_fail(error, SL_ERROR_INPUT, "settings: expected an object");
+    cJSON_ArrayForEach(item, list) if (status == SL_OK) status = take_setting(settings, item, error);
+    return status;
+}
+
+static void tell_method(sl_stage *s, int side) {
+    cJSON *m = sl_message("method");
+    const sl_side *d = &s->side[side];
+    cJSON_AddStringToObject(m, "side", sl_side_name(side));
+    cJSON_AddStringToObject(m, "name", d->wanted ? d->settings.method : "");
+    cJSON_AddItemToObject(m, "settings", sl_describe_settings(&d->settings));
+    sl_say(s, 0, m);
+}
+
+/* The settings begin as the command line has them; those of a method that goes on stay where none are
+ * given. */
+static sl_status take_method(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    int side;
+    const char *name = "";
+    sl_status status = sl_take_side(message, &side, error);
+    if (status == SL_OK) status = sl_take_text(message, "name", &name, error);
+    if (status != SL_OK) return status;
+    sl_side *d = &s->side[side];
+    sl_settings settings = s->options.settings;
+    settings.width = d->settings.width, settings.height = d->settings.height;
+    (void)client;
+    if (!*name && side == 0) return sl_fail(error, SL_ERROR_USAGE, "method: side a shows one");
+    if (*name) status = sl_settings_set(&settings, "method", name, error);
+    if (status == SL_OK && *name && strcmp(settings.method, "auto") == 0)
+        status = sl_fail(error, SL_ERROR_USAGE, "method: a page names one");
+    if (status == SL_OK) status = take_settings(&settings, message, error);
+    if (status != SL_OK) return status;
+    sl_side_stop(s, side);
+    d->settings = settings;
+    if (*name) status = sl_side_start(s, side, error);
+    tell_method(s, side);
+    return status;
+}
+
+static sl_status take_tone(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    const char *curve = s->tone.curve == SL_TONE_CLIP ? "clip" : "reinhard";
+    double stops = (double)s->tone.exposure_stops;
+    bool automatic = false;
+    sl_status status = sl_take_text(message, "curve", &curve, error);
+    if (status == SL_OK) status = sl_take_number(message, "exposure", -64, 64, &stops, NULL, error);
+    if (status == SL_OK) status = sl_take_flag(message, "auto", &automatic, error);
+    (void)client;
+    if (status != SL_OK) return status;
+    if (strcmp(curve, "clip") != 0 && strcmp(curve, "reinhard") != 0)
+        return sl_fail(error, SL_ERROR_INPUT, "curve: expected clip or reinhard");
+    s->tone = (sl_tone){*curve == 'c' ? SL_TONE_CLIP : SL_TONE_REINHARD, (float)stops, automatic};
+    for (int i = 0; i < SL_SIDES; i++) s->side[i].sent_still = false;
+    return SL_OK;
+}
+
+/* ---- messages ---- */
+
+static const struct {
+    const char *name;
+    sl_status (*take)(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
+} requests[] = {{"camera", take_camera}, {"view", take_view}, {"reset", take_reset}, {"time", take_time},
+                {"play", take_play},     {"edit", take_edit}, {"undo", take_undo},   {"redo", take_redo},
+                {"size", take_size},     {"method", take_method}, {"tone", take_tone}};
+enum { REQUESTS = sizeof requests / sizeof requests[0] };
+
+static void answer(sl_stage *s, unsigned client, const char *what, sl_status status, const sl_error *error) {
+    cJSON *m = sl_message(status == SL_OK ? "did" : "refused");
+    cJSON_AddStringToObject(m, "do", what);
+    if (status == SL_OK) cJSON_AddNumberToObject(m, "event", (double)s->world.count);
+    else cJSON_AddStringToObject(m, "reason", error->message);
+    sl_say(s, client, m);
+}
+
+static void take_message(sl_stage *s, unsigned client, const cJSON *message) {
+    const char *what = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(message, "do"));
+    sl_error error = {.message = "this is not known here"};
+    sl_status status = SL_ERROR_INPUT;
+    for (int i = 0; i < REQUESTS && what; i++)
+        if (strcmp(requests[i].name, what) == 0) status = requests[i].take(s, client, message, &error);
+    if (status == SL_ERROR_INPUT && error.status != SL_ERROR_INPUT)
+        sl_fail(&error, SL_ERROR_INPUT, "do: nothing of that name");
+    if (status == SL_ERROR_INPUT) sl_mail_send(s->mail, sl_packet_end(client, error.message));
+    else answer(s, client, what, status, &error);
+}
+
+static void count_viewers(sl_stage *s, int more) {
+    s->viewers = (unsigned)((int)s->viewers + more);
+    cJSON *m = sl_message("viewers");
+    cJSON_AddNumberToObject(m, "count", s->viewers);
+    sl_say(s, 0, m);
+    for (int i = 0; i < SL_SIDES; i++)
+        if (s->side[i].live) sl_live_rest(s->side[i].live, !s->viewers);
+}
+
+void sl_stage_take(sl_stage *s, sl_letter letter) {
+    if (letter.kind == SL_LETTER_JOINED) {
+        count_viewers(s, 1);
+        sl_say(s, letter.client, sl_describe_hello(s));
+        for (int i = 0; i < SL_SIDES; i++) s->side[i].last.versions = 0, s->side[i].sent_still = false;
+    }
+    if (letter.kind == SL_LETTER_LEFT) count_viewers(s, -1);
+    if (letter.kind == SL_LETTER_MESSAGE) take_message(s, letter.client, letter.message);
+    cJSON_Delete(letter.message);
+}
+
+/* ---- time ---- */
+
+static void play(sl_stage *s, double now) {
+    sl_error error;
+    const double at = s->play_from + now - s->play_began, end = s->world.duration;
+    if (go_to(s, at < end ? at : end, &error) != SL_OK || at >= end) s->plays = false;
+    sl_say(s, 0, sl_describe_camera(s));
+}
+
+double sl_stage_step(sl_stage *s) {
+    const double now = sl_seconds_now();
+    bool busy = s->plays;
+    if (!s->viewers) return 1.0;
+    if (s->plays && now - s->times[s->world.count % SL_TIMES] > 1.0 / 30.0) play(s, now);
+    for (int i = 0; i < SL_SIDES; i++) {
+        const sl_side *d = &s->side[i];
+        sl_side_step(s, i, now);
+        busy = busy || (d->live && !(d->last.done && d->sent_still && d->shown == s->world.count));
+    }
+    return busy ? 0.005 : 0.25;
+}
+
+void sl_stage_run(sl_stage *s) {
+    sl_letter letter;
+    double pause = 0.0;
+    while (!sl_mail_has_ended(s->mail)) {
+        while (sl_mail_read(s->mail, pause, &letter)) {
+            sl_stage_take(s, letter);
+            pause = 0.0;
+        }
+        pause = sl_stage_step(s);
+        if (sl_interrupted()) sl_mail_end(s->mail);
+    }
+}
+
+/* ---- life ---- */
+
+sl_status sl_stage_open(const sl_stage_options *options, sl_mail *mail, sl_stage **stage, sl_error *error) {
+    *stage = NULL;
+    sl_stage *s = calloc(1, sizeof *s);
+    if (!s) return sl_fail_memory(error, "the stage");
+    s->options = *options;
+    s->mail = mail;
+    s->tone = (sl_tone){SL_TONE_REINHARD, 0.0f, true};
+    for (int i = 0; i < SL_SIDES; i++) s->side[i].settings = options->settings;
+    sl_status status = sl_world_open(&s->world, options->scene_path, options->reading, options->at_seconds, error);
+    if (status == SL_OK) status = sl_side_start(s, 0, error);
+    if (status == SL_OK) *stage = s;
+    else sl_stage_close(s);
+    return status;
+}
+
+void sl_stage_close(sl_stage *s) {
+    if (!s) return;
+    for (int i = 0; i < SL_SIDES; i++) {
+        sl_side_stop(s, i);
+        sl_scene_destroy(s->side[i].scene);
+    }
+    sl_world_close(&s->world);
+    free(s);
+}

@@ -1,0 +1,68 @@
+/* The insides of a stage, for its own files. */
+#ifndef SL_APP_SERVE_STAGE_PARTS_H
+#define SL_APP_SERVE_STAGE_PARTS_H
+
+#include "app/serve/frame.h"
+#include "app/serve/stage.h"
+#include "app/serve/world.h"
+
+enum { SL_SIDES = 2, SL_TIMES = 256 };
+
+/* One method, shown live. */
+typedef struct sl_side {
+    sl_settings settings;
+    bool wanted;           /* a method is named */
+    sl_scene *scene;       /* the updates' */
+    uint64_t has;          /* events that were made to the scene before the show began */
+    sl_live *live;         /* NULL: it is not shown */
+    double began, drawn, moved, told; /* seconds by the clock: the show; the last frame, change, state */
+    sl_live_state last;
+    uint64_t shown;        /* the newest event that the last frame shows */
+    double latency;        /* seconds from that event to its frame */
+    bool sent_still;
+    uint64_t edit;         /* the newest edit; changes and counters then */
+    unsigned edit_changes;
+    sl_counters before_edit;
+    uint32_t frame;        /* the number of the last */
+} sl_side;
+
+struct sl_stage {
+    sl_stage_options options;
+    sl_mail *mail;
+    sl_world world;
+    sl_side side[SL_SIDES];
+    sl_tone tone;
+    uint32_t frame;        /* the newest number */
+    unsigned viewers;
+    double times[SL_TIMES]; /* when the last events came, by number */
+    bool plays;
+    double play_began, play_from;
+};
+
+/* ---- to viewers; client 0: to all ---- */
+cJSON *sl_message(const char *is);
+void sl_say(sl_stage *stage, unsigned client, cJSON *message);
+/* Shows a picture to all. */
+void sl_show(sl_stage *stage, sl_frame_kind kind, unsigned index, const sl_image *picture, sl_tone *tone,
+             uint64_t event, bool still);
+void sl_add_numbers(cJSON *to, const char *name, const double *values, int count);
+void sl_add_floats(cJSON *to, const char *name, const float *values, int count);
+
+/* ---- side.c ---- */
+/* Shows the method of side->settings, as the world stands now. */
+sl_status sl_side_start(sl_stage *stage, int index, sl_error *error);
+void sl_side_stop(sl_stage *stage, int index);
+/* The newest event of the world, which changed so much. */
+sl_status sl_side_follow(sl_stage *stage, int index, unsigned changes, sl_error *error);
+/* Draws what is due. */
+void sl_side_step(sl_stage *stage, int index, double now);
+const char *sl_side_name(int index);
+
+/* ---- describe.c: messages about what there is ---- */
+cJSON *sl_describe_hello(const sl_stage *stage);
+cJSON *sl_describe_scene(const sl_stage *stage, bool inner); /* inner: without "is" */
+cJSON *sl_describe_camera(const sl_stage *stage);
+cJSON *sl_describe_settings(const sl_settings *settings); /* those that are not as they are by default */
+cJSON *sl_describe_changes(unsigned changes);
+
+#endif

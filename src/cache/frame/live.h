@@ -1,0 +1,51 @@
+/* What a show (sl_live, softlux.h) is beside its public functions: for a caller that has a scene of its own
+ * to draw from, which it changes as it likes, and tells of every change. */
+#ifndef SL_FRAME_LIVE_H
+#define SL_FRAME_LIVE_H
+
+#include "softlux.h"
+
+/* A change as it is made to a scene: once by the caller to the one that is drawn, once by the updates to
+ * theirs. */
+typedef struct sl_live_change {
+    sl_status (*make)(const void *what, sl_scene *scene, unsigned *changes, sl_error *error);
+    const void *what; /* stays, and stays as it is, until the show has stopped */
+    uint64_t number;  /* the caller's, above those before */
+    /* takes the place of a change of the same kind that came last and that updates have not followed yet; 0:
+     * of none */
+    uint64_t kind;
+} sl_live_change;
+
+/* As sl_live_start(). `shown` is a scene of its own that stands as the other does; it must outlive the show,
+ * and between two calls it is the caller's. No frame waits: what moves is sl_live_follow()'s, and
+ * sl_live_move(), sl_live_look() and shading-cache.hold are not for such a show. */
+sl_status sl_live_start_beside(sl_scene *scene, sl_scene *shown, const sl_settings *settings, sl_live **live,
+                               sl_error *error);
+/* The change has been made to `shown`, of which it changed so much; updates follow. */
+sl_status sl_live_follow(sl_live *live, const sl_live_change *change, unsigned changes, sl_error *error);
+/* The number of the newest change that the last frame shows, of light maybe not yet in full; 0: of none. */
+uint64_t sl_live_shows(const sl_live *live);
+
+/* A change that updates have followed. */
+typedef struct sl_live_turn {
+    uint64_t updates; /* that were done before it */
+    uint64_t turn;    /* those of one turn were followed together, by one sl_method_edit() */
+    uint64_t number;  /* the change's */
+} sl_live_turn;
+/* Gives the first `room` of all of them so far, as sl_live_log() gives events, and in *updates (or NULL) how
+ * many updates were done: a method that is led through them, and so far, has the show's picture, to the
+ * bit. */
+size_t sl_live_turns(sl_live *live, sl_live_turn *turns, size_t room, uint64_t *updates);
+
+/* Has the updating thread call it once between two updates, soon. It may resolve the method and ask it for
+ * explanations. Not called: the show was stopped before, or an update has failed. False: another one waits. */
+typedef void sl_live_visitor(void *context, sl_method *method);
+bool sl_live_visit(sl_live *live, sl_live_visitor *visitor, void *context);
+/* What the method had counted when its last update ended. */
+void sl_live_counters(sl_live *live, sl_counters *counters);
+/* Ends the updates; frames and turns are still to be had. */
+void sl_live_halt(sl_live *live);
+/* Lets updates rest, or go on. */
+void sl_live_rest(sl_live *live, bool rest);
+
+#endif
