@@ -76,7 +76,8 @@ objects = $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(1))) \
 
 SOURCES := $(filter-out $(if $(WEBSOCKETS),,src/app/serve/network.c),$(call sources,src))
 APP_FILES := $(foreach kind,html css js svg json trials,$(wildcard src/app/*/*.$(kind) src/app/serve/page/*.$(kind)))
-APP_OBJECTS := $(call objects,$(filter src/app/%,$(SOURCES))) $(APP_FILES:%=$(BUILD)/o/%.o)
+APP_OBJECTS := $(call objects,$(filter src/app/%,$(SOURCES))) $(APP_FILES:%=$(BUILD)/o/%.o) \
+               $(BUILD)/o/src/app/serve/sources.json.o
 IMPORT_OBJECTS := $(call objects,$(filter src/import/%,$(SOURCES)))
 LIBRARY_OBJECTS := $(call objects,$(filter-out src/app/% src/import/%,$(SOURCES)))
 
@@ -134,6 +135,13 @@ $(foreach isa,$(ISAS),$(eval $(call kernel_rule,$(isa))))
 $(APP_FILES:%=$(BUILD)/o/%.o): $(BUILD)/o/%.o: %
 	@mkdir -p $(@D)
 	@$(LD) -r -b binary -z noexecstack -o $@ $<
+
+# The functions that pages name, as they stand in the sources.
+$(BUILD)/sources.json: src/app/serve/sources.sh src/app/steps/narratives.json $(SOURCES)
+	@mkdir -p $(@D) && $< >$@
+$(BUILD)/o/src/app/serve/sources.json.o: $(BUILD)/sources.json
+	@mkdir -p $(@D)
+	@cd $(BUILD) && $(LD) -r -b binary -z noexecstack -o o/src/app/serve/sources.json.o sources.json
 
 # Where the library looks for softlux-import: here, or where it is installed (packaging/install.mk).
 $(BUILD)/o/src/scene/importer_path.o: override DEFINES += -DSL_IMPORTER='"$(abspath $(BUILD))/softlux-import"'

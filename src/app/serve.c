@@ -29,10 +29,12 @@ static bool parse(int argc, char **argv, serve_command *c, int *status) {
     c->stage.settings.method = "shading-cache";
     const sl_option options[] = {
         SL_TEXT("output", 'o', &c->stage.folder, "DIR", "where what is kept is written [nothing is]"),
-        SL_TEXT("host", 0, &c->network.host, "ADDRESS",
-                "an address of this machine to listen at; nothing is encrypted [127.0.0.1: this machine alone]"),
+        SL_TEXT(
+            "host", 0, &c->network.host, "ADDRESS",
+            "an address of this machine to listen at; nothing is encrypted [127.0.0.1: this machine alone]"),
         SL_NUMBER("port", 0, &c->port, "N", 0, 65535, "to listen at; 0: any [0]"),
-        SL_REAL("at", &c->stage.at_seconds, NULL, "SECONDS", -1e9, 1e9, "time of the scene to begin with [0]"),
+        SL_REAL("at", &c->stage.at_seconds, NULL, "SECONDS", -1e9, 1e9,
+                "time of the scene to begin with [0]"),
         SL_FLAG("quiet", &c->quiet, "no warnings"),
         {.name = NULL}};
     const sl_command_line line = {
@@ -42,7 +44,12 @@ static bool parse(int argc, char **argv, serve_command *c, int *status) {
         "Prints the page's address, which opens it to whoever has it. Ctrl-C ends the server.\n"
         "The method is the shading cache, and the quality draft, where no others are named.\n\n"
         "example: softlux serve scenes/cornell.json",
-        options, 1, 1, &c->reading, &c->stage.settings, &quality_given};
+        options,
+        1,
+        1,
+        &c->reading,
+        &c->stage.settings,
+        &quality_given};
     int operands;
     if (!sl_options_parse(&line, argc, argv, &c->stage.scene_path, &operands, status)) return false;
     if (!quality_given) c->stage.settings.quality = SL_QUALITY_DRAFT;
@@ -56,8 +63,9 @@ int sl_command_serve(int argc, char **argv) {
     serve_command c;
     int status;
     if (!parse(argc, argv, &c, &status)) return status;
-    fprintf(stderr, "softlux: serve: this program was built without libwebsockets (Debian's libwebsockets-dev); "
-                    "./setup.sh installs it, then make builds it anew\n");
+    fprintf(stderr,
+            "softlux: serve: this program was built without libwebsockets (Debian's libwebsockets-dev); "
+            "./setup.sh installs it, then make builds it anew\n");
     return SL_ERROR_USAGE;
 }
 #else

@@ -18,8 +18,12 @@ void sl_add_floats(cJSON *to, const char *name, const float *values, int count) 
     for (int i = 0; i < count; i++) cJSON_AddItemToArray(list, cJSON_CreateNumber((double)values[i]));
 }
 
-static void add_vector(cJSON *to, const char *name, sl_vec3 v) { sl_add_floats(to, name, (float[]){v.x, v.y, v.z}, 3); }
-static void add_colour(cJSON *to, const char *name, sl_rgb c) { sl_add_floats(to, name, (float[]){c.r, c.g, c.b}, 3); }
+static void add_vector(cJSON *to, const char *name, sl_vec3 v) {
+    sl_add_floats(to, name, (float[]){v.x, v.y, v.z}, 3);
+}
+static void add_colour(cJSON *to, const char *name, sl_rgb c) {
+    sl_add_floats(to, name, (float[]){c.r, c.g, c.b}, 3);
+}
 
 /* ---- the camera ---- */
 
@@ -157,7 +161,8 @@ cJSON *sl_describe_scene(const sl_stage *stage, bool inner) {
 }
 
 cJSON *sl_describe_changes(unsigned changes) {
-    static const char *const names[SL_CHANGES] = {"camera", "objects", "lights", "power", "materials", "sky", "kinds"};
+    static const char *const names[SL_CHANGES] = {"camera",    "objects", "lights", "power",
+                                                  "materials", "sky",     "kinds"};
     cJSON *list = cJSON_CreateArray();
     for (int i = 0; i < SL_CHANGES; i++)
         if (changes >> i & 1u) cJSON_AddItemToArray(list, cJSON_CreateString(names[i]));
@@ -200,14 +205,18 @@ static cJSON *setting_of(const sl_setting *row) {
 cJSON *sl_describe_hello(const sl_stage *stage) {
     cJSON *m = sl_message("hello"), *list = cJSON_AddArrayToObject(m, "methods");
     cJSON_AddStringToObject(m, "version", SL_VERSION);
-    cJSON_AddItemToObject(m, "size",
-                          cJSON_CreateIntArray((const int[]){stage->side[0].settings.width, stage->side[0].settings.height}, 2));
-    for (size_t i = 0; sl_method_name(i); i++) cJSON_AddItemToArray(list, cJSON_CreateString(sl_method_name(i)));
+    cJSON_AddItemToObject(
+        m, "size",
+        cJSON_CreateIntArray((const int[]){stage->side[0].settings.width, stage->side[0].settings.height},
+                             2));
+    for (size_t i = 0; sl_method_name(i); i++)
+        cJSON_AddItemToArray(list, cJSON_CreateString(sl_method_name(i)));
     list = cJSON_AddArrayToObject(m, "settings");
     for (size_t i = 0; sl_setting_at(i); i++) cJSON_AddItemToArray(list, setting_of(sl_setting_at(i)));
     cJSON *sides = cJSON_AddObjectToObject(m, "sides");
     for (int i = 0; i < SL_SIDES; i++)
-        cJSON_AddStringToObject(sides, i ? "b" : "a", stage->side[i].wanted ? stage->side[i].settings.method : "");
+        cJSON_AddStringToObject(sides, i ? "b" : "a",
+                                stage->side[i].wanted ? stage->side[i].settings.method : "");
     cJSON *tone = cJSON_AddObjectToObject(m, "tone");
     cJSON_AddNumberToObject(tone, "exposure", (double)stage->tone.exposure_stops);
     cJSON_AddStringToObject(tone, "curve", stage->tone.curve == SL_TONE_CLIP ? "clip" : "reinhard");

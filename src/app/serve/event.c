@@ -81,7 +81,8 @@ static void look(sl_scene *scene, const sl_camera *camera, unsigned *changes) {
 }
 
 /* A camera that nobody looks through has not changed, wherever its keyframes lead. */
-static sl_status go_to(sl_scene *scene, double seconds, bool keeps_camera, unsigned *changes, sl_error *error) {
+static sl_status go_to(sl_scene *scene, double seconds, bool keeps_camera, unsigned *changes,
+                       sl_error *error) {
     const sl_camera camera = scene->camera;
     const uint64_t version = scene->version;
     uint64_t changed[SL_CHANGES];

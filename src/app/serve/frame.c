@@ -20,7 +20,8 @@ static sl_packet *packet_of(const sl_frame_told *told, int width, int height, in
                             size_t size) {
     sl_packet *p = malloc(sizeof *p + SL_PACKET_ROOM + SL_FRAME_HEADER + size);
     if (!p) return NULL;
-    *p = (sl_packet){.slot = told->kind == SL_FRAME_PASS ? SL_FRAME_KINDS + (int)told->index % 62 : (int)told->kind,
+    *p = (sl_packet){.slot = told->kind == SL_FRAME_PASS ? SL_FRAME_KINDS + (int)told->index % 62
+                                                         : (int)told->kind,
                      .frame = told->frame,
                      .size = SL_FRAME_HEADER + size};
     uint8_t *at = p->bytes + SL_PACKET_ROOM;

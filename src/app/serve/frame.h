@@ -7,10 +7,10 @@
 
 typedef struct sl_frame_told {
     sl_frame_kind kind;
-    unsigned index;    /* as the header has it */
-    uint32_t frame;    /* the number */
+    unsigned index; /* as the header has it */
+    uint32_t frame; /* the number */
     uint64_t event;
-    bool still;        /* PNG; else JPEG, where the program has that */
+    bool still; /* PNG; else JPEG, where the program has that */
 } sl_frame_told;
 
 /* rgb: width * height of 3 bytes, rows from the top. For all viewers; NULL: no memory. */

@@ -35,7 +35,8 @@ bool sl_mail_open(sl_mail *m) {
 }
 
 void sl_mail_close(sl_mail *m) {
-    for (; m->count; m->count--, m->first = (m->first + 1) % LETTERS) cJSON_Delete(m->letters[m->first].message);
+    for (; m->count; m->count--, m->first = (m->first + 1) % LETTERS)
+        cJSON_Delete(m->letters[m->first].message);
     for (sl_packet *p = m->packets, *next; p; p = next) {
         next = p->next;
         free(p);

@@ -10,16 +10,12 @@
 
 /* ---- from viewers ---- */
 
-typedef enum sl_letter_kind {
-    SL_LETTER_MESSAGE,
-    SL_LETTER_JOINED,
-    SL_LETTER_LEFT
-} sl_letter_kind;
+typedef enum sl_letter_kind { SL_LETTER_MESSAGE, SL_LETTER_JOINED, SL_LETTER_LEFT } sl_letter_kind;
 
 typedef struct sl_letter {
-    unsigned client;  /* from 1 */
+    unsigned client; /* from 1 */
     sl_letter_kind kind;
-    cJSON *message;   /* the reader's to delete; or NULL */
+    cJSON *message; /* the reader's to delete; or NULL */
 } sl_letter;
 
 /* ---- to viewers ---- */
@@ -37,7 +33,7 @@ typedef struct sl_packet {
     int slot;               /* of a picture; text: -1 */
     uint32_t frame;         /* of a picture */
     size_t size;
-    uint8_t bytes[];        /* SL_PACKET_ROOM of nothing, then size */
+    uint8_t bytes[]; /* SL_PACKET_ROOM of nothing, then size */
 } sl_packet;
 
 /* Text is printed, and the message deleted; NULL: no memory. */
@@ -47,11 +43,11 @@ sl_packet *sl_packet_end(unsigned client, const char *reason);
 enum { SL_FILES = 256 };
 
 typedef struct sl_mail {
-    sl_monitor meeting;     /* guards what follows */
+    sl_monitor meeting; /* guards what follows */
     sl_letter letters[512];
     size_t first, count;
     sl_packet *packets, **last;
-    char *files[SL_FILES];  /* that viewers may fetch */
+    char *files[SL_FILES]; /* that viewers may fetch */
     size_t file_count;
     bool closed;
     void (*wake)(void *context); /* the network's thread: there are packets */

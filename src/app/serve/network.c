@@ -18,15 +18,15 @@ typedef struct client {
     struct client *next;
     struct lws *wsi;
     unsigned number;
-    char *message;                /* its parts so far; SL_MESSAGE_BYTES of room */
+    char *message; /* its parts so far; SL_MESSAGE_BYTES of room */
     size_t length;
-    double second;                /* in which so many messages came */
+    double second; /* in which so many messages came */
     int messages;
-    sl_packet *texts[TEXTS];      /* a ring */
+    sl_packet *texts[TEXTS]; /* a ring */
     size_t first, count;
     sl_packet *pictures[SL_SLOTS]; /* the newest of each slot, not sent yet */
-    uint32_t unseen[UNSEEN];      /* frames that were sent and are not acknowledged; 0: none */
-    const char *reason;           /* why it ends */
+    uint32_t unseen[UNSEEN];       /* frames that were sent and are not acknowledged; 0: none */
+    const char *reason;            /* why it ends */
 } client;
 
 /* Of a connection: either a file that is on its way, or a client. */
@@ -120,7 +120,9 @@ static int send_next(client *c) {
     unsigned char *bytes = p->bytes + SL_PACKET_ROOM;
     int result = 0;
     if (p->ends) result = end_client(c, (const char *)bytes, p->size);
-    else result = lws_write(c->wsi, bytes, p->size, p->slot < 0 ? LWS_WRITE_TEXT : LWS_WRITE_BINARY) < 0 ? -1 : 0;
+    else
+        result =
+            lws_write(c->wsi, bytes, p->size, p->slot < 0 ? LWS_WRITE_TEXT : LWS_WRITE_BINARY) < 0 ? -1 : 0;
     let_go(p);
     if (result == 0) lws_callback_on_writable(c->wsi);
     return result;
@@ -230,8 +232,8 @@ static bool is_viewer(const sl_network *n, struct lws *wsi) {
 
 /* ---- files ---- */
 
-#define PAGE_FILE(name, ending, type)                                     \
-    extern const char _binary_src_app_serve_page_##name##_##ending##_start[], \
+#define PAGE_FILE(name, ending, type)                                                                        \
+    extern const char _binary_src_app_serve_page_##name##_##ending##_start[],                                \
         _binary_src_app_serve_page_##name##_##ending##_end[];
 #include "app/serve/page_files.h"
 #undef PAGE_FILE
@@ -240,8 +242,8 @@ typedef struct page_file {
     const char *path, *type, *at, *end;
 } page_file;
 
-#define PAGE_FILE(name, ending, type)                                               \
-    {"/" #name "." #ending, type, _binary_src_app_serve_page_##name##_##ending##_start, \
+#define PAGE_FILE(name, ending, type)                                                                        \
+    {"/" #name "." #ending, type, _binary_src_app_serve_page_##name##_##ending##_start,                      \
      _binary_src_app_serve_page_##name##_##ending##_end},
 static const page_file page_files[] = {
 #include "app/serve/page_files.h"
@@ -274,7 +276,8 @@ static bool add_safe_headers(struct lws *wsi, unsigned char **at, unsigned char 
 }
 
 static int send_head(struct lws *wsi, unsigned status, const char *type, size_t length) {
-    unsigned char buffer[LWS_PRE + HEADERS], *start = buffer + LWS_PRE, *at = start, *end = start + HEADERS - 1;
+    unsigned char buffer[LWS_PRE + HEADERS], *start = buffer + LWS_PRE, *at = start,
+                                             *end = start + HEADERS - 1;
     if (lws_add_http_common_headers(wsi, status, type, length, &at, end)) return 1;
     if (!add_safe_headers(wsi, &at, end)) return 1;
     return lws_finalize_write_http_header(wsi, start, &at, end);
@@ -315,7 +318,8 @@ static int send_kept(sl_network *n, struct lws *wsi, session *s, const char *pat
     const char *slash = strchr(path, '/');
     if (!slash || !is_token(n, path, (size_t)(slash - path))) return refuse(wsi, s, 403, "not allowed\n");
     const unsigned long number = strtoul(slash + 1, &end, 10);
-    if (*end || !sl_mail_offered(n->mail, number, name, sizeof name)) return refuse(wsi, s, 404, "not here\n");
+    if (*end || !sl_mail_offered(n->mail, number, name, sizeof name))
+        return refuse(wsi, s, 404, "not here\n");
     unsigned char buffer[HEADERS], *at = buffer;
     const char *file = strrchr(name, '/') ? strrchr(name, '/') + 1 : name;
     char as[300];
@@ -323,8 +327,8 @@ static int send_kept(sl_network *n, struct lws *wsi, session *s, const char *pat
     if (!add_safe_headers(wsi, &at, buffer + HEADERS) ||
         !add_header(wsi, "content-disposition:", as, &at, buffer + HEADERS))
         return -1;
-    const int result = lws_serve_http_file(wsi, name, "application/octet-stream", (const char *)buffer,
-                                           (int)(at - buffer));
+    const int result =
+        lws_serve_http_file(wsi, name, "application/octet-stream", (const char *)buffer, (int)(at - buffer));
     return result < 0 || (result > 0 && lws_http_transaction_completed(wsi)) ? -1 : 0;
 }
 
@@ -342,7 +346,8 @@ static int answer(sl_network *n, struct lws *wsi, session *s, const char *path) 
 
 /* ---- the loop ---- */
 
-static int on_http(sl_network *n, struct lws *wsi, enum lws_callback_reasons why, session *s, const char *in) {
+static int on_http(sl_network *n, struct lws *wsi, enum lws_callback_reasons why, session *s,
+                   const char *in) {
     switch (why) {
     case LWS_CALLBACK_HTTP: return answer(n, wsi, s, in);
     case LWS_CALLBACK_HTTP_WRITEABLE: return send_part(wsi, s);
@@ -368,9 +373,11 @@ static int on_event(struct lws *wsi, enum lws_callback_reasons why, void *user, 
     }
 }
 
-static const struct lws_protocols protocols[] = {
-    {.name = "softlux", .callback = on_event, .per_session_data_size = sizeof(session), .rx_buffer_size = 4096},
-    {.name = NULL}};
+static const struct lws_protocols protocols[] = {{.name = "softlux",
+                                                  .callback = on_event,
+                                                  .per_session_data_size = sizeof(session),
+                                                  .rx_buffer_size = 4096},
+                                                 {.name = NULL}};
 
 static void wake(void *context) { lws_cancel_service(((sl_network *)context)->context); }
 

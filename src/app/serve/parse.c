@@ -43,7 +43,8 @@ sl_status sl_take_flag(const cJSON *message, const char *name, bool *value, sl_e
 sl_status sl_take_text(const cJSON *message, const char *name, const char **value, sl_error *error) {
     const cJSON *item = item_of(message, name, NULL);
     if (!item) return SL_OK;
-    if (!cJSON_IsString(item) || strlen(item->valuestring) > 200) return malformed(name, "a short text", error);
+    if (!cJSON_IsString(item) || strlen(item->valuestring) > 200)
+        return malformed(name, "a short text", error);
     *value = item->valuestring;
     return SL_OK;
 }
@@ -71,6 +72,17 @@ sl_status sl_take_side(const cJSON *message, int *side, sl_error *error) {
     return status;
 }
 
+sl_status sl_take_pixel(const cJSON *message, const sl_settings *settings, double *x, double *y,
+                        sl_error *error) {
+    bool there[2] = {false, false};
+    sl_status status = sl_take_number(message, "x", 0.0, settings->width - 1.0, x, &there[0], error);
+    if (status == SL_OK)
+        status = sl_take_number(message, "y", 0.0, settings->height - 1.0, y, &there[1], error);
+    if (status == SL_OK && !(there[0] && there[1])) status = malformed("x, y", "a pixel", error);
+    *x = floor(*x), *y = floor(*y);
+    return status;
+}
+
 static sl_status take_floats(const cJSON *message, const char *name, float values[3], bool *there,
                              sl_error *error) {
     double numbers[3] = {0.0, 0.0, 0.0};
@@ -95,7 +107,8 @@ sl_status sl_take_camera(const cJSON *message, const sl_scene *scene, sl_camera 
     if (status != SL_OK) return status;
     if (!has_eye || !has_target) return malformed("camera", "an eye and a target", error);
     *camera = *now;
-    const float radians = fabs(fov - (double)now->vertical_fov / degree) < 1e-5 ? now->vertical_fov : (float)(fov * degree);
+    const float radians =
+        fabs(fov - (double)now->vertical_fov / degree) < 1e-5 ? now->vertical_fov : (float)(fov * degree);
     if (sl_camera_look_at(camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]),
                           sl_v3(up[0], up[1], up[2]), radians))
         return SL_OK;
@@ -109,7 +122,8 @@ static sl_status take_index(const cJSON *edit, const char *name, size_t count, u
     double value = 0.0;
     bool there = false;
     sl_status status = sl_take_number(edit, name, 1.0, (double)count, &value, &there, error);
-    if (status == SL_OK && (!there || floor(value) != value)) status = malformed(name, "a number from 1", error);
+    if (status == SL_OK && (!there || floor(value) != value))
+        status = malformed(name, "a number from 1", error);
     if (status == SL_OK) *number = (uint32_t)value;
     return status;
 }
@@ -162,7 +176,8 @@ static sl_status take_light(const cJSON *edit, const sl_world *w, sl_item *item,
     sl_status status = take_index(edit, "light", w->scene->light_count, &item->number, error);
     if (status == SL_OK) status = take_power(edit, l, error);
     if (status == SL_OK) status = sl_take_numbers(edit, "position", 3, l->position, &l->has_position, error);
-    if (status == SL_OK) status = sl_take_numbers(edit, "direction", 3, l->direction, &l->has_direction, error);
+    if (status == SL_OK)
+        status = sl_take_numbers(edit, "direction", 3, l->direction, &l->has_direction, error);
     if (status == SL_OK) status = sl_take_number(edit, "scale", 0.0, 1e6, &scale, &scales, error);
     if (status != SL_OK || !scales) return status;
     const sl_rgb now = w->scene->lights[item->number - 1].intensity;

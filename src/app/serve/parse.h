@@ -17,6 +17,9 @@ sl_status sl_take_numbers(const cJSON *message, const char *name, size_t count, 
                           sl_error *error);
 /* "a" (0) or "b" (1). */
 sl_status sl_take_side(const cJSON *message, int *side, sl_error *error);
+/* "x" and "y", within the picture of those settings. */
+sl_status sl_take_pixel(const cJSON *message, const sl_settings *settings, double *x, double *y,
+                        sl_error *error);
 /* Of the scene's camera what the message leaves out. */
 sl_status sl_take_camera(const cJSON *message, const sl_scene *scene, sl_camera *camera, sl_error *error);
 /* *count of at most SL_ITEMS. */

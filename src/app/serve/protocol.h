@@ -54,14 +54,20 @@
  *       lights:[{light,type,position,direction,power}],sky:{present,stops},undo:n,redo:n}  after edits, too
  *   {"is":"camera",eye,target,up,fov,time}                         somebody moved it (also to that one)
  *   {"is":"state","side":"a","method","seconds","batches","done","error":share|null,"levels":..|null,
- *       "counters":{..},"kept":{"event":n,"changes":[..],"counters":{before, after}},"latency":ms,"frame":n,
- *       "reduced":"..","settings":{..}}                            twice a second while something changes
- *   {"is":"picked","what":"object"|"light"|"sky","object","name","material","light","at":[3],"normal":[3]}
- *   {"is":"story","side","x","y","pixel":[3],"terms":[{layer,kind,index,value,weight,contribution,at:[x,y]}],
- *       "rounding":[3],"paper","passes":[{pass,title,equation,text,function}]}
- *   {"is":"pass","side","index","name","source","title","text","equation","function","times","counters",
- *       "width","height"}                                          its picture follows as a frame of kind 3
- *   {"is":"overlay","side","kind","width","height","svg":"<path .../><circle .../>..."}
+ *       "counters":{..},"kept":{"event":n,"changes":[..],"counters":{"before":{..},"since":{..}}},
+ *       "latency":ms,"frame":n,"reduced":"..","settings":{..}}     twice a second while something changes;
+ *                                                                  levels of 255 by which it seems wrong;
+ *                                                                  kept: by the newest edit
+ *   {"is":"picked","what":"object"|"light"|"sky","object","name","material","light","at":[3],"normal":[3],x,y}
+ *   {"is":"story","side","x","y","pixel":[3],"terms":[{layer,kind,index,weight,value,contribution,position,
+ *       at:[column,row]}],"count","rounding":[3],"paper":[html lines],
+ *       "passes":[{pass,layer,title,text:[html lines],equation,function,source:{file,first,text}}]}
+ *       contributions and rounding add up to the pixel; beyond 24 terms the rest are one, of layer "several"
+ *   {"is":"pass","side","index","place","name","source","times","counters","width","height","marks",title,text,
+ *       equation,function}         as a story's; place: in the paper's order; marks: so many can be drawn over
+ *                                                                  its picture follows as a frame of kind 3
+ *   {"is":"overlay","side","kind","pass","width","height","svg":"<path .../><circle .../>..."}
+ *   {"is":"method","side","name","settings":{..}}                  somebody chose it
  *   {"is":"reference","samples","done"}    {"is":"error","side","error","bound"}
  *   {"is":"exact","fraction","done","side","command","png","exr"}   png, exr: addresses, once it is done
  *   {"is":"kept","what","href","bytes"}
@@ -70,8 +76,8 @@
  *
  * ---- pictures: binary, little-endian, SL_FRAME_HEADER bytes and then a JPEG's or PNG's
  *
- *   u32 "SLFR"; u8 kind; u8 format (0 JPEG, 1 PNG); u16 index of the pass, or the side (0: a, 1: b) of other
- *   kinds; u32 number of the frame; u16 width; u16 height; u64 number of the newest event that it shows.
+ *   u32 "SLFR"; u8 kind; u8 format (0 JPEG, 1 PNG); u16 index of the pass (and 64 of side b), or the side (0:
+ *   a, 1: b) of other kinds; u32 number of the frame; u16 width; u16 height; u64 number of the newest event that it shows.
  * JPEG while things move, PNG once they rest. Numbers of frames rise, for all kinds together. */
 #ifndef SL_APP_SERVE_PROTOCOL_H
 #define SL_APP_SERVE_PROTOCOL_H

@@ -3,6 +3,7 @@
 
 #include "app/clock.h"
 #include "app/page.h"
+#include "app/serve/passes.h"
 #include "base/error.h"
 #include "cache/frame/method.h"
 
@@ -26,8 +27,10 @@ static sl_status catch_up(sl_stage *s, sl_side *d, sl_error *error) {
 sl_status sl_side_start(sl_stage *s, int index, sl_error *error) {
     sl_side *d = &s->side[index];
     sl_status status = catch_up(s, d, error);
-    if (status == SL_OK)
-        status = sl_live_start_beside(d->scene, s->world.scene, &d->settings, &d->live, error);
+    sl_settings settings = d->settings;
+    if (d->observed) d->passes = sl_passes_create(settings.method);
+    if (d->passes) settings.observer = sl_passes_observer(d->passes);
+    if (status == SL_OK) status = sl_live_start_beside(d->scene, s->world.scene, &settings, &d->live, error);
     d->wanted = status == SL_OK;
     d->began = d->moved = sl_seconds_now();
     d->last = (sl_live_state){0};
@@ -55,6 +58,8 @@ void sl_side_stop(sl_stage *s, int index) {
         d->has = last_followed(d->live, d->has);
         sl_live_stop(d->live, NULL);
     }
+    sl_passes_destroy(d->passes);
+    d->passes = NULL;
     d->live = NULL;
     d->wanted = false;
 }
@@ -158,6 +163,7 @@ void sl_side_step(sl_stage *s, int index, double now) {
     const bool rested = d->last.done && d->sent_still;
     if (!d->live) return;
     if (is_due(s, d, now)) draw(s, index, now);
+    if (d->passes) sl_passes_step(s, d->passes, index, now);
     if (!d->live || now - d->told < telling || (rested && d->told > d->drawn)) return;
     d->told = now;
     tell_state(s, index);

@@ -2,6 +2,7 @@
 
 #include "app/clock.h"
 #include "app/serve/parse.h"
+#include "app/serve/passes.h"
 #include "base/error.h"
 
 #include <stdio.h>
@@ -35,6 +36,7 @@ void sl_show(sl_stage *s, sl_frame_kind kind, unsigned index, const sl_image *pi
 static sl_status spread(sl_stage *s, unsigned changes, sl_error *error) {
     sl_status status = SL_OK;
     s->times[s->world.count % SL_TIMES] = sl_seconds_now();
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_KINDS)) sl_stage_forget_tracer(s);
     for (int i = 0; i < SL_SIDES && status == SL_OK; i++) status = sl_side_follow(s, i, changes, error);
     return status;
 }
@@ -148,7 +150,8 @@ static sl_status take_size(sl_stage *s, unsigned client, const cJSON *message, s
     sl_status status = sl_take_number(message, "width", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, &width, &w, error);
     if (status == SL_OK)
         status = sl_take_number(message, "height", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, &height, &h, error);
-    if (status == SL_OK && !(w && h)) status = sl_fail(error, SL_ERROR_INPUT, "size: expected width and height");
+    if (status == SL_OK && !(w && h))
+        status = sl_fail(error, SL_ERROR_INPUT, "size: expected width and height");
     (void)client;
     for (int i = 0; i < SL_SIDES && status == SL_OK; i++) {
         const bool shown = s->side[i].wanted;
@@ -232,14 +235,40 @@ static sl_status take_tone(sl_stage *s, unsigned client, const cJSON *message, s
     return SL_OK;
 }
 
+static sl_status take_passes(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    int side;
+    bool on = true;
+    sl_status status = sl_take_side(message, &side, error);
+    if (status == SL_OK) status = sl_take_flag(message, "on", &on, error);
+    (void)client;
+    if (status != SL_OK || s->side[side].observed == on) return status;
+    s->side[side].observed = on;
+    return s->side[side].wanted ? restart(s, side, error) : SL_OK;
+}
+
+static sl_status take_overlay(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    int side;
+    const char *kind = "";
+    sl_status status = sl_take_side(message, &side, error);
+    if (status == SL_OK) status = sl_take_text(message, "kind", &kind, error);
+    (void)client;
+    if (status != SL_OK) return status;
+    if (!s->side[side].passes)
+        return sl_fail(error, SL_ERROR_USAGE, "overlay: the side's passes are not shown");
+    sl_passes_overlay(s->side[side].passes, kind);
+    return SL_OK;
+}
+
 /* ---- messages ---- */
 
 static const struct {
     const char *name;
     sl_status (*take)(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
-} requests[] = {{"camera", take_camera}, {"view", take_view}, {"reset", take_reset}, {"time", take_time},
-                {"play", take_play},     {"edit", take_edit}, {"undo", take_undo},   {"redo", take_redo},
-                {"size", take_size},     {"method", take_method}, {"tone", take_tone}};
+} requests[] = {{"camera", take_camera},  {"view", take_view},     {"reset", take_reset},
+                {"time", take_time},      {"play", take_play},     {"edit", take_edit},
+                {"undo", take_undo},      {"redo", take_redo},     {"size", take_size},
+                {"method", take_method},  {"tone", take_tone},     {"pick", sl_take_pick},
+                {"story", sl_take_story}, {"passes", take_passes}, {"overlay", take_overlay}};
 enum { REQUESTS = sizeof requests / sizeof requests[0] };
 
 static void answer(sl_stage *s, unsigned client, const char *what, sl_status status, const sl_error *error) {
@@ -259,7 +288,8 @@ static void take_message(sl_stage *s, unsigned client, const cJSON *message) {
     if (status == SL_ERROR_INPUT && error.status != SL_ERROR_INPUT)
         sl_fail(&error, SL_ERROR_INPUT, "do: nothing of that name");
     if (status == SL_ERROR_INPUT) sl_mail_send(s->mail, sl_packet_end(client, error.message));
-    else answer(s, client, what, status, &error);
+    else if (status != SL_OK || (strcmp(what, "pick") != 0 && strcmp(what, "story") != 0))
+        answer(s, client, what, status, &error);
 }
 
 static void count_viewers(sl_stage *s, int more) {
@@ -327,7 +357,8 @@ sl_status sl_stage_open(const sl_stage_options *options, sl_mail *mail, sl_stage
     s->mail = mail;
     s->tone = (sl_tone){SL_TONE_REINHARD, 0.0f, true};
     for (int i = 0; i < SL_SIDES; i++) s->side[i].settings = options->settings;
-    sl_status status = sl_world_open(&s->world, options->scene_path, options->reading, options->at_seconds, error);
+    sl_status status =
+        sl_world_open(&s->world, options->scene_path, options->reading, options->at_seconds, error);
     if (status == SL_OK) status = sl_side_start(s, 0, error);
     if (status == SL_OK) *stage = s;
     else sl_stage_close(s);
@@ -340,6 +371,7 @@ void sl_stage_close(sl_stage *s) {
         sl_side_stop(s, i);
         sl_scene_destroy(s->side[i].scene);
     }
+    sl_stage_forget_tracer(s);
     sl_world_close(&s->world);
     free(s);
 }

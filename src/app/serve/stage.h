@@ -11,10 +11,10 @@ typedef struct sl_stage sl_stage;
 typedef struct sl_stage_options {
     const char *scene_path; /* the caller's, as all that is pointed to */
     const sl_reading *reading;
-    sl_settings settings;   /* of the method that is shown first, its size included */
+    sl_settings settings; /* of the method that is shown first, its size included */
     double at_seconds;
-    const char *folder;     /* where what is kept is written; NULL: nothing is */
-    const char *token;      /* in addresses of what is kept */
+    const char *folder; /* where what is kept is written; NULL: nothing is */
+    const char *token;  /* in addresses of what is kept */
 } sl_stage_options;
 
 /* The mail must outlive it. */

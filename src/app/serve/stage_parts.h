@@ -5,25 +5,30 @@
 #include "app/serve/frame.h"
 #include "app/serve/stage.h"
 #include "app/serve/world.h"
+#include "app/steps/marks.h"
 
 enum { SL_SIDES = 2, SL_TIMES = 256 };
+
+typedef struct sl_passes sl_passes;
 
 /* One method, shown live. */
 typedef struct sl_side {
     sl_settings settings;
-    bool wanted;           /* a method is named */
-    sl_scene *scene;       /* the updates' */
-    uint64_t has;          /* events that were made to the scene before the show began */
-    sl_live *live;         /* NULL: it is not shown */
+    bool wanted;                      /* a method is named */
+    sl_scene *scene;                  /* the updates' */
+    uint64_t has;                     /* events that were made to the scene before the show began */
+    sl_live *live;                    /* NULL: it is not shown */
     double began, drawn, moved, told; /* seconds by the clock: the show; the last frame, change, state */
     sl_live_state last;
-    uint64_t shown;        /* the newest event that the last frame shows */
-    double latency;        /* seconds from that event to its frame */
+    uint64_t shown; /* the newest event that the last frame shows */
+    double latency; /* seconds from that event to its frame */
     bool sent_still;
-    uint64_t edit;         /* the newest edit; changes and counters then */
+    uint64_t edit; /* the newest edit; changes and counters then */
     unsigned edit_changes;
     sl_counters before_edit;
-    uint32_t frame;        /* the number of the last */
+    uint32_t frame; /* the number of the last */
+    bool observed;  /* its passes are shown */
+    sl_passes *passes;
 } sl_side;
 
 struct sl_stage {
@@ -32,11 +37,12 @@ struct sl_stage {
     sl_world world;
     sl_side side[SL_SIDES];
     sl_tone tone;
-    uint32_t frame;        /* the newest number */
+    uint32_t frame; /* the newest number */
     unsigned viewers;
     double times[SL_TIMES]; /* when the last events came, by number */
     bool plays;
     double play_began, play_from;
+    sl_tracer *tracer; /* of the scene as it stands; NULL: nobody has asked for it */
 };
 
 /* ---- to viewers; client 0: to all ---- */
@@ -64,5 +70,16 @@ cJSON *sl_describe_scene(const sl_stage *stage, bool inner); /* inner: without "
 cJSON *sl_describe_camera(const sl_stage *stage);
 cJSON *sl_describe_settings(const sl_settings *settings); /* those that are not as they are by default */
 cJSON *sl_describe_changes(unsigned changes);
+
+/* ---- pick.c ---- */
+sl_status sl_take_pick(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
+sl_status sl_stage_tracer(sl_stage *stage, const sl_tracer **tracer, sl_error *error);
+void sl_stage_forget_tracer(sl_stage *stage); /* things have moved */
+sl_mark_view sl_stage_view(const sl_stage *stage);
+
+/* ---- story.c ---- */
+sl_status sl_take_story(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
+/* Adds a narrative's entry of a pass (or NULL): "title", "text", "equation", "function". */
+void sl_add_told(cJSON *to, const cJSON *told);
 
 #endif

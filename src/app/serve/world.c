@@ -110,12 +110,13 @@ sl_status sl_world_go_to(sl_world *w, double seconds, unsigned *changes, sl_erro
 
 static void light_as_it_is(const sl_world *w, uint32_t number, sl_light_item *to) {
     const sl_light *l = &w->scene->lights[number - 1];
-    *to = (sl_light_item){.has_strength = true,
-                          .has_position = l->type != SL_LIGHT_DIRECTIONAL,
-                          .has_direction = l->type != SL_LIGHT_POINT,
-                          .strength = {l->intensity.r, l->intensity.g, l->intensity.b},
-                          .position = {(double)l->position.x, (double)l->position.y, (double)l->position.z},
-                          .direction = {(double)l->direction.x, (double)l->direction.y, (double)l->direction.z}};
+    *to = (sl_light_item){
+        .has_strength = true,
+        .has_position = l->type != SL_LIGHT_DIRECTIONAL,
+        .has_direction = l->type != SL_LIGHT_POINT,
+        .strength = {l->intensity.r, l->intensity.g, l->intensity.b},
+        .position = {(double)l->position.x, (double)l->position.y, (double)l->position.z},
+        .direction = {(double)l->direction.x, (double)l->direction.y, (double)l->direction.z}};
 }
 
 /* The item that gives back what this one takes; false: it names something that is not there. */
@@ -169,8 +170,7 @@ static sl_status fill_step(const sl_world *w, const sl_item *items, size_t count
 static void push(sl_world *w, const sl_undo *step) {
     w->undo_count -= w->undone;
     w->undone = 0;
-    if (w->undo_count == UNDO_STEPS)
-        memmove(w->undo, w->undo + 1, --w->undo_count * sizeof *w->undo);
+    if (w->undo_count == UNDO_STEPS) memmove(w->undo, w->undo + 1, --w->undo_count * sizeof *w->undo);
     w->undo[w->undo_count++] = *step;
 }
 

@@ -64,21 +64,21 @@ typedef struct sl_undo {
 } sl_undo;
 
 typedef struct sl_world {
-    const char *path;         /* of the scene; the caller's, as is what follows */
+    const char *path; /* of the scene; the caller's, as is what follows */
     const sl_reading *reading;
     sl_scene *scene;
     sl_sky *sky;
     sl_camera first_camera;
     double time, first_time, duration, stops;
-    bool looks;               /* the camera is not the keyframes' */
+    bool looks; /* the camera is not the keyframes' */
     bool edited;
-    double (*columns)[16];    /* of every object */
+    double (*columns)[16]; /* of every object */
     sl_event **events;
     size_t count, room;
-    uint64_t changed;         /* the number of the newest event that changed anything */
+    uint64_t changed; /* the number of the newest event that changed anything */
     sl_undo *undo;
     size_t undone, undo_count, undo_room; /* of undo_count steps so many are undone */
-    bool drags;               /* what comes next may belong to the newest of them */
+    bool drags;                           /* what comes next may belong to the newest of them */
 } sl_world;
 
 /* The scene at a time. */

@@ -23,7 +23,7 @@ static bool within(const sl_mark_view *view, double column, double row) {
 
 /* Something else lies in front of the mark: it may itself lie a little within the surface that it belongs to.
  */
-static bool is_hidden(const sl_mark_view *view, const float at[3]) {
+bool sl_mark_is_hidden(const sl_mark_view *view, const float at[3]) {
     if (!view->tracer) return false;
     sl_vec3 eye = view->camera.eye, d = sl_sub(vector(at), eye);
     float distance = sqrtf(sl_dot(d, d));
@@ -69,7 +69,7 @@ static void put_disc(FILE *out, const sl_mark_view *view, const sl_mark *m) {
 
 static void put_mark(FILE *out, const sl_mark_view *view, const sl_mark *m) {
     double column, row, to_column, to_row;
-    if (!sl_mark_project(view, m->at, &column, &row) || !within(view, column, row) || is_hidden(view, m->at))
+    if (!sl_mark_project(view, m->at, &column, &row) || !within(view, column, row) || sl_mark_is_hidden(view, m->at))
         return;
     switch (m->kind) {
     case SL_MARK_DISC: put_disc(out, view, m); /* and its centre */ /* fall through */

@@ -19,6 +19,8 @@ typedef struct sl_mark_view {
 
 /* Column and row, from the top, of a point; false: behind the eye. */
 bool sl_mark_project(const sl_mark_view *view, const float at[3], double *column, double *row);
+/* Tells whether something else lies in front of a point of a surface. */
+bool sl_mark_is_hidden(const sl_mark_view *view, const float at[3]);
 typedef struct sl_marks {
     const sl_mark_view *view;
     const sl_mark *marks;

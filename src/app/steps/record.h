@@ -4,15 +4,8 @@
 #define SL_APP_STEPS_RECORD_H
 
 #include "app/steps/marks.h"
+#include "app/steps/narrative.h"
 #include "cache/frame/settings.h"
-
-#include <cjson/cJSON.h>
-
-/* ---- the text about a method (narratives.json): its paper, and for each pass that the method announces a
- * title, two or three sentences, the equation, and the function that computes it ---- */
-
-/* Returns the narrative of a method, which the caller deletes; NULL: there is none. */
-cJSON *sl_narrative_of(const char *method);
 
 /* ---- what passes announce ---- */
 

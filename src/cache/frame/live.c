@@ -23,51 +23,51 @@
 
 /* Where things are: all that it takes to put any copy of the scene there. */
 typedef struct pose {
-    uint64_t number;           /* 0, 1, 2, ... as they were asked for */
-    bool timed;                /* false: as the scene was found */
+    uint64_t number; /* 0, 1, 2, ... as they were asked for */
+    bool timed;      /* false: as the scene was found */
     double time;
-    bool looks;                /* from a camera of its own, not the keyframes' */
+    bool looks; /* from a camera of its own, not the keyframes' */
     sl_camera camera;
 } pose;
 
 /* A move that waits for its change to show: the first of those that do. */
 typedef struct change {
     bool waits;
-    double time;               /* the scene's */
-    uint64_t frames;           /* that were drawn before it */
+    double time;     /* the scene's */
+    uint64_t frames; /* that were drawn before it */
 } change;
 
 struct sl_live {
-    sl_scene *scene;           /* the thread's, while it runs; the caller's is the copy */
-    sl_method *method;         /* likewise */
+    sl_scene *scene;   /* the thread's, while it runs; the caller's is the copy */
+    sl_method *method; /* likewise */
     sl_thread thread;
     bool runs;
 
     sl_scene *scene_copy;
-    bool follows;              /* the copy is the caller's, and so are all moves */
-    sl_monitor drawing;        /* held while a window draws, and while changes may take its method away */
-    void *window;              /* NULL: the method has none */
+    bool follows;       /* the copy is the caller's, and so are all moves */
+    sl_monitor drawing; /* held while a window draws, and while changes may take its method away */
+    void *window;       /* NULL: the method has none */
     sl_image *frame;
-    pose shown, wanted;        /* wanted: of a higher number while it waits */
-    uint64_t told, seen;       /* numbers of changes: of the newest; of the newest in the frame */
-    double hold;               /* levels; 0: moves do not wait */
+    pose shown, wanted;  /* wanted: of a higher number while it waits */
+    uint64_t told, seen; /* numbers of changes: of the newest; of the newest in the frame */
+    double hold;         /* levels; 0: moves do not wait */
     sl_live_state state;
-    sl_counters counters;      /* of frames */
+    sl_counters counters; /* of frames */
 
-    sl_monitor meeting;        /* guards what follows */
+    sl_monitor meeting; /* guards what follows */
     bool stop;
     pose asked;
     /* by moves that the thread has not taken yet; by what updates have made of those that it took */
     change moved, found;
     uint64_t changes_found;
-    uint64_t followed;         /* number of the pose that updates are at */
+    uint64_t followed; /* number of the pose that updates are at */
     sl_progress progress;
     double error_levels, samples;
-    sl_counters counted;       /* by the method */
-    double rate;               /* to be told of; 0: none is */
+    sl_counters counted; /* by the method */
+    double rate;         /* to be told of; 0: none is */
     sl_live_event *log;
     size_t events, log_room;
-    sl_live_change *waiting;   /* not followed yet */
+    sl_live_change *waiting; /* not followed yet */
     size_t changes, change_room;
     sl_live_turn *turns;
     size_t turn_count, turn_room;
@@ -76,11 +76,11 @@ struct sl_live {
     sl_live_visitor *visitor;
     void *visit_context;
     bool rest;
-    bool blind;                /* the method's state is another one than the window's */
-    sl_image *picture;         /* the newest, not taken yet; NULL: none */
+    bool blind;        /* the method's state is another one than the window's */
+    sl_image *picture; /* the newest, not taken yet; NULL: none */
     double picture_time;
     uint64_t pictures;
-    sl_status status;          /* of the thread: not SL_OK, it has ended */
+    sl_status status; /* of the thread: not SL_OK, it has ended */
     sl_error error;
 };
 
@@ -329,6 +329,7 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
     if (counters) *counters = (sl_counters){0};
     if (!l) return;
     sl_live_halt(l);
+    if (l->visitor) l->visitor(l->visit_context, NULL);
     if (counters && l->method) {
         *counters = *sl_method_counters(l->method);
         sl_counters_add(counters, &l->counters);
@@ -534,7 +535,8 @@ static sl_status move_window(sl_live *l, sl_error *error) {
 
 sl_status sl_live_follow(sl_live *l, const sl_live_change *c, unsigned changes, sl_error *error) {
     if (!l || !c) return sl_fail_null(error, "a live show and a change");
-    sl_status status = l->window && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_KINDS)) ? move_window(l, error) : SL_OK;
+    sl_status status =
+        l->window && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_KINDS)) ? move_window(l, error) : SL_OK;
     l->told = c->number;
     sl_monitor_enter(&l->meeting);
     bool fits = add_change(l, c);
