@@ -6,6 +6,7 @@
 #include "app/options.h"
 #include "app/page.h"
 #include "app/same_file.h"
+#include "app/serve/log.h"
 #include "app/serve/network.h"
 #include "app/serve/stage.h"
 #include "base/error.h"
@@ -20,6 +21,7 @@ typedef struct serve_command {
     sl_network_options network;
     sl_reading reading;
     uint64_t port;
+    const char *replay;
     bool quiet;
 } serve_command;
 
@@ -27,14 +29,17 @@ static bool parse(int argc, char **argv, serve_command *c, int *status) {
     bool quality_given = false;
     *c = (serve_command){.network.host = "127.0.0.1", .stage.settings = sl_settings_default()};
     c->stage.settings.method = "shading-cache";
+    c->stage.folder = "softlux-kept";
     const sl_option options[] = {
-        SL_TEXT("output", 'o', &c->stage.folder, "DIR", "where what is kept is written [nothing is]"),
+        SL_TEXT("output", 'o', &c->stage.folder, "DIR", "where what is kept is written [softlux-kept]"),
         SL_TEXT(
             "host", 0, &c->network.host, "ADDRESS",
             "an address of this machine to listen at; nothing is encrypted [127.0.0.1: this machine alone]"),
         SL_NUMBER("port", 0, &c->port, "N", 0, 65535, "to listen at; 0: any [0]"),
         SL_REAL("at", &c->stage.at_seconds, NULL, "SECONDS", -1e9, 1e9,
                 "time of the scene to begin with [0]"),
+        SL_TEXT("replay", 0, &c->replay, "LOG",
+                "write the pictures of a log that was kept into DIR, as its shows had them, and end"),
         SL_FLAG("quiet", &c->quiet, "no warnings"),
         {.name = NULL}};
     const sl_command_line line = {
@@ -56,6 +61,22 @@ static bool parse(int argc, char **argv, serve_command *c, int *status) {
     c->network.port = (int)c->port;
     c->stage.reading = &c->reading;
     return true;
+}
+
+/* replay-1.exr and, where two methods were shown, replay-2.exr. */
+static sl_status replay(const serve_command *c, sl_error *error) {
+    sl_status status = SL_OK;
+    for (int i = 0; i < 2; i++) {
+        char name[4096];
+        sl_image *picture;
+        snprintf(name, sizeof name, "%.4000s/replay-%d.exr", c->stage.folder, i + 1);
+        sl_status one = sl_log_replay(c->replay, c->stage.scene_path, &c->reading, i, &picture, error);
+        if (i == 0 || one == SL_OK) status = one;
+        if (one == SL_OK) status = sl_make_folder(c->stage.folder, "replay-1.exr", error);
+        if (one == SL_OK && status == SL_OK) status = sl_image_write(picture, name, error);
+        sl_image_destroy(picture);
+    }
+    return status;
 }
 
 #ifndef SL_HAVE_WEBSOCKETS
@@ -132,10 +153,10 @@ int sl_command_serve(int argc, char **argv) {
     int exit_status;
     if (!parse(argc, argv, &c, &exit_status)) return exit_status;
     sl_error error;
+    if (c.replay) return replay(&c, &error) == SL_OK ? 0 : sl_complain(&error);
     sl_stage *stage = NULL;
     c.stage.token = c.network.token;
     sl_status status = look_at_scene(&c, &error);
-    if (status == SL_OK && c.stage.folder) status = sl_make_folder(c.stage.folder, "softlux.png", &error);
     if (status == SL_OK) status = sl_network_token(c.network.token, &error);
     if (status == SL_OK && !sl_mail_open(&mail))
         status = sl_fail(&error, SL_ERROR_RESOURCES, "no lock could be had");

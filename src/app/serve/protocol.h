@@ -68,9 +68,13 @@
  *                                                                  its picture follows as a frame of kind 3
  *   {"is":"overlay","side","kind","pass","width","height","svg":"<path .../><circle .../>..."}
  *   {"is":"method","side","name","settings":{..}}                  somebody chose it
- *   {"is":"reference","samples","done"}    {"is":"error","side","error","bound"}
- *   {"is":"exact","fraction","done","side","command","png","exr"}   png, exr: addresses, once it is done
- *   {"is":"kept","what","href","bytes"}
+ *   {"is":"reference","samples","done"}
+ *   {"is":"error","side","seconds","error","bound","by":"reference"|"probes"}    shares; by probes that reach it
+ *                                                                  with 95 % confidence; what the reference's
+ *                                                                  own noise adds is in its error
+ *   {"is":"exact","side","fraction","done","command","png","exr"}  png, exr: addresses, once it is done; what a
+ *                                                                  frame of kind 6 shows
+ *   {"is":"kept","what","name","href","bytes"}                     also of png and exr, once they are made
  *   {"is":"refused","do","reason"}
  *   {"is":"viewers","count"}
  *

@@ -146,7 +146,7 @@ static void draw(sl_stage *s, int index, double now) {
         fail(s, index, &error);
         return;
     }
-    const uint64_t shown = sl_live_shows(d->live);
+    const uint64_t followed = sl_live_shows(d->live), shown = followed > d->has ? followed : d->has;
     const bool differs = state.versions != d->last.versions || shown != d->shown,
                still = state.done && shown == s->world.count && now - d->moved > 0.2;
     d->last = state;
@@ -154,6 +154,8 @@ static void draw(sl_stage *s, int index, double now) {
     if (!state.versions || (!differs && (!still || d->sent_still))) return;
     note_latency(s, d, shown);
     sl_show(s, (sl_frame_kind)index, (unsigned)index, frame, &s->tone, shown, still);
+    if (index == 0) sl_film_frame(s, frame);
+    if (shown == s->world.count) sl_worker_see(s->worker, index, frame, &d->settings);
     d->frame = s->frame;
     d->sent_still = still;
 }

@@ -37,6 +37,7 @@ static sl_status spread(sl_stage *s, unsigned changes, sl_error *error) {
     sl_status status = SL_OK;
     s->times[s->world.count % SL_TIMES] = sl_seconds_now();
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_KINDS)) sl_stage_forget_tracer(s);
+    sl_worker_follow(s->worker, s->world.events[s->world.count - 1]);
     for (int i = 0; i < SL_SIDES && status == SL_OK; i++) status = sl_side_follow(s, i, changes, error);
     return status;
 }
@@ -139,6 +140,11 @@ static sl_status take_redo(sl_stage *s, unsigned client, const cJSON *message, s
 
 /* ---- what is shown of it ---- */
 
+static void want(sl_stage *s) {
+    const bool on = s->viewers > 0;
+    sl_worker_want(s->worker, on && (s->reference || s->difference), on && s->error, &s->side[0].settings);
+}
+
 static sl_status restart(sl_stage *s, int side, sl_error *error) {
     sl_side_stop(s, side);
     return sl_side_start(s, side, error);
@@ -159,6 +165,8 @@ static sl_status take_size(sl_stage *s, unsigned client, const cJSON *message, s
         s->side[i].settings.height = (int)height;
         if (shown) status = restart(s, i, error);
     }
+    want(s);
+    sl_film_end(s, true);
     return status;
 }
 
@@ -259,16 +267,57 @@ static sl_status take_overlay(sl_stage *s, unsigned client, const cJSON *message
     return SL_OK;
 }
 
+static sl_status take_switch(sl_stage *s, const cJSON *message, bool *which, sl_error *error) {
+    bool on = true;
+    sl_status status = sl_take_flag(message, "on", &on, error);
+    if (status != SL_OK) return status;
+    *which = on;
+    want(s);
+    for (int i = 0; i < SL_SIDES; i++) s->side[i].sent_still = false; /* so that it is looked at */
+    return SL_OK;
+}
+
+static sl_status take_reference(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    (void)client;
+    return take_switch(s, message, &s->reference, error);
+}
+
+static sl_status take_difference(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    (void)client;
+    return take_switch(s, message, &s->difference, error);
+}
+
+static sl_status take_error(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+    (void)client;
+    return take_switch(s, message, &s->error, error);
+}
+
 /* ---- messages ---- */
 
 static const struct {
     const char *name;
     sl_status (*take)(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
-} requests[] = {{"camera", take_camera},  {"view", take_view},     {"reset", take_reset},
-                {"time", take_time},      {"play", take_play},     {"edit", take_edit},
-                {"undo", take_undo},      {"redo", take_redo},     {"size", take_size},
-                {"method", take_method},  {"tone", take_tone},     {"pick", sl_take_pick},
-                {"story", sl_take_story}, {"passes", take_passes}, {"overlay", take_overlay}};
+} requests[] = {{"camera", take_camera},
+                {"view", take_view},
+                {"reset", take_reset},
+                {"time", take_time},
+                {"play", take_play},
+                {"edit", take_edit},
+                {"undo", take_undo},
+                {"redo", take_redo},
+                {"size", take_size},
+                {"method", take_method},
+                {"tone", take_tone},
+                {"pick", sl_take_pick},
+                {"story", sl_take_story},
+                {"passes", take_passes},
+                {"overlay", take_overlay},
+                {"reference", take_reference},
+                {"difference", take_difference},
+                {"error", take_error},
+                {"exact", sl_take_exact},
+                {"keep", sl_take_keep}};
+
 enum { REQUESTS = sizeof requests / sizeof requests[0] };
 
 static void answer(sl_stage *s, unsigned client, const char *what, sl_status status, const sl_error *error) {
@@ -297,6 +346,7 @@ static void count_viewers(sl_stage *s, int more) {
     cJSON *m = sl_message("viewers");
     cJSON_AddNumberToObject(m, "count", s->viewers);
     sl_say(s, 0, m);
+    want(s);
     for (int i = 0; i < SL_SIDES; i++)
         if (s->side[i].live) sl_live_rest(s->side[i].live, !s->viewers);
 }
@@ -331,7 +381,8 @@ double sl_stage_step(sl_stage *s) {
         sl_side_step(s, i, now);
         busy = busy || (d->live && !(d->last.done && d->sent_still && d->shown == s->world.count));
     }
-    return busy ? 0.005 : 0.25;
+    sl_work_step(s);
+    return busy ? 0.005 : 0.05;
 }
 
 void sl_stage_run(sl_stage *s) {
@@ -359,6 +410,7 @@ sl_status sl_stage_open(const sl_stage_options *options, sl_mail *mail, sl_stage
     for (int i = 0; i < SL_SIDES; i++) s->side[i].settings = options->settings;
     sl_status status =
         sl_world_open(&s->world, options->scene_path, options->reading, options->at_seconds, error);
+    if (status == SL_OK) status = sl_worker_start(&s->world, &s->worker, error);
     if (status == SL_OK) status = sl_side_start(s, 0, error);
     if (status == SL_OK) *stage = s;
     else sl_stage_close(s);
@@ -371,6 +423,8 @@ void sl_stage_close(sl_stage *s) {
         sl_side_stop(s, i);
         sl_scene_destroy(s->side[i].scene);
     }
+    sl_film_end(s, false);
+    sl_worker_stop(s->worker);
     sl_stage_forget_tracer(s);
     sl_world_close(&s->world);
     free(s);

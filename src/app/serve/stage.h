@@ -13,7 +13,7 @@ typedef struct sl_stage_options {
     const sl_reading *reading;
     sl_settings settings; /* of the method that is shown first, its size included */
     double at_seconds;
-    const char *folder; /* where what is kept is written; NULL: nothing is */
+    const char *folder; /* where what is kept is written; made once it is needed */
     const char *token;  /* in addresses of what is kept */
 } sl_stage_options;
 

@@ -3,7 +3,9 @@
 #define SL_APP_SERVE_STAGE_PARTS_H
 
 #include "app/serve/frame.h"
+#include "app/show_files.h"
 #include "app/serve/stage.h"
+#include "app/serve/worker.h"
 #include "app/serve/world.h"
 #include "app/steps/marks.h"
 
@@ -42,6 +44,24 @@ struct sl_stage {
     double times[SL_TIMES]; /* when the last events came, by number */
     bool plays;
     double play_began, play_from;
+    sl_worker *worker;
+    bool reference, difference, error;
+    struct {             /* keep.c */
+        unsigned number; /* of the last file */
+        double bytes;    /* that were kept */
+        double told;     /* when the exact picture was told of last */
+        int side;        /* of the exact picture */
+        const char
+            *what; /* is being made: "exact", "page", or what of an exact picture is kept; NULL: none */
+        char scene_path[4096]; /* the newest that was written; "": none */
+        uint64_t scene_event;  /* as the world stood then */
+        sl_exact_job job;
+        char command[8192];
+        bool films;
+        sl_show_files film;
+        char film_path[4096];
+        double film_began;
+    } kept;
     sl_tracer *tracer; /* of the scene as it stands; NULL: nobody has asked for it */
 };
 
@@ -76,6 +96,20 @@ sl_status sl_take_pick(sl_stage *stage, unsigned client, const cJSON *message, s
 sl_status sl_stage_tracer(sl_stage *stage, const sl_tracer **tracer, sl_error *error);
 void sl_stage_forget_tracer(sl_stage *stage); /* things have moved */
 sl_mark_view sl_stage_view(const sl_stage *stage);
+
+/* ---- keep.c ---- */
+sl_status sl_take_exact(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
+sl_status sl_take_keep(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
+/* One more frame of a film; a film that has become too long ends. */
+void sl_film_frame(sl_stage *stage, const sl_image *frame);
+void sl_film_end(sl_stage *stage, bool told);
+/* Tells and shows what the worker has done. */
+void sl_work_step(sl_stage *stage);
+
+/* ---- log.c ---- */
+/* Writes the events so far and what the shows made of them, and beside NAME.json the picture that each side's
+ * method has then, NAME-a.exr. */
+sl_status sl_log_write(sl_stage *stage, const char *path, sl_error *error);
 
 /* ---- story.c ---- */
 sl_status sl_take_story(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);

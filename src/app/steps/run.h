@@ -19,4 +19,8 @@ typedef struct sl_steps_options {
  * against the reference, whose own noise is subtracted; null: not known. */
 sl_status sl_steps_run(const sl_scene *scene, const sl_steps_options *options, cJSON **run, sl_error *error);
 
+/* Writes a page of runs, a JSON array of one method's or two's. */
+sl_status sl_steps_page(const char *path, const char *methods, const char *scene, const cJSON *runs,
+                        sl_error *error);
+
 #endif

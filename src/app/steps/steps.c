@@ -54,21 +54,13 @@ static void choose_size(const sl_scene *scene, sl_settings *settings) {
     if (settings->height > 2 * WIDTH) settings->height = 2 * WIDTH;
 }
 
-/* page.css and page.js, as the linker has put them in. */
-extern const char _binary_src_app_steps_page_css_start[], _binary_src_app_steps_page_css_end[];
-extern const char _binary_src_app_steps_page_js_start[], _binary_src_app_steps_page_js_end[];
-
 /* Writes index.html: one method, or two beside each other. */
 static sl_status write_page(const steps_command *s, const cJSON *runs, sl_error *error) {
-    const sl_page_files files = {
-        _binary_src_app_steps_page_css_start, _binary_src_app_steps_page_css_end,
-        _binary_src_app_steps_page_js_start, _binary_src_app_steps_page_js_end};
-    char path[4096], heading[4096], title[4300];
+    char path[4096], methods[160];
     snprintf(path, sizeof path, "%s/index.html", s->folder);
-    snprintf(heading, sizeof heading, "%.4000s, step by step", s->scene);
-    snprintf(title, sizeof title, "%.60s%s%.60s, %s", s->settings.method, s->beside ? " beside " : "",
-             s->beside ? s->beside : "", heading);
-    return sl_page_write(path, title, heading, &files, runs, error);
+    snprintf(methods, sizeof methods, "%.60s%s%.60s", s->settings.method, s->beside ? " beside " : "",
+             s->beside ? s->beside : "");
+    return sl_steps_page(path, methods, s->scene, runs, error);
 }
 
 static sl_status make_page(const steps_command *s, const sl_scene *scene, sl_error *error) {

@@ -358,16 +358,21 @@ static double bytes_of_show(const sl_scene *scene, const sl_settings *settings) 
 /* Splatting shows what it has after so many new ones. */
 enum { RECORDS_PER_FRAME = 256 };
 
+sl_status sl_live_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *own, sl_error *error) {
+    sl_transport ignored;
+    sl_status status = sl_method_choose(scene, asked, own, &ignored, NULL, error);
+    own->shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
+    /* as long as anything is above the stop size */
+    if (!asked->shading_cache.updates) own->shading_cache.updates = 1000000000;
+    own->filter = SL_FILTER_CENTRE; /* frames are drawn beside updates, once each */
+    if (!own->records_per_frame) own->records_per_frame = RECORDS_PER_FRAME;
+    return status;
+}
+
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
     sl_settings own;
-    sl_transport ignored;
-    sl_status status = sl_method_choose(l->scene, settings, &own, &ignored, NULL, error);
+    sl_status status = sl_live_choose(l->scene, settings, &own, error);
     if (status != SL_OK) return status;
-    own.shading_cache.frames_per_update = 1; /* the schedule that frames and updates have without a clock */
-    /* as long as anything is above the stop size */
-    if (!settings->shading_cache.updates) own.shading_cache.updates = 1000000000;
-    own.filter = SL_FILTER_CENTRE; /* frames are drawn beside updates, once each */
-    if (!own.records_per_frame) own.records_per_frame = RECORDS_PER_FRAME;
     status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
     if (status == SL_OK && !l->follows) status = sl_scene_copy(l->scene, &l->scene_copy, error);
     if (status != SL_OK) return status;

@@ -26,6 +26,9 @@ sl_status sl_live_follow(sl_live *live, const sl_live_change *change, unsigned c
 /* The number of the newest change that the last frame shows, of light maybe not yet in full; 0: of none. */
 uint64_t sl_live_shows(const sl_live *live);
 
+/* The settings of a show's method, for the scene as it stands at the start. */
+sl_status sl_live_choose(const sl_scene *scene, const sl_settings *asked, sl_settings *own, sl_error *error);
+
 /* A change that updates have followed. */
 typedef struct sl_live_turn {
     uint64_t updates; /* that were done before it */
