@@ -1,0 +1,203 @@
+/* The story of a pixel, beside the picture: the terms that add up to it, the equation, the lines that compute
+ * it, and a lens on its neighbours. */
+import {send} from "./connection.js";
+import {fill, find, make, number, to_hex} from "./make.js";
+import {bitmap_of, mark, side_at} from "./picture.js";
+import {tool_now, use_tool} from "./view.js";
+import {on, world} from "./world.js";
+
+/* global mathml */
+const hues = 8;
+let place = null, asked = null, wanted = false, told = null;
+
+/* ---- asking: one story at a time is on its way ---- */
+
+function ask() {
+  if (asked) {
+    wanted = true;
+    return;
+  }
+  asked = {...place, side: side_at(place.x)};
+  wanted = false;
+  if (!send({do: "story", ...asked})) asked = null;
+}
+
+function answered() {
+  asked = null;
+  if (wanted) ask();
+}
+
+export function choose_pixel(x, y) {
+  place = {x: Math.min(Math.max(x, 0), world.size[0] - 1), y: Math.min(Math.max(y, 0), world.size[1] - 1)};
+  mark_pixel([]);
+  draw_lens();
+  ask();
+}
+
+/* ---- telling ---- */
+
+const size = t => t.contribution.reduce((sum, c) => sum + Math.abs(c), 0);
+
+/* Adds in the order of the terms, the rounding last: what the server has as the pixel. */
+export function add_up(story) {
+  const sum = [0, 0, 0];
+  for (const t of story.terms)
+    for (let c = 0; c < 3; c++) sum[c] += t.contribution[c];
+  return sum.map((v, c) => v + story.rounding[c]);
+}
+
+const named = t => t.index === null || t.index === undefined || t.kind.startsWith("smaller") ?
+    t.kind :
+    t.kind + " " + t.index;
+
+function swatch(rgb, label) {
+  const e = make("span", {class: "swatch", role: "img", "aria-label": label});
+  e.style.background = to_hex(rgb.map(v => v / (1 + v)));
+  return e;
+}
+
+function layers_of(story) {
+  const layers = [...new Set(story.terms.map(t => t.layer))];
+  return new Map(layers.map((name, i) => [name, i % hues]));
+}
+
+/* One bar for all terms, each as wide as what it adds; a layer has one hue. */
+function bar(story, layers) {
+  const all = story.terms.reduce((sum, t) => sum + size(t), 0) || 1;
+  const box = make("div", {class: "stack", role: "img", "aria-label": "What each term adds to the pixel"});
+  for (const t of story.terms) {
+    const part = make("span", {class: "hue" + layers.get(t.layer), title: named(t) + ": " +
+                                   (100 * size(t) / all).toFixed(1) + " %"});
+    part.style.flexGrow = size(t) / all;
+    box.append(part);
+  }
+  return box;
+}
+
+function legend(story, layers) {
+  const all = story.terms.reduce((sum, t) => sum + size(t), 0) || 1;
+  return make("ul", {class: "legend"}, ...[...layers].map(([name, hue]) => {
+    const part = story.terms.filter(t => t.layer === name).reduce((sum, t) => sum + size(t), 0);
+    return make("li", {}, make("span", {class: "dot hue" + hue}), name + " ",
+                make("b", {}, (100 * part / all).toFixed(0) + " %"));
+  }));
+}
+
+const shown_rows = 60;
+const short = x => number(x, 3);
+
+function rows(story, layers) {
+  const line = (kind, name, layer, weight, value, rgb) => make(
+      "tr", {class: kind}, make("th", {scope: "row"}, layer !== null && make("span", {class: "dot hue" + layer}), name),
+      make("td", {}, weight), make("td", {class: "value"}, value), ...rgb.map(v => make("td", {title: String(v)}, short(v))));
+  const terms = story.terms.slice(0, shown_rows).map(
+      t => line("", named(t), layers.get(t.layer), short(t.weight), t.value.map(short).join(" "), t.contribution));
+  const more = story.terms.length - shown_rows;
+  if (more > 0) {
+    const rest = story.terms.slice(shown_rows).reduce((s, t) => s.map((v, c) => v + t.contribution[c]), [0, 0, 0]);
+    terms.push(line("", more + " more", null, "", "", rest));
+  }
+  return [...terms, line("", "rounding", null, "", "", story.rounding), line("sum", "the pixel", null, "", "", add_up(story))];
+}
+
+function terms_table(story, layers) {
+  return make("div", {class: "scroll", tabindex: 0, role: "region", "aria-label": "Terms of the pixel"},
+              make("table", {class: "terms"},
+                   make("thead", {}, make("tr", {}, ...["term", "weight", "holds R G B", "adds R", "G", "B"].map(
+                                                        h => make("th", {scope: "col"}, h)))),
+                   make("tbody", {}, ...rows(story, layers))));
+}
+
+export function explanation(p) {
+  return make("section", {class: "pass-told"}, make("h3", {}, p.title || p.pass || p.name),
+              p.text && fill(make("p"), p.text), p.equation && fill(make("div", {class: "equation"}),
+                                                                     mathml(p.equation), "math"),
+              p.function && make("pre", {class: "code"}, p.function));
+}
+
+function show_story(story) {
+  answered();
+  if (!place || story.x !== place.x || story.y !== place.y) return;
+  told = story;
+  const layers = layers_of(story), sum = add_up(story);
+  find("story").replaceChildren(
+      make("h3", {}, `Pixel ${story.x}, ${story.y} `, swatch(sum, "its colour"),
+           make("span", {class: "quiet"}, sum.map(v => number(v)).join("  "))),
+      ...(story.terms.length ? [bar(story, layers), legend(story, layers), terms_table(story, layers)] :
+                               [make("p", {class: "help"}, "This method tells no terms; the pixel is a mean of samples.")]),
+      story.paper && fill(make("p", {class: "help"}), story.paper), ...(story.passes || []).map(explanation));
+  find("story").dataset.sum = JSON.stringify(sum);
+  find("story").dataset.pixel = JSON.stringify(story.pixel);
+  mark_pixel(story.terms.filter(t => t.at));
+}
+
+function mark_pixel(terms) {
+  if (!place) return;
+  const unit = Math.max(world.size[0] / 128, .8);
+  mark("pixel",
+       ...terms.slice(0, 200).map(t => make("circle", {class: "maker", cx: t.at[0], cy: t.at[1], r: 1.6 * unit})),
+       make("rect", {class: "pixel", x: place.x, y: place.y, width: 1, height: 1}));
+}
+
+/* ---- the lens ---- */
+
+const across = 11;
+
+function draw_lens() {
+  const lens = find("lens"), bitmap = bitmap_of(side_at(place.x));
+  lens.hidden = !bitmap;
+  if (!bitmap) return;
+  const pen = lens.getContext("2d"), cell = lens.width / across, from = (across - 1) / 2;
+  pen.imageSmoothingEnabled = false;
+  pen.clearRect(0, 0, lens.width, lens.height);
+  pen.drawImage(bitmap, place.x - from, place.y - from, across, across, 0, 0, lens.width, lens.height);
+  pen.lineWidth = 3;
+  pen.strokeStyle = "#000";
+  pen.strokeRect(from * cell, from * cell, cell, cell);
+  pen.lineWidth = 1.5;
+  pen.strokeStyle = "#fff";
+  pen.strokeRect(from * cell, from * cell, cell, cell);
+}
+
+/* ---- what people do ---- */
+
+let pinned = false;
+
+function leave() {
+  if (tool_now() !== "pixel") mark("pixel");
+}
+
+on("story", show_story);
+on("refused", r => {
+  if (r.do === "story") answered();
+});
+on("connection", () => {
+  asked = null;
+});
+on("hovered", p => {
+  if (!pinned) choose_pixel(p.x, p.y);
+});
+on("clicked", p => {
+  if (tool_now() !== "pixel") return;
+  pinned = !pinned || p.x !== place?.x || p.y !== place?.y;
+  choose_pixel(p.x, p.y);
+});
+on("pixel-key", ({by, far}) => {
+  const from = place || {x: world.size[0] >> 1, y: world.size[1] >> 1}, step = far ? 10 : 1;
+  pinned = true;
+  choose_pixel(from.x + step * by[0], from.y - step * by[1]);
+});
+on("tool", leave);
+on("drawn", f => {
+  if (tool_now() !== "pixel" || !place || f.kind > 1) return;
+  draw_lens();
+  if (f.still && told) ask();
+});
+
+export function begin_story() {
+  find("ask-pixel").addEventListener("click", () => {
+    use_tool("pixel");
+    if (!place) choose_pixel(world.size[0] >> 1, world.size[1] >> 1);
+    find("frame").focus();
+  });
+}
