@@ -59,6 +59,7 @@ function number_event(news) {
 function receive_text(text) {
   const news = JSON.parse(text);
   if (news.is === "did") number_event(news);
+  if (news.is === "refused") unnumbered.splice(0, 1 + unnumbered.findIndex(u => u.message.do === news.do));
   tell(news.is, news);
 }
 

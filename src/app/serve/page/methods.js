@@ -1,5 +1,5 @@
 /* Which method draws, what stands right of the line, and the methods' options. */
-import {send} from "./connection.js";
+import {is_unanswered, send} from "./connection.js";
 import {field, slider} from "./controls.js";
 import {find, make, number, options} from "./make.js";
 import {forget} from "./picture.js";
@@ -37,7 +37,6 @@ function ask_method(side, name) {
   const quality = {quality: find("quality-" + side).value};
   world.methods[side] = name;
   send({do: "method", side, name, ...(name && {settings: {...quality, ...changed[side]}})});
-  tell("method", {side, name});
   show_settings();
 }
 
@@ -61,12 +60,15 @@ export function show_right(name) {
   } else if (now !== "b" && world.methods.b)
     use_method("b", "");
   if (now === "exact" && before !== "exact") send({do: "exact", side: "a"});
-  world.right = now;
   find("method-b").value = name;
-  find("side-b").classList.toggle("measures", now !== "b");
-  document.body.dataset.right = now;
-  tell("right", now);
+  set_right(now);
   show_settings();
+}
+
+function set_right(now) {
+  world.right = now;
+  find("side-b").classList.toggle("measures", now !== "b");
+  tell("right", now);
 }
 
 /* ---- options ---- */
@@ -167,13 +169,18 @@ on("hello", h => {
   take_sides(h);
 });
 
-on("state", s => {
-  if (!world.hello || !s.side) return;
-  world.settings = {...world.settings, [s.side]: s.settings};
-  if (s.settings?.quality) find("quality-" + s.side).value = s.settings.quality;
-  if (s.method === world.methods[s.side]) return;
-  world.methods[s.side] = s.method;
-  if (s.side === "a") find("method-a").value = s.method;
+/* Whoever switched it: all viewers see the same. */
+on("method", ({side, name, settings}) => {
+  if (!world.hello || is_unanswered("method")) return;
+  world.settings = {...world.settings, [side]: settings};
+  world.methods[side] = name;
+  find("quality-" + side).value = settings?.quality || "normal";
+  if (side === "a")
+    find("method-a").value = name;
+  else if (name || world.right === "b") {
+    find("method-b").value = name;
+    set_right(name && "b");
+  }
   show_settings();
 });
 

@@ -121,7 +121,7 @@ on("error", e => {
   plot();
 });
 on("method", ({side, name}) => {
-  runs[side] = [[]];
+  runs[side] = [...runs[side].slice(-1), []];
   if (!name) delete states[side];
   show_side(side);
   plot();
