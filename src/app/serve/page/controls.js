@@ -6,15 +6,15 @@ let count = 0;
 
 export function field(label, control, help = "") {
   const id = control.id || (control.id = "control-" + ++count);
-  return make("div", {class: "field"}, make("label", {for: id}, label), control,
-              help && make("p", {class: "help"}, help));
+  return make("div", {class: "field"}, make("label", {for: id
+              }, label), control, help && make("p", {class: "help"}, help));
 }
 
 const is_busy = e => e === document.activeElement && e.type !== "range" && e.type !== "color";
 
 /* Takes a number from what was typed; null: none. */
-const typed = input => input.value.trim() === "" || !Number.isFinite(Number(input.value)) ? null :
-                                                                                        Number(input.value);
+const typed = input =>
+    input.value.trim() === "" || !Number.isFinite(Number(input.value)) ? null : Number(input.value);
 
 export function number_input(given, changed) {
   const input = make("input", {type: "number", step: "any", ...given});
@@ -29,11 +29,11 @@ export function number_input(given, changed) {
 
 /* Three numbers under one label. */
 export function triple(label, names, given, changed) {
-  const inputs = names.map(
-      name => number_input({"aria-label": label + " " + name, title: name, ...given}, () => {
-        const values = inputs.map(typed);
-        if (values.every(v => v !== null)) changed(values, false);
-      }));
+  const inputs =
+      names.map(name => number_input({"aria-label": label + " " + name, title: name, ...given}, () => {
+                  const values = inputs.map(typed);
+                  if (values.every(v => v !== null)) changed(values, false);
+                }));
   const group = make("fieldset", {class: "triple"}, make("legend", {}, label), ...inputs);
   group.show = values => inputs.forEach((input, i) => input.show(values[i]));
   return group;

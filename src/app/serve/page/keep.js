@@ -4,15 +4,21 @@ import {bytes, find, make} from "./make.js";
 import {show_right} from "./methods.js";
 import {on, world} from "./world.js";
 
-const titles = {png: "Picture, PNG", exr: "Picture, EXR", scene: "Scene, JSON", log: "Log of events",
-                page: "Frozen page", film: "Film"};
+const titles = {
+  png: "Picture, PNG",
+  exr: "Picture, EXR",
+  scene: "Scene, JSON",
+  log: "Log of events",
+  page: "Frozen page",
+  film: "Film"
+};
 let is_filming = false;
 
 function add_link(what, href, size) {
   const url = new URL(href, location.href);
   if (url.origin !== location.origin) return;
-  find("kept").prepend(make("li", {"data-what": what}, make("a", {href: url.pathname + url.search, download: ""},
-                                                           titles[what] || what),
+  find("kept").prepend(make("li", {"data-what": what},
+                            make("a", {href: url.pathname + url.search, download: ""}, titles[what] || what),
                             make("span", {class: "quiet"}, size ? bytes(size) : "")));
 }
 

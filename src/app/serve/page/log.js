@@ -34,7 +34,8 @@ export function say(text) {
   fading = setTimeout(() => toast.classList.remove("visible"), 5000);
 }
 
-on("numbered", ({message}) => note(message.do + (details[message.do] ? ": " + details[message.do](message) : "")));
+on("numbered",
+   ({message}) => note(message.do + (details[message.do] ? ": " + details[message.do](message) : "")));
 on("refused", r => {
   note("refused " + r.do + ": " + r.reason, "refused");
   say(r.reason);

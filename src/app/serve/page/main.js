@@ -1,7 +1,8 @@
 /* Puts the page together. */
+import "./log.js";
+
 import {connect} from "./connection.js";
 import {begin_keep} from "./keep.js";
-import "./log.js";
 import {begin_methods} from "./methods.js";
 import {begin_panels, show_panel} from "./panels.js";
 import {begin_passes} from "./passes.js";

@@ -30,7 +30,8 @@ export function options(select, choices, chosen) {
 
 const harmless = new Set(
     ("p em cite code b i sub sup q br math mrow mi mo mn mtext mfrac msqrt msub msup msubsup munder " +
-     "path line polyline rect circle ellipse polygon g").split(" "));
+     "path line polyline rect circle ellipse polygon g")
+        .split(" "));
 const harmless_attributes = new Set(
     "d x y x1 y1 x2 y2 cx cy r rx ry width height points class fill stroke stroke-width opacity".split(" "));
 
@@ -74,6 +75,6 @@ export const bytes = n => n < 1e6 ? (n / 1e3).toFixed(0) + " kB" : (n / 1e6).toF
 const to_byte = x => Math.round(255 * (x <= .0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - .055));
 const from_byte = b => b / 255 <= .04045 ? b / 255 / 12.92 : ((b / 255 + .055) / 1.055) ** 2.4;
 
-export const to_hex = linear => "#" +
-    linear.map(x => to_byte(Math.min(Math.max(x, 0), 1)).toString(16).padStart(2, "0")).join("");
+export const to_hex = linear =>
+    "#" + linear.map(x => to_byte(Math.min(Math.max(x, 0), 1)).toString(16).padStart(2, "0")).join("");
 export const from_hex = hex => [1, 3, 5].map(i => from_byte(parseInt(hex.slice(i, i + 2), 16)));

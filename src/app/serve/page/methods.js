@@ -24,7 +24,10 @@ const measures = [
   ["error", "Map of the estimated error"], ["exact", "The exact picture"]
 ];
 
-const changed = {a: {}, b: {}}; /* settings that a hand has turned, by side */
+const changed = {
+  a: {},
+  b: {}
+}; /* settings that a hand has turned, by side */
 
 /* ---- which method ---- */
 
@@ -42,7 +45,11 @@ function ask_method(side, name) {
 
 /* ---- right of the line ---- */
 
-const needs = {reference: ["reference"], difference: ["reference", "difference"], error: ["error"]};
+const needs = {
+  reference: ["reference"],
+  difference: ["reference", "difference"],
+  error: ["error"]
+};
 
 function switch_measures(before, now) {
   const had = needs[before] || [], has = needs[now] || [];
@@ -95,7 +102,8 @@ function choice_control(side, s) {
 }
 
 function flag_control(side, s) {
-  const box = make("input", {type: "checkbox", change: () => turn_setting(side, s.name, box.checked ? "1" : "0")});
+  const box =
+      make("input", {type: "checkbox", change: () => turn_setting(side, s.name, box.checked ? "1" : "0")});
   box.checked = String(own_value(side, s) ?? "0") === "1";
   return field(short(s.name), box, s.help);
 }
@@ -104,9 +112,10 @@ const told_range = s => s.maximum > s.minimum ? number(s.minimum) + " to " + num
 
 function number_control(side, s) {
   const standard = default_of(s, side), value = own_value(side, s) ?? standard;
-  const help = [s.help, s.symbol && "the paper's " + s.symbol, told_range(s),
-                standard ? "default " + (Number.isFinite(Number(standard)) ? number(Number(standard)) : standard) :
-                           ""].filter(Boolean).join(" · ");
+  const help = [
+    s.help, s.symbol && "the paper's " + s.symbol, told_range(s),
+    standard ? "default " + (Number.isFinite(Number(standard)) ? number(Number(standard)) : standard) : ""
+  ].filter(Boolean).join(" · ");
   const change = v => turn_setting(side, s.name, String(v));
   const is_bounded = s.maximum > s.minimum && s.maximum <= 1e5 && Number(value) > 0;
   if (!is_bounded) {
@@ -116,14 +125,15 @@ function number_control(side, s) {
     return field(short(s.name), input, help);
   }
   const whole = s.unit === "N" || s.unit === "M" || s.unit === "TEXELS" || s.unit === "PIXELS";
-  const control = slider(short(s.name), {minimum: s.minimum, maximum: s.maximum, whole}, (v, more) => more || change(v));
+  const control =
+      slider(short(s.name), {minimum: s.minimum, maximum: s.maximum, whole}, (v, more) => more || change(v));
   control.show(Number(value));
   control.append(make("p", {class: "help"}, help));
   return control;
 }
 
 function control(side, s) {
-  return s.unit === "" ? flag_control(side, s) :
+  return s.unit === ""     ? flag_control(side, s) :
       s.unit.includes("|") ? choice_control(side, s) :
                              number_control(side, s);
 }
@@ -154,10 +164,11 @@ function take_sides(h) {
   world.methods = {a: h.sides.a || "", b: h.sides.b || ""};
   options(find("method-a"), h.methods.map(m => [m, title_of(m)]), world.methods.a);
   const right = find("method-b"), before = right.value;
-  right.replaceChildren(
-      make("option", {value: ""}, "Compare with …"),
-      make("optgroup", {label: "Another method"}, ...h.methods.map(m => make("option", {value: m}, title_of(m)))),
-      make("optgroup", {label: "The truth"}, ...measures.map(([value, text]) => make("option", {value}, text))));
+  right.replaceChildren(make("option", {value: ""}, "Compare with …"),
+                        make("optgroup", {label: "Another method"},
+                             ...h.methods.map(m => make("option", {value: m}, title_of(m)))),
+                        make("optgroup", {label: "The truth"},
+                             ...measures.map(([value, text]) => make("option", {value}, text))));
   const is_measure = measures.some(m => m[0] === before);
   const name = world.methods.b || (is_measure ? before : "");
   world.right = world.methods.b ? "b" : "";

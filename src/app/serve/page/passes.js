@@ -8,20 +8,24 @@ import {on, world} from "./world.js";
 const strip = find("strip"), passes = new Map(); /* by index: {news, card, canvas} */
 let side = "a", chosen = null, overlay = "";
 
-const work = ["rays", "shadow_rays", "fragments_shaded", "fragments_blended", "photons_gathered", "records", "splats"];
+const work =
+    ["rays", "shadow_rays", "fragments_shaded", "fragments_blended", "photons_gathered", "records", "splats"];
 
 /* The counter that says most of what the pass cost. */
 function cost(counters) {
   const entries = Object.entries(counters || {}).filter(([, n]) => n > 0);
-  const [name, n] = entries.filter(([name]) => work.includes(name)).sort((a, b) => b[1] - a[1])[0] || entries[0] || [];
+  const [name, n] =
+      entries.filter(([name]) => work.includes(name)).sort((a, b) => b[1] - a[1])[0] || entries[0] || [];
   return name ? n.toLocaleString("en") + " " + name.replaceAll("_", " ") : "";
 }
 
 function card_of(index) {
   if (passes.has(index)) return passes.get(index);
-  const canvas = make("canvas", {width: 96, height: 96}), title = make("b"), price = make("span", {class: "quiet"});
-  const card = make("button", {type: "button", class: "card", "aria-pressed": "false", click: () => choose(index)},
-                    canvas, title, price);
+  const canvas = make("canvas", {width: 96, height: 96}), title = make("b"),
+        price = make("span", {class: "quiet"});
+  const card =
+      make("button", {type: "button", class: "card", "aria-pressed": "false", click: () => choose(index)},
+           canvas, title, price);
   const entry = {canvas, card, title, price, news: null};
   passes.set(index, entry);
   const after = [...passes.keys()].filter(i => i > index).sort((a, b) => a - b)[0];
@@ -31,7 +35,7 @@ function card_of(index) {
 
 function take_pass(news) {
   const entry = card_of(news.index);
-  entry.news = news;
+  entry.news = {...news, paper_place: news.source, source: null};
   entry.title.textContent = news.index + 1 + ". " + (news.title || news.name);
   entry.price.textContent = cost(news.counters);
   if (chosen === news.index) show_pass();
@@ -53,15 +57,21 @@ function choose(index) {
 
 function counters_table(counters) {
   const rows = Object.entries(counters || {}).filter(([, n]) => n);
-  return rows.length ? make("table", {}, make("caption", {}, "What it cost"), ...rows.map(([name, n]) => make(
-                                "tr", {}, make("th", {scope: "row"}, name.replaceAll("_", " ")),
-                                make("td", {}, n.toLocaleString("en"))))) : null;
+  return rows.length ?
+      make("table", {}, make("caption", {}, "What it cost"),
+           ...rows.map(([name, n]) => make("tr", {}, make("th", {scope: "row"}, name.replaceAll("_", " ")),
+                                           make("td", {}, n.toLocaleString("en"))))) :
+      null;
 }
 
 function overlay_button(name) {
   const is_on = overlay === name;
-  return make("button", {type: "button", class: "chip", "aria-pressed": String(is_on),
-                         click: () => use_overlay(is_on ? "" : name)},
+  return make("button", {
+    type: "button",
+    class: "chip",
+    "aria-pressed": String(is_on),
+    click: () => use_overlay(is_on ? "" : name)
+  },
               "Draw its marks over the picture");
 }
 
@@ -71,13 +81,15 @@ function show_pass() {
     box.replaceChildren();
     return;
   }
-  const {news, canvas} = entry, big = make("canvas", {class: "big-pass", role: "img", "aria-label": news.title || news.name});
+  const {news, canvas} = entry,
+               big = make("canvas", {class: "big-pass", role: "img", "aria-label": news.title || news.name});
   if (canvas.classList.contains("has-picture")) draw_bitmap(big, canvas);
-  box.replaceChildren(...[
-    canvas.classList.contains("has-picture") && big, explanation(news),
-    make("p", {class: "help"}, news.source + " · pass “" + news.name + "”" + (news.times > 1 ? ", " + news.times + " times" : "")),
-    overlay_button(news.name), counters_table(news.counters)
-  ].filter(Boolean));
+  box.replaceChildren(...[canvas.classList.contains("has-picture") && big, explanation(news),
+                          make("p", {class: "help"},
+                               news.paper_place + " · pass “" + news.name + "”" +
+                                   (news.times > 1 ? ", " + news.times + " times" : "")),
+                          news.marks > 0 && overlay_button(news.name), counters_table(news.counters)]
+                          .filter(Boolean));
 }
 
 /* ---- marks over the picture ---- */

@@ -3,9 +3,20 @@ import {send} from "./connection.js";
 import {find, make} from "./make.js";
 import {on, tell, world} from "./world.js";
 
-export const kinds = {a: 0, b: 1, reference: 2, pass: 3, difference: 4, error: 5, exact: 6};
+export const kinds = {
+  a: 0,
+  b: 1,
+  reference: 2,
+  pass: 3,
+  difference: 4,
+  error: 5,
+  exact: 6
+};
 const frame = find("frame"), line = find("line");
-const canvases = {left: find("left"), right: find("right")};
+const canvases = {
+  left: find("left"),
+  right: find("right")
+};
 const newest = new Map(); /* of each kind: the bitmap */
 let share = .5, greatest = 0;
 

@@ -1,6 +1,6 @@
 /* The scene: what is in it, and numbers and colours of what is selected. */
 import {send} from "./connection.js";
-import {button, colour, number_input, field, slider, strong_colour, triple} from "./controls.js";
+import {button, colour, field, number_input, slider, strong_colour, triple} from "./controls.js";
 import {find, make} from "./make.js";
 import {edit, is_dark, is_dragging, place_edit, select, selection, turn_edit} from "./touch.js";
 import {add, scale, unit} from "./vector.js";
@@ -16,8 +16,15 @@ const named = (thing, kind, number) => thing.name || kind + " " + number;
 
 function choice(what, number, text, dim) {
   const s = world.selected, chosen = s?.what === what && s.number === number;
-  return make("li", {role: "option", "aria-selected": chosen, tabindex: chosen ? 0 : -1, class: dim ? "dim" : null,
-                     "data-what": what, "data-number": number, click: () => select(what, number)},
+  return make("li", {
+    role: "option",
+    "aria-selected": chosen,
+    tabindex: chosen ? 0 : -1,
+    class: dim ? "dim" : null,
+    "data-what": what,
+    "data-number": number,
+    click: () => select(what, number)
+  },
               make("span", {class: "dot " + what}), text);
 }
 
@@ -59,11 +66,11 @@ function object_editor(s) {
   const own = selection;
   return [
     show_with(triple("Place", xyz, {}, place => edit(place_edit(s, own(), place))), () => own()?.centre),
-    make("div", {class: "row"},
-         field("Turn by (degrees)", number_input({value: 15, id: "turn-by"}, () => {})),
-         button("Turn", () => edit(turn_edit(s, own(), Number(find("turn-by").value) || 0))),
-         button("Back to the file's place",
-                () => edit({kind: "object", object: s.number, matrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]}))),
+    make(
+        "div", {class: "row"}, field("Turn by (degrees)", number_input({value: 15, id: "turn-by"}, () => {})),
+        button("Turn", () => edit(turn_edit(s, own(), Number(find("turn-by").value) || 0))),
+        button("Back to the file's place",
+               () => edit({kind: "object", object: s.number, matrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]}))),
     ...material_editor(own()?.material)
   ];
 }
@@ -103,14 +110,15 @@ function show_editor() {
   shown = s && own ? s.what + s.number : null;
   parts = [];
   if (!shown) {
-    editor.replaceChildren(make(
-        "p", {class: "help"}, "Click on something in the picture, or choose it above. Drag a lamp along the " +
-                                  "floor; with Shift, in the plane of the view."));
+    editor.replaceChildren(
+        make("p", {class: "help"},
+             "Click on something in the picture, or choose it above. Drag a lamp along the " +
+                 "floor; with Shift, in the plane of the view."));
     return;
   }
   editor.replaceChildren(
-      make("h3", {}, s.what === "light" ? "Lamp " + s.number + " · " + own.type :
-                                          named(own, "Object", s.number)),
+      make("h3", {},
+           s.what === "light" ? "Lamp " + s.number + " · " + own.type : named(own, "Object", s.number)),
       ...(s.what === "light" ? light_editor(s) : object_editor(s)).filter(Boolean));
   for (const part of parts) part();
 }
@@ -166,8 +174,8 @@ function show_sky() {
 /* A new lamp hangs before what was clicked last, or half way to what one looks at. */
 function add_lamp() {
   const c = world.camera, p = world.picked;
-  const position = p?.at && p.normal ? add(p.at, scale(p.normal, .12 * world.extent)) :
-                                       scale(add(c.eye, c.target), .5);
+  const position =
+      p?.at && p.normal ? add(p.at, scale(p.normal, .12 * world.extent)) : scale(add(c.eye, c.target), .5);
   const lit = world.scene.lights.filter(l => l.type === "point" && !is_dark(l));
   const power = lit.length ? lit[0].power : new Array(3).fill(.02 * world.extent * world.extent);
   edit({kind: "add-light", position, power});

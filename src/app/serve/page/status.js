@@ -6,7 +6,10 @@ import {on, world} from "./world.js";
 
 /* ---- the error over seconds ---- */
 
-const runs = {a: [[]], b: [[]]}; /* the newest run last, the one before it for comparison */
+const runs = {
+  a: [[]],
+  b: [[]]
+}; /* the newest run last, the one before it for comparison */
 
 function note_error(side, seconds, error) {
   if (!(error > 0) || !(seconds > 0)) return;
@@ -36,7 +39,8 @@ function plot() {
   find("plot-group").hidden = all.length < 2;
   if (all.length < 2) return;
   const wide = (values, least) => {
-    const low = Math.min(...values), high = Math.max(...values), more = Math.max(1.1, Math.sqrt(least * low / high));
+    const low = Math.min(...values), high = Math.max(...values),
+          more = Math.max(1.1, Math.sqrt(least * low / high));
     return [low / more, high * more];
   };
   const [s0, s1] = wide(all.map(p => p[0]), 4), [e0, e1] = wide(all.map(p => p[1]), 4);
@@ -47,10 +51,11 @@ function plot() {
     points: run.map(([s, e]) => x(s).toFixed(1) + "," + y(e).toFixed(1)).join(" ")
   });
   svg.replaceChildren(
-      ...ticks(e0, e1).flatMap(e => [
-        make("line", {class: "grid", x1: left, x2: width, y1: y(e), y2: y(e)}),
-        make("text", {x: left - 4, y: y(e) + 3, "text-anchor": "end"}, percent(e))]),
-      ...ticks(s0, s1).map(s => make("text", {x: x(s), y: height - 3, "text-anchor": "middle"}, number(s) + " s")),
+      ...ticks(e0, e1).flatMap(
+          e => [make("line", {class: "grid", x1: left, x2: width, y1: y(e), y2: y(e)}),
+                make("text", {x: left - 4, y: y(e) + 3, "text-anchor": "end"}, percent(e))]),
+      ...ticks(s0, s1).map(
+          s => make("text", {x: x(s), y: height - 3, "text-anchor": "middle"}, number(s) + " s")),
       ...["a", "b"].flatMap(side => runs[side].map((run, i) => line(run, side, i < runs[side].length - 1))));
 }
 
@@ -83,9 +88,10 @@ function table(caption, head, rows) {
 }
 
 function kept_table(kept) {
-  const {before = {}, after = {}} = kept.counters || {};
-  const rows = Object.keys({...before, ...after}).map(
-      name => [spaced(name), (before[name] ?? 0).toLocaleString("en"), (after[name] ?? 0).toLocaleString("en")]);
+  const {before = {}, since = {}} = kept.counters || {};
+  const rows = Object.keys({...before, ...since})
+                   .map(name => [spaced(name), (before[name] ?? 0).toLocaleString("en"),
+                                 (since[name] ?? 0).toLocaleString("en")]);
   return rows.length ? table("Work before the last edit and since", ["", "before", "since"], rows) : null;
 }
 
@@ -96,8 +102,9 @@ function show_work() {
       s.reduced && make("p", {class: "help"}, s.reduced),
       s.kept?.changes?.length && make("p", {class: "help"}, "Last edit: " + s.kept.changes.join(", ") + "."),
       s.kept && kept_table(s.kept),
-      counters.length && table((side === "a" ? "Left" : "Right") + ": what it took", null,
-                               counters.map(([name, n]) => [spaced(name), n.toLocaleString("en")]))
+      counters.length &&
+          table((side === "a" ? "Left" : "Right") + ": what it took", null,
+                counters.map(([name, n]) => [spaced(name), n.toLocaleString("en")]))
     ].filter(Boolean);
   });
   if (find("work").parentElement.open) find("work").replaceChildren(...made);

@@ -66,8 +66,10 @@ function bar(story, layers) {
   const all = story.terms.reduce((sum, t) => sum + size(t), 0) || 1;
   const box = make("div", {class: "stack", role: "img", "aria-label": "What each term adds to the pixel"});
   for (const t of story.terms) {
-    const part = make("span", {class: "hue" + layers.get(t.layer), title: named(t) + ": " +
-                                   (100 * size(t) / all).toFixed(1) + " %"});
+    const part = make("span", {
+      class: "hue" + layers.get(t.layer),
+      title: named(t) + ": " + (100 * size(t) / all).toFixed(1) + " %"
+    });
     part.style.flexGrow = size(t) / all;
     box.append(part);
   }
@@ -83,36 +85,49 @@ function legend(story, layers) {
   }));
 }
 
-const shown_rows = 60;
 const short = x => number(x, 3);
 
 function rows(story, layers) {
-  const line = (kind, name, layer, weight, value, rgb) => make(
-      "tr", {class: kind}, make("th", {scope: "row"}, layer !== null && make("span", {class: "dot hue" + layer}), name),
-      make("td", {}, weight), make("td", {class: "value"}, value), ...rgb.map(v => make("td", {title: String(v)}, short(v))));
-  const terms = story.terms.slice(0, shown_rows).map(
-      t => line("", named(t), layers.get(t.layer), short(t.weight), t.value.map(short).join(" "), t.contribution));
-  const more = story.terms.length - shown_rows;
-  if (more > 0) {
-    const rest = story.terms.slice(shown_rows).reduce((s, t) => s.map((v, c) => v + t.contribution[c]), [0, 0, 0]);
-    terms.push(line("", more + " more", null, "", "", rest));
-  }
-  return [...terms, line("", "rounding", null, "", "", story.rounding), line("sum", "the pixel", null, "", "", add_up(story))];
+  const line = (kind, name, layer, weight, value, rgb) =>
+      make("tr", {class: kind},
+           make("th", {scope: "row"}, layer !== null && make("span", {class: "dot hue" + layer}), name),
+           make("td", {}, weight), make("td", {class: "value"}, value),
+           ...rgb.map(v => make("td", {title: String(v)}, short(v))));
+  const terms = story.terms.map(t => line("", named(t), layers.get(t.layer), short(t.weight),
+                                          t.value.map(short).join(" "), t.contribution));
+  return [
+    ...terms, line("", "rounding", null, "", "", story.rounding),
+    line("sum", "the pixel", null, "", "", add_up(story))
+  ];
 }
 
 function terms_table(story, layers) {
   return make("div", {class: "scroll", tabindex: 0, role: "region", "aria-label": "Terms of the pixel"},
               make("table", {class: "terms"},
-                   make("thead", {}, make("tr", {}, ...["term", "weight", "holds R G B", "adds R", "G", "B"].map(
-                                                        h => make("th", {scope: "col"}, h)))),
+                   make("thead", {},
+                        make("tr", {},
+                             ...["term", "weight", "holds R G B", "adds R", "G", "B"].map(
+                                 h => make("th", {scope: "col"}, h)))),
                    make("tbody", {}, ...rows(story, layers))));
 }
 
+const prose = lines => Array.isArray(lines) ? lines.join("") : lines || "";
+
+function source_lines({file, first, text}) {
+  const lines = text.replace(/\n$/, "").split("\n");
+  return make(
+      "details", {class: "source"}, make("summary", {}, file + ", line " + first),
+      make("pre", {class: "code", tabindex: 0, "aria-label": "Source of " + file},
+           ...lines.flatMap((line, i) => [make("span", {class: "line"}, String(first + i)), line + "\n"])));
+}
+
+/* What a pass does, its equation, the function that computes it and that one's lines. */
 export function explanation(p) {
-  return make("section", {class: "pass-told"}, make("h3", {}, p.title || p.pass || p.name),
-              p.text && fill(make("p"), p.text), p.equation && fill(make("div", {class: "equation"}),
-                                                                     mathml(p.equation), "math"),
-              p.function && make("pre", {class: "code"}, p.function));
+  return make(
+      "section", {class: "pass-told"}, make("h3", {}, p.title || p.pass || p.name),
+      p.text && fill(make("p"), prose(p.text)),
+      p.equation && fill(make("div", {class: "equation"}), mathml(prose(p.equation)), "math"),
+      p.source?.text ? source_lines(p.source) : p.function && make("pre", {class: "code"}, p.function));
 }
 
 function show_story(story) {
@@ -123,9 +138,11 @@ function show_story(story) {
   find("story").replaceChildren(
       make("h3", {}, `Pixel ${story.x}, ${story.y} `, swatch(sum, "its colour"),
            make("span", {class: "quiet"}, sum.map(v => number(v)).join("  "))),
-      ...(story.terms.length ? [bar(story, layers), legend(story, layers), terms_table(story, layers)] :
-                               [make("p", {class: "help"}, "This method tells no terms; the pixel is a mean of samples.")]),
-      story.paper && fill(make("p", {class: "help"}), story.paper), ...(story.passes || []).map(explanation));
+      ...(story.terms.length ?
+              [bar(story, layers), legend(story, layers), terms_table(story, layers)] :
+              [make("p", {class: "help"}, "This method tells no terms; the pixel is a mean of samples.")]),
+      story.paper && fill(make("p", {class: "help"}), prose(story.paper)),
+      ...(story.passes || []).map(explanation));
   find("story").dataset.sum = JSON.stringify(sum);
   find("story").dataset.pixel = JSON.stringify(story.pixel);
   mark_pixel(story.terms.filter(t => t.at));
@@ -135,7 +152,8 @@ function mark_pixel(terms) {
   if (!place) return;
   const unit = Math.max(world.size[0] / 128, .8);
   mark("pixel",
-       ...terms.slice(0, 200).map(t => make("circle", {class: "maker", cx: t.at[0], cy: t.at[1], r: 1.6 * unit})),
+       ...terms.slice(0, 200).map(
+           t => make("circle", {class: "maker", cx: t.at[0], cy: t.at[1], r: 1.6 * unit})),
        make("rect", {class: "pixel", x: place.x, y: place.y, width: 1, height: 1}));
 }
 

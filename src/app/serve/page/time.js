@@ -35,8 +35,12 @@ function show_size([width, height]) {
 }
 
 function give_tone(more) {
-  const tone = {do: "tone", exposure: Number(find("exposure").value), curve: find("curve").value,
-                auto: find("auto").checked};
+  const tone = {
+    do: "tone",
+    exposure: Number(find("exposure").value),
+    curve: find("curve").value,
+    auto: find("auto").checked
+  };
   if (more)
     send_smoothly("tone", tone);
   else
@@ -66,8 +70,8 @@ export function begin_time() {
     if (event.target.value) send({do: "view", name: event.target.value});
     event.target.value = "";
   });
-  find("time").addEventListener("input", event =>
-      send_smoothly("time", {do: "time", at: Number(event.target.value)}, event.timeStamp));
+  find("time").addEventListener(
+      "input", event => send_smoothly("time", {do: "time", at: Number(event.target.value)}, event.timeStamp));
   find("play").addEventListener("click", () => {
     play(!is_playing);
     send({do: "play", on: is_playing});

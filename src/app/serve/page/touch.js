@@ -2,8 +2,8 @@
  * view, and about the vertical. Handles are buttons: arrow keys move by steps. */
 import {send, send_last, send_smoothly} from "./connection.js";
 import {find, icon, make} from "./make.js";
-import {tool_now} from "./view.js";
 import {add, axes, meet, project, ray, scale, shift, subtract, turn_matrix} from "./vector.js";
+import {tool_now} from "./view.js";
 import {on, tell, world} from "./world.js";
 
 const frame = find("frame"), layer = find("handles");
@@ -76,7 +76,8 @@ function begin_drag(event, how, selected) {
   event.preventDefault();
   event.currentTarget.setPointerCapture(event.pointerId);
   const from = begun(thing), normal = plane(how, world.camera), camera = world.camera;
-  const grip = meet(camera.eye, ray(camera, world.size, exact_pixel(event)), from.place, normal) || from.place;
+  const grip =
+      meet(camera.eye, ray(camera, world.size, exact_pixel(event)), from.place, normal) || from.place;
   dragged = {selected, thing, from, normal, grip, how, camera, start: event.clientX, edit: null};
 }
 
@@ -134,14 +135,14 @@ function step_by_key(event, how, selected) {
 /* ---- the handles ---- */
 
 const ways = [
-  ["view", "Move in the plane of the view", 0, 0],
-  ["floor", "Move along the floor", 0, 46],
+  ["view", "Move in the plane of the view", 0, 0], ["floor", "Move along the floor", 0, 46],
   ["turn", "Turn about the vertical", 46, 0]
 ];
 
 function handle(name, label, given) {
-  const button = make("button", {type: "button", class: "handle " + name, "aria-label": label, title: label,
-                                 ...given}, icon(name));
+  const button =
+      make("button", {type: "button", class: "handle " + name, "aria-label": label, title: label, ...given},
+           icon(name));
   button.addEventListener("pointermove", continue_drag);
   button.addEventListener("pointerup", end_drag);
   button.addEventListener("pointercancel", end_drag);
@@ -174,12 +175,12 @@ function make_handles() {
   const lamps = (world.scene?.lights || []).filter(l => has_place(l) && !is_dark(l)).map(lamp_button);
   const s = world.selected, own = selection();
   const moved = own && (s.what === "object" || has_place(own)) ? ways : [];
-  const made = moved.filter(([how]) => how !== "turn" || s.what === "object").map(([how, label]) =>
-      handle(how, label, {
-        "data-way": how,
-        pointerdown: event => begin_drag(event, how, s),
-        keydown: event => step_by_key(event, how, s)
-      }));
+  const made = moved.filter(([how]) => how !== "turn" || s.what === "object")
+                   .map(([how, label]) => handle(how, label, {
+                          "data-way": how,
+                          pointerdown: event => begin_drag(event, how, s),
+                          keydown: event => step_by_key(event, how, s)
+                        }));
   layer.replaceChildren(...lamps, ...made);
   if (focus)
     layer.querySelector(focus.way ? `[data-way="${focus.way}"]` : `[data-light="${focus.light}"]`)?.focus();

@@ -133,9 +133,26 @@ function wheel(event) {
 
 /* ---- keys ---- */
 
-const arrows = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
-const steps = {w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], e: [0, 1, 0], q: [0, -1, 0]};
-const tools = {1: "orbit", 2: "pan", 3: "walk", 4: "pixel"};
+const arrows = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, 1],
+  ArrowDown: [0, -1]
+};
+const steps = {
+  w: [0, 0, 1],
+  s: [0, 0, -1],
+  a: [-1, 0, 0],
+  d: [1, 0, 0],
+  e: [0, 1, 0],
+  q: [0, -1, 0]
+};
+const tools = {
+  1: "orbit",
+  2: "pan",
+  3: "walk",
+  4: "pixel"
+};
 
 function arrow(x, y, far, since) {
   const reach = far ? 4 : 1;

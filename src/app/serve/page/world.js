@@ -2,7 +2,7 @@
 export const world = {
   hello: null,
   scene: null,
-  camera: null,  /* where the hand has it; `shown` is the one of the picture that one sees */
+  camera: null, /* where the hand has it; `shown` is the one of the picture that one sees */
   shown: null,
   size: [1, 1],
   methods: {a: "", b: ""},
