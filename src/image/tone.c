@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 
 bool sl_layer_planes(const sl_image *image, const char *layer, const float *planes[3]) {
     bool whole = true;
@@ -71,14 +72,40 @@ static uint8_t nearest_code(const double borders[255], double x) {
     return (uint8_t)code;
 }
 
+/* The code at the low end of each of 128 steps of a doubling, from OCTAVES of them below 1 on: from there to the
+ * code of a value it is a border or two. A value's step stands in its bits. */
+enum { OCTAVES = 13, STEP_BITS = 45, STEPS = OCTAVES * 128, FIRST_STEP = (1023 - OCTAVES) << 7 };
+
+static void find_first_codes(const double borders[255], uint8_t first[STEPS]) {
+    for (uint64_t i = 0; i < STEPS; i++) {
+        const uint64_t bits = (FIRST_STEP + i) << STEP_BITS;
+        double low;
+        memcpy(&low, &bits, sizeof low);
+        first[i] = nearest_code(borders, low);
+    }
+}
+
+/* Of a value above 0, or of NaN. */
+static uint8_t code_of(const double borders[255], const uint8_t first[STEPS], double x) {
+    uint64_t bits;
+    if (!(x >= 0x1p-13)) return 0; /* below the first border */
+    if (x >= 1.0) return 255;
+    memcpy(&bits, &x, sizeof bits);
+    unsigned code = first[(bits >> STEP_BITS) - FIRST_STEP];
+    while (code < 255 && x >= borders[code]) code++;
+    return (uint8_t)code;
+}
+
 static void map_planes(const float *const planes[3], size_t pixels, double exposure, sl_tone_curve curve,
                        uint8_t *mapped) {
     double borders[255];
+    uint8_t first[STEPS];
     find_code_borders(borders);
-    for (size_t i = 0; i < pixels; i++) {
-        for (size_t c = 0; c < 3; c++) {
+    find_first_codes(borders, first);
+    for (size_t c = 0; c < 3; c++) {
+        for (size_t i = 0; i < pixels; i++) {
             double x = (double)planes[c][i] * exposure;
-            mapped[3 * i + c] = x > 0.0 ? nearest_code(borders, apply_curve(curve, x)) : 0;
+            mapped[3 * i + c] = x > 0.0 ? code_of(borders, first, apply_curve(curve, x)) : 0;
         }
     }
 }

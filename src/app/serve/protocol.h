@@ -55,7 +55,7 @@
  *   {"is":"camera",eye,target,up,fov,time}                         somebody moved it (also to that one)
  *   {"is":"state","side":"a","method","seconds","batches","done","error":share|null,"levels":..|null,
  *       "counters":{..},"kept":{"event":n,"changes":[..],"counters":{"before":{..},"since":{..}}},
- *       "latency":ms,"frame":n,"reduced":"..","settings":{..}}     twice a second while something changes;
+ *       "latency":ms,"drawing":ms,"encoding":ms,"frame":n,"reduced":"..","settings":{..}}     twice a second while something changes;
  *                                                                  levels of 255 by which it seems wrong;
  *                                                                  kept: by the newest edit
  *   {"is":"picked","what":"object"|"light"|"sky","object","name","material","light","at":[3],"normal":[3],x,y}

@@ -9,6 +9,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 /* Seconds between frames while somebody moves, while samples come, and between accounts. */
 static const double moving = 1.0 / 60.0, refining = 1.0 / 12.0, telling = 0.5;
@@ -16,6 +17,13 @@ static const double moving = 1.0 / 60.0, refining = 1.0 / 12.0, telling = 0.5;
 const char *sl_side_name(int index) { return index ? "b" : "a"; }
 
 /* ---- life ---- */
+
+/* Samples give way to frames and to the network: on Linux a thread has a priority of its own, and those that
+ * it starts have that, too. */
+static void give_way(void *context, sl_method *method) {
+    (void)context;
+    if (method) setpriority(PRIO_PROCESS, 0, 5);
+}
 
 static sl_status catch_up(sl_stage *s, sl_side *d, sl_error *error) {
     sl_status status = d->scene ? SL_OK : sl_world_copy(&s->world, &d->scene, error);
@@ -37,6 +45,7 @@ sl_status sl_side_start(sl_stage *s, int index, sl_error *error) {
     d->shown = s->world.count;
     d->sent_still = false;
     d->edit = 0;
+    if (status == SL_OK) sl_live_visit(d->live, give_way, NULL);
     if (status == SL_OK && !s->viewers) sl_live_rest(d->live, true);
     return status;
 }
@@ -105,6 +114,8 @@ static void tell_state(sl_stage *s, int index) {
     if (d->last.error_levels >= 0.0) cJSON_AddNumberToObject(state, "levels", d->last.error_levels);
     else cJSON_AddNullToObject(state, "levels");
     cJSON_AddNumberToObject(state, "latency", 1e3 * d->latency);
+    cJSON_AddNumberToObject(state, "drawing", 1e3 * d->drawing);
+    cJSON_AddNumberToObject(state, "encoding", 1e3 * d->encoding);
     cJSON_AddNumberToObject(state, "frame", d->frame);
     cJSON_AddStringToObject(state, "reduced", sl_live_reduction(d->live));
     cJSON_AddItemToObject(state, "settings", sl_describe_settings(&d->settings));
@@ -142,6 +153,7 @@ static void draw(sl_stage *s, int index, double now) {
     const sl_image *frame;
     sl_live_state state;
     sl_error error;
+    const double begun = sl_thread_seconds();
     if (sl_live_frame(d->live, &frame, &state, &error) != SL_OK) {
         fail(s, index, &error);
         return;
@@ -152,10 +164,13 @@ static void draw(sl_stage *s, int index, double now) {
     d->last = state;
     d->drawn = now;
     if (!state.versions || (!differs && (!still || d->sent_still))) return;
+    const double drawn = sl_thread_seconds();
     note_latency(s, d, shown);
     sl_show(s, (sl_frame_kind)index, (unsigned)index, frame, &s->tone, shown, still);
     if (index == 0) sl_film_frame(s, frame);
     if (shown == s->world.count) sl_worker_see(s->worker, index, frame, &d->settings);
+    d->drawing = drawn - begun;
+    d->encoding = sl_thread_seconds() - drawn;
     d->frame = s->frame;
     d->sent_still = still;
 }

@@ -224,7 +224,7 @@ static sl_status take_method(sl_stage *s, unsigned client, const cJSON *message,
     d->settings = settings;
     if (*name) status = sl_side_start(s, side, error);
     tell_method(s, side);
-    return status;
+    return status == SL_ERROR_INPUT ? SL_ERROR_USAGE : status;
 }
 
 static sl_status take_tone(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {

@@ -23,6 +23,7 @@ typedef struct sl_side {
     double began, drawn, moved, told; /* seconds by the clock: the show; the last frame, change, state */
     sl_live_state last;
     uint64_t shown; /* the newest event that the last frame shows */
+    double drawing, encoding; /* seconds of the processor that the last frame took */
     double latency; /* seconds from that event to its frame */
     bool sent_still;
     uint64_t edit; /* the newest edit; changes and counters then */

@@ -87,7 +87,7 @@ static sl_status happen(sl_world *w, const sl_item *items, size_t count, unsigne
     sl_status status = sl_event_make(e, w->scene, changes, error);
     if (status != SL_OK) {
         free(e);
-        return status;
+        return status == SL_ERROR_INPUT ? SL_ERROR_USAGE : status; /* the message is sound */
     }
     w->events[w->count++] = e;
     for (size_t i = 0; i < count; i++) remember(w, &items[i]);

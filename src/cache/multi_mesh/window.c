@@ -167,24 +167,32 @@ static sl_status follow_structure(window *w, uint32_t made, sl_error *error) {
     return sl_primitives_of_triangles(w->scene, &w->primitives, error);
 }
 
-/* Where a mesh knows nothing `otherwise` shows. Pixels of a face lie side by side: most are in the leaf of
- * the one before. */
+/* The leaf of the last pixel, and what it shows: itself or an ancestor, if anything is known there. */
+typedef struct shown_leaf {
+    sl_patch_place found, at;
+    sl_mesh_fan fan;
+    bool known;
+} shown_leaf;
+
+/* Pixels of a face lie side by side: most are in the leaf of the one before. */
+static void find_leaf(const sl_patches *mesh, uint32_t face, float w1, float w2, shown_leaf *leaf) {
+    if (leaf->found.patch != SL_NO_INDEX && sl_mesh_leaf_holds(&leaf->found, w1, w2)) return;
+    const sl_patch_place found = sl_mesh_locate(mesh, face, w1, w2);
+    if (found.patch == leaf->found.patch) return;
+    leaf->found = leaf->at = found;
+    leaf->known = found.patch != SL_NO_INDEX && sl_mesh_fan_shown(mesh, &leaf->at, true, &leaf->fan);
+}
+
+/* Where a mesh knows nothing `otherwise` shows. */
 static void draw_face(const sl_patches *mesh, const sl_visible_pixels *seen, const sl_visible_face *face,
                       sl_rgb otherwise, float *const planes[3]) {
-    sl_patch_place leaf = {.patch = SL_NO_INDEX};
-    sl_mesh_fan fan;
-    bool known = false;
+    shown_leaf leaf = {.found.patch = SL_NO_INDEX};
     for (uint32_t i = face->first; i < face->first + face->count; i++) {
         float value[3] = {otherwise.r, otherwise.g, otherwise.b}, w1, w2;
-        sl_patch_place at = sl_mesh_locate(mesh, face->face, seen->w1[i], seen->w2[i]);
-        if (at.patch != leaf.patch && at.patch != SL_NO_INDEX) {
-            leaf = at;
-            known = sl_mesh_fan_shown(mesh, &at, true, &fan);
-            if (known && at.patch != leaf.patch) leaf.patch = SL_NO_INDEX; /* an ancestor's */
-        }
-        if (at.patch != SL_NO_INDEX && known) {
-            sl_mesh_weights_within(&at, seen->w1[i], seen->w2[i], &w1, &w2);
-            sl_mesh_fan_value(&fan, w1, w2, value);
+        find_leaf(mesh, face->face, seen->w1[i], seen->w2[i], &leaf);
+        if (leaf.known) {
+            sl_mesh_weights_within(&leaf.at, seen->w1[i], seen->w2[i], &w1, &w2);
+            sl_mesh_fan_value(&leaf.fan, w1, w2, value);
         }
         for (int c = 0; c < 3; c++) planes[c][seen->pixel[i]] = value[c];
     }

@@ -85,6 +85,9 @@ void sl_mesh_forget(sl_patches *mesh, const sl_mesh_check *check);
 /* Returns the leaf that holds a point of a face, told by its weights of corners 1 and 2: those outside the
  * face are first moved onto it (NaN: 0). */
 sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, float w2);
+/* Tells whether a point lies well inside a leaf, so that it is the one that sl_mesh_locate() finds; false on
+ * its edges, too. */
+bool sl_mesh_leaf_holds(const sl_patch_place *leaf, float w1, float w2);
 /* Gives a point's weights of a leaf's own corners 1 and 2. */
 void sl_mesh_weights_within(const sl_patch_place *place, float w1, float w2, float *leaf_w1, float *leaf_w2);
 
