@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -18,7 +19,7 @@ double sl_thread_seconds(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 double sl_process_seconds(void) { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
 
 /* The one thing that a signal handler can do: leave word. */
-static volatile sig_atomic_t interrupted;
+static atomic_int interrupted;
 
 static void on_interrupt(int signal_number) {
     interrupted = signal_number;

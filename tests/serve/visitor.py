@@ -36,6 +36,10 @@ class Server:
         with open(f"/proc/{self.child.pid}/status", encoding="ascii") as lines:
             return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS"))
 
+    def processor_seconds(self):
+        with open(f"/proc/{self.child.pid}/stat", encoding="ascii") as line:
+            return sum(map(int, line.read().rsplit(")")[-1].split()[11:13])) / os.sysconf("SC_CLK_TCK")
+
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.child.pid}/fd"))
 

@@ -212,7 +212,7 @@ static sl_status take_sky(const cJSON *edit, const sl_world *w, sl_item *item, s
     item->kind = SL_ITEM_SKY;
     sl_status status = sl_take_number(edit, "stops", -32.0, 32.0, &item->to.stops, &there, error);
     if (status == SL_OK && !there) status = malformed("stops", "a number", error);
-    if (status == SL_OK && !w->scene->environment.present && !w->stops)
+    if (status == SL_OK && !w->scene->environment.present && w->stops == 0.0)
         status = sl_fail(error, SL_ERROR_USAGE, "sky: the scene has none");
     return status;
 }

@@ -45,7 +45,7 @@ void sl_record_batch_gather(sl_record_batch *batch, sl_counters *counters);
  * the waste and never changes which records there are. */
 static inline size_t sl_record_batch_size(size_t size, size_t count, size_t committed) {
     const size_t wasted = count - committed;
-    if (wasted * 32 <= count && size < SL_BATCH_MAX) return 2 * size;
+    if (wasted * 32 <= count) return 2 * size < SL_BATCH_MAX ? 2 * size : SL_BATCH_MAX;
     return wasted * 8 > count && size > SL_BATCH_MIN ? size / 2 : size;
 }
 

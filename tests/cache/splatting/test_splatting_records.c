@@ -298,8 +298,18 @@ static void a_pixel_gets_one_record_even_where_that_does_not_cover_it(void **sta
     assert_int_equal(count, 1);
 }
 
+/* A frame's budget cuts batches to any size. */
+static void a_batch_grows_to_the_room_that_there_is_and_not_beyond(void **state) {
+    (void)state;
+    for (size_t size = 1; size <= SL_BATCH_MAX; size++) {
+        for (size_t wasted = 0; wasted <= size; wasted++)
+            assert_in_range(sl_record_batch_size(size, size, size - wasted), 1, SL_BATCH_MAX);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_batch_grows_to_the_room_that_there_is_and_not_beyond),
         cmocka_unit_test(every_pixel_is_the_sum_of_all_records_bit_for_bit),
         cmocka_unit_test(no_record_of_a_tread_counts_on_another),
         cmocka_unit_test(a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself),
