@@ -4,6 +4,8 @@
 set -eu
 
 wanted='gcc make pkg-config libembree-dev libopenexr-dev libassimp-dev libcjson-dev libstb-dev libpng-dev libcmocka-dev'
+# What softlux serve speaks, and the pictures that it sends while things move; without them the program says so.
+wanted="$wanted libwebsockets-dev libjpeg62-turbo-dev"
 # The tests compare compilers, sanitize with clang, compare the rasterizer with Mesa's, build the public header's pages, and open pages of steps
 # in a browser; one makes a locale with a decimal comma; and the library is used from Python and CMake, and packed.
 tests='clang libomp-dev libclang-rt-dev libosmesa6-dev doxygen chromium chromium-driver locales cmake debhelper'
@@ -25,6 +27,8 @@ proof() {
     libstb-dev) ls /usr/include/stb/stb_image.h ;;
     locales) dpkg -s locales || ls /usr/share/i18n/locales/de_DE ;;
     libpng-dev) ls /usr/include/png.h ;;
+    libwebsockets-dev) ls /usr/include/libwebsockets.h ;;
+    libjpeg62-turbo-dev) ls /usr/include/jpeglib.h ;;
     libcmocka-dev) ls /usr/include/cmocka.h ;;
     libosmesa6-dev) ls /usr/include/GL/osmesa.h /usr/include/EGL/eglext.h 2>/dev/null | grep . ;;
     libomp-dev) echo 'int main(void){return 0;}' | clang -fopenmp -x c - -o /dev/null ;;

@@ -83,7 +83,9 @@ static sl_status replay(const serve_command *c, sl_error *error) {
 int sl_command_serve(int argc, char **argv) {
     serve_command c;
     int status;
+    sl_error error;
     if (!parse(argc, argv, &c, &status)) return status;
+    if (c.replay) return replay(&c, &error) == SL_OK ? 0 : sl_complain(&error);
     fprintf(stderr,
             "softlux: serve: this program was built without libwebsockets (Debian's libwebsockets-dev); "
             "./setup.sh installs it, then make builds it anew\n");
