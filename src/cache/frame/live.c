@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/thread.h"
 #include "cache/frame/live.h"
 #include "cache/frame/method.h"
@@ -369,6 +370,12 @@ sl_status sl_live_choose(const sl_scene *scene, const sl_settings *asked, sl_set
     return status;
 }
 
+/* Frames beside updates are the calling thread's alone, but where somebody waits for them. */
+static unsigned drawers(const sl_live *l) {
+    const unsigned threads = sl_thread_count(l->method->settings.threads);
+    return l->follows && threads > 1 ? 2 : 1;
+}
+
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
     sl_settings own;
     sl_status status = sl_live_choose(l->scene, settings, &own, error);
@@ -381,7 +388,7 @@ static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error)
     status =
         sl_image_create(l->method->settings.width, l->method->settings.height, 3, NULL, &l->frame, error);
     if (status == SL_OK && class->window)
-        status = class->window->create(l->method->state, l->scene_copy, &l->window, error);
+        status = class->window->create(l->method->state, l->scene_copy, drawers(l), &l->window, error);
     if (status != SL_OK) return status;
     l->runs = sl_thread_start(&l->thread, update_on_and_on, l);
     return l->runs ? SL_OK : sl_fail(error, SL_ERROR_RESOURCES, "no thread could be had for updates");
@@ -620,7 +627,8 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
 static sl_status renew_window(sl_live *l, sl_error *error) {
     l->method->class->window->destroy(l->window);
     l->window = NULL;
-    sl_status status = l->method->class->window->create(l->method->state, l->scene_copy, &l->window, error);
+    sl_status status =
+        l->method->class->window->create(l->method->state, l->scene_copy, drawers(l), &l->window, error);
     sl_monitor_enter(&l->meeting);
     l->blind = false;
     if (status != SL_OK) l->status = status, l->error = *error;

@@ -38,8 +38,9 @@ void sl_explanation_add_layer(sl_explanation_writer *writer, const char *layer, 
 /* Frames beside updates, by another thread: a window shows the newest state that updates have left, from
  * where its own copy of the scene stands (scene/copy.h). Nothing in it waits for an update. */
 typedef struct sl_window_class {
-    /* beside no update */
-    sl_status (*create)(void *state, const sl_scene *scene_copy, void **window, sl_error *error);
+    /* beside no update; threads: that draw */
+    sl_status (*create)(void *state, const sl_scene *scene_copy, unsigned threads, void **window,
+                        sl_error *error);
     void (*destroy)(void *window);                                                          /* likewise */
     /* the copy's objects have moved */
     sl_status (*move)(void *window, sl_error *error);

@@ -150,3 +150,32 @@ sl_status sl_merge_picture(const sl_merge *merge, sl_image **image, sl_error *er
     sl_parallel_for(merge->threads, (size_t)merge->materials->height, merge_row, &c);
     return SL_OK;
 }
+
+static float product_at(const float *a, const float *b, float scale, size_t i) {
+    return a && b ? sl_picture_value(a[i] * (b[i] * scale)) : 0.0f;
+}
+
+static void merge_colours_of_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const merging *c = context;
+    const sl_merge *m = c->merge;
+    const size_t width = (size_t)m->materials->width, height = (size_t)m->materials->height;
+    const size_t from = row * width, to = (height - 1 - row) * width;
+    for (size_t k = 0; k < 3; k++) {
+        const float *kd = m->materials->diffuse[k], *ks = m->materials->specular[k],
+                    *lamp = m->materials->emission[k];
+        float *out = c->out + k * width * height + to;
+        for (size_t i = 0; i < width; i++) {
+            const size_t p = from + i;
+            const float direct = product_at(kd, m->direct_diffuse[k], 1.0f, p),
+                        highlight = product_at(ks, m->direct_specular[k], 1.0f, p),
+                        indirect = product_at(kd, m->indirect[k], (float)(1.0 / SL_PI), p);
+            out[i] = sl_picture_value(((direct + highlight) + indirect) + (lamp ? lamp[p] : 0.0f));
+        }
+    }
+}
+
+void sl_merge_colours(const sl_merge *merge, sl_image *image) {
+    merging c = {merge, image->planes};
+    sl_parallel_for(merge->threads, (size_t)merge->materials->height, merge_colours_of_row, &c);
+}

@@ -34,6 +34,7 @@ typedef struct window {
     sl_raster *raster;
     sl_primitives *primitives; /* as the scene copy has them */
     uint32_t made;             /* the world for which they were found */
+    unsigned threads;
     uint32_t *id;
     float *planes;             /* three for each mesh */
 } window;
@@ -130,16 +131,18 @@ static sl_status window_open(window *w, sl_error *error) {
     w->id = sl_allocate(pixels, sizeof *w->id);
     w->planes = sl_allocate(3 * SL_COMPONENTS * pixels, sizeof *w->planes);
     if (!w->id || !w->planes) return sl_fail_memory(error, "frames beside updates");
-    sl_status status = sl_raster_create(w->scene, 1, &w->raster, error);
+    sl_status status = sl_raster_create(w->scene, w->threads, &w->raster, error);
     return status == SL_OK ? sl_primitives_of_triangles(w->scene, &w->primitives, error) : status;
 }
 
-static sl_status window_create(void *state, const sl_scene *scene_copy, void **made, sl_error *error) {
+static sl_status window_create(void *state, const sl_scene *scene_copy, unsigned threads, void **made,
+                               sl_error *error) {
     sl_multi_mesh_state *s = state;
     window *w = sl_allocate(1, sizeof *w);
     *made = NULL;
     if (!w) return sl_fail_memory(error, "frames beside updates");
     w->scene = scene_copy;
+    w->threads = threads;
     w->settings = s->settings;
     w->made = s->made;
     sl_status status = exchange_create(&w->exchange, error);
@@ -155,7 +158,7 @@ static sl_status window_create(void *state, const sl_scene *scene_copy, void **m
 
 static sl_status window_move(void *it, sl_error *error) {
     window *w = it;
-    return sl_raster_move(w->raster, 1, error);
+    return sl_raster_move(w->raster, w->threads, error);
 }
 
 /* Corners that were one may have come apart when the method's world was made anew. */
@@ -198,30 +201,36 @@ static void draw_face(const sl_patches *mesh, const sl_visible_pixels *seen, con
     }
 }
 
-static void draw_meshes(window *w, const mesh_copies *set, const sl_visible_pixels *seen, sl_merge *merge) {
-    const float **const target[] = {merge->direct_diffuse, merge->direct_specular, merge->indirect};
-    size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
-    for (int i = 0; i < SL_COMPONENTS; i++) {
-        float *planes[3];
-        if (!set->part[i]) continue;
-        set->part[i]->primitives = w->primitives;
-        for (int c = 0; c < 3; c++) target[i][c] = planes[c] = w->planes + (size_t)(3 * i + c) * pixels;
-        memset(planes[0], 0, 3 * pixels * sizeof *planes[0]);
-        sl_rgb otherwise = i == SL_INDIRECT ? set->ambient : sl_grey(0.0f);
-        for (size_t f = 0; f < seen->face_count; f++)
-            draw_face(set->part[i], seen, &seen->face[f], otherwise, planes);
-    }
+/* Faces of one mesh, so many at a time. */
+typedef struct drawing {
+    const mesh_copies *set;
+    const sl_visible_pixels *seen;
+    float *planes[SL_COMPONENTS][3];
+    size_t pieces; /* of each mesh */
+} drawing;
+
+enum { FACES = 32 };
+
+static void draw_piece(void *context, size_t index, unsigned worker) {
+    const drawing *d = context;
+    const size_t part = index / d->pieces, first = index % d->pieces * FACES;
+    const sl_rgb otherwise = part == SL_INDIRECT ? d->set->ambient : sl_grey(0.0f);
+    (void)worker;
+    for (size_t f = first; d->set->part[part] && f < first + FACES && f < d->seen->face_count; f++)
+        draw_face(d->set->part[part], d->seen, &d->seen->face[f], otherwise, d->planes[part]);
 }
 
-static sl_status merge_into(const sl_merge *merge, sl_image *image, sl_error *error) {
-    static const char *const names[3] = {"R", "G", "B"};
-    size_t pixels = (size_t)image->width * (size_t)image->height;
-    sl_image *whole;
-    sl_status status = sl_merge_picture(merge, &whole, error);
-    for (size_t c = 0; c < 3 && status == SL_OK; c++)
-        memcpy(image->planes + c * pixels, sl_image_channel(whole, names[c]), pixels * sizeof(float));
-    if (status == SL_OK) sl_image_destroy(whole);
-    return status;
+static void draw_meshes(window *w, const mesh_copies *set, const sl_visible_pixels *seen, sl_merge *merge) {
+    const float **const target[] = {merge->direct_diffuse, merge->direct_specular, merge->indirect};
+    const size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
+    drawing d = {.set = set, .seen = seen, .pieces = (seen->face_count + FACES - 1) / FACES};
+    for (size_t i = 0; i < SL_COMPONENTS; i++) {
+        if (!set->part[i]) continue;
+        set->part[i]->primitives = w->primitives;
+        for (size_t c = 0; c < 3; c++) target[i][c] = d.planes[i][c] = w->planes + (3 * i + c) * pixels;
+        memset(d.planes[i][0], 0, 3 * pixels * sizeof(float));
+    }
+    sl_parallel_for(w->threads, SL_COMPONENTS * d.pieces, draw_piece, &d);
 }
 
 static sl_status draw_set(window *w, const mesh_copies *set, sl_image *image, sl_counters *counters,
@@ -229,20 +238,21 @@ static sl_status draw_set(window *w, const mesh_copies *set, sl_image *image, sl
     sl_view view = sl_view_scene(w->scene, w->settings.width, w->settings.height);
     sl_target target = {w->settings.width, w->settings.height, w->id, NULL};
     sl_visible_pixels *seen = NULL;
-    sl_merge merge = {.threads = 1};
+    sl_merge merge = {.threads = w->threads};
     sl_materials_seen *materials = NULL;
     const sl_materials_wanted wanted = {set->part[SL_DIRECT_SPECULAR] != NULL, true};
     sl_status status = follow_structure(w, set->made, error);
-    if (status == SL_OK) status = sl_raster_id(w->raster, &view, 1, &target, counters, error);
+    if (status == SL_OK) status = sl_raster_id(w->raster, &view, w->threads, &target, counters, error);
     if (status == SL_OK)
-        status = sl_visible_pixels_sort(w->primitives, w->raster, &view, w->id, 1, &seen, counters, error);
+        status = sl_visible_pixels_sort(w->primitives, w->raster, &view, w->id, w->threads, &seen, counters,
+                                        error);
     if (status == SL_OK)
-        status = sl_materials_resolve(w->scene, w->raster, &view, w->id, wanted, 1, &materials, counters,
+        status = sl_materials_resolve(w->scene, w->raster, &view, w->id, wanted, w->threads, &materials, counters,
                                       error);
     if (status == SL_OK) {
         draw_meshes(w, set, seen, &merge);
         merge.materials = materials;
-        status = merge_into(&merge, image, error);
+        sl_merge_colours(&merge, image);
     }
     sl_materials_destroy(materials);
     sl_visible_pixels_destroy(seen);

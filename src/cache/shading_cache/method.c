@@ -333,9 +333,10 @@ static size_t shading_bytes(const void *state) {
 
 /* ---- frames beside updates: geometry follows at once, shading is as the last update left it ---- */
 
-static sl_status window_create(void *state, const sl_scene *copy, void **window, sl_error *error) {
+static sl_status window_create(void *state, const sl_scene *copy, unsigned threads, void **window,
+                               sl_error *error) {
     sl_window *made;
-    sl_status status = sl_window_create(((sl_shading_state *)state)->display, copy, &made, error);
+    sl_status status = sl_window_create(((sl_shading_state *)state)->display, copy, threads, &made, error);
     *window = made;
     return status;
 }

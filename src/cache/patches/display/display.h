@@ -65,15 +65,15 @@ sl_status sl_display_id_map(sl_display *display, unsigned threads, const sl_disp
 
 /* A window is another thread's way to look: at the same arrays, from the camera and with the objects of a
  * copy of the scene (scene/copy.h), which that thread moves as it likes. Hardware and planes are its own, and
- * it draws on its thread alone but where frames are given more. */
+ * it draws on its thread alone where one is given: the others are busy with samples. */
 typedef struct sl_window sl_window;
-sl_status sl_window_create(sl_display *display, const sl_scene *scene_copy, sl_window **window,
-                           sl_error *error);
+sl_status sl_window_create(sl_display *display, const sl_scene *scene_copy, unsigned threads,
+                           sl_window **window, sl_error *error);
 void sl_window_destroy(void *window);
 /* Positions follow the copy's objects. Curved surfaces are cut anew for its camera with the first frame after
  * a build. */
 sl_status sl_window_move(void *window, sl_error *error);
-/* A frame as a picture, drawn on the calling thread alone: the others are busy with samples. */
+/* A frame as a picture. */
 sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_counters *counters,
                             sl_error *error);
 sl_status sl_window_draw(sl_display *display, sl_window *window, unsigned threads, float *const planes[3],

@@ -36,11 +36,12 @@ void sl_window_close(sl_window *w) {
     for (int i = 0; i < 5; i++) sl_free(planes[i]);
 }
 
-sl_status sl_window_create(sl_display *d, const sl_scene *scene_copy, sl_window **window, sl_error *error) {
+sl_status sl_window_create(sl_display *d, const sl_scene *scene_copy, unsigned threads, sl_window **window,
+                           sl_error *error) {
     sl_window *w = sl_allocate(1, sizeof *w);
     *window = NULL;
     if (!w) return sl_fail_memory(error, "a window of the display");
-    sl_status status = sl_window_open(d, scene_copy, 1, w, error);
+    sl_status status = sl_window_open(d, scene_copy, threads, w, error);
     if (status == SL_OK && !(w->picture = sl_allocate(3 * pixels_of(d), sizeof *w->picture)))
         status = sl_fail_memory(error, "a window of the display");
     if (status == SL_OK) *window = w;
@@ -64,7 +65,7 @@ sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_
     sl_window *w = window;
     size_t pixels = pixels_of(w->display);
     float *const planes[3] = {w->picture, w->picture + pixels, w->picture + 2 * pixels};
-    sl_status status = sl_window_draw(w->display, w, 1, planes, counters, error);
+    sl_status status = sl_window_draw(w->display, w, w->threads, planes, counters, error);
     for (size_t k = 0; k < 3 && status == SL_OK; k++)
         sl_raster_flip(planes[k], image->width, image->height, image->planes + k * pixels);
     *builds = w->builds;

@@ -108,7 +108,7 @@ static void every_frame_is_of_one_build_whole_and_none_older_than_the_last(void 
     sl_scene *scene_copy;
     assert_int_equal(sl_scene_copy(h.scene, &scene_copy, NULL), SL_OK);
     beside b = {.display = display_of(&h, W, H, guess)};
-    assert_int_equal(sl_window_create(b.display, scene_copy, &b.window, NULL), SL_OK);
+    assert_int_equal(sl_window_create(b.display, scene_copy, 1, &b.window, NULL), SL_OK);
     sl_thread thread;
     assert_true(sl_thread_start(&thread, draw_on_and_on, &b));
     uint32_t update = 0;
@@ -194,7 +194,7 @@ static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state)
     sl_scene *scene_copy;
     sl_window *window;
     assert_int_equal(sl_scene_copy(h.scene, &scene_copy, NULL), SL_OK);
-    assert_int_equal(sl_window_create(display, scene_copy, &window, NULL), SL_OK);
+    assert_int_equal(sl_window_create(display, scene_copy, 1, &window, NULL), SL_OK);
     build_display(display, &h);
     look(scene_copy, sl_v3(260, 200, -100), sl_v3(260, 150, 270));
     draw_window(display, window, &near_by);
