@@ -78,11 +78,11 @@ typedef struct sl_coarse_share {
 } sl_coarse_share;
 
 /* U_dd at each place; NaN where it lies inside other geometry. A pure function of the place and the scene.
- * kept: by place and light; what was sampled in the same way is not sampled again. NULL: all is. Counts
- * SL_COUNT_LIGHT_SAMPLES. */
+ * quick: by a sixteenth of the rays, while things move. kept: by place and light; what was sampled in the
+ * same way is not sampled again. NULL: all is. Counts SL_COUNT_LIGHT_SAMPLES. */
 sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
-                               const sl_root_place *place, sl_coarse_share *kept, sl_rgb *radiance,
-                               sl_counters *counters, sl_error *error);
+                               const sl_root_place *place, bool quick, sl_coarse_share *kept,
+                               sl_rgb *radiance, sl_counters *counters, sl_error *error);
 
 /* Shares of a whole coarse mesh, and the state of the scene that they were taken in. */
 typedef struct sl_coarse_kept {

@@ -46,11 +46,15 @@ static size_t rank_lights(const sl_sampled_lights *lights, const sl_lit_point *p
 }
 
 /* n of n x n rays, by the part of all that lights could give that this one could. */
-static int rays_to(double part) { return part > 0.3 ? 12 : part > 0.1 ? 8 : 4; }
+static int rays_to(double part, bool quick) {
+    const int rays = part > 0.3 ? 12 : part > 0.1 ? 8 : 4;
+    return quick ? rays / 4 : rays;
+}
 
 /* Where a vertex is asked for light, and what of it is known there. */
 typedef struct asked_place {
     const sl_lit_point *point;
+    bool quick;
     uint32_t nudge;            /* how often it was moved to be there */
     sl_coarse_share *kept;     /* by light, or NULL */
 } asked_place;
@@ -74,7 +78,7 @@ static bool light_point(const sl_irradiance_settings *c, const asked_place *at, 
     for (; i < count && (i == 0 || asked < (1.0 - UNASKED) * all); i++) {
         uint32_t l = w->order[i];
         double most = (double)w->share[l];
-        w->share[l] = sample_by(c, at, l, rays_to(w->most[l] / all), counters);
+        w->share[l] = sample_by(c, at, l, rays_to(w->most[l] / all, at->quick), counters);
         asked += w->most[l];
         seen += w->most[l] * (double)w->share[l] / most;
     }
@@ -97,15 +101,15 @@ static sl_mesh_point point_of(const sl_irradiance_settings *c, sl_root_place pla
 
 /* A vertex that nothing arrives at may lie inside other geometry: then it is asked for a little further
  * inside its face. */
-static sl_rgb light_vertex(const sl_irradiance_settings *c, sl_root_place place, sl_coarse_share *kept,
-                           light_worker *w, sl_counters *counters) {
+static sl_rgb light_vertex(const sl_irradiance_settings *c, sl_root_place place, bool quick,
+                           sl_coarse_share *kept, light_worker *w, sl_counters *counters) {
     static const double nudge[NUDGES] = {0.0, 0.01, 0.05, 0.2};
     uint32_t first = 0; /* where it was found last time */
     for (size_t l = 0; kept && l < c->lights->count; l++)
         first = kept[l].by % NUDGES > first ? kept[l].by % NUDGES : first;
     for (uint32_t i = first; i < NUDGES; i++) {
         sl_mesh_point at = point_of(c, place, nudge[i]);
-        if (!light_point(c, &(asked_place){&at.lit, i, kept}, w, counters) &&
+        if (!light_point(c, &(asked_place){&at.lit, quick, i, kept}, w, counters) &&
             sl_point_in_solid(c->primitives, c->tracer, NULL, &at.lit, counters))
             continue;
         return sl_direct_diffuse(c->lights, w->share);
@@ -117,20 +121,22 @@ typedef struct lighting {
     const sl_irradiance_settings *light;
     light_worker *worker;
     const sl_root_place *place;
+    bool quick;
     sl_coarse_share *kept;
 } lighting;
 
 static void light_one(void *context, size_t i, unsigned worker, void *result, sl_counters *counters) {
     const lighting *job = context;
     sl_coarse_share *kept = job->kept ? job->kept + i * job->light->lights->count : NULL;
-    *(sl_rgb *)result = light_vertex(job->light, job->place[i], kept, &job->worker[worker], counters);
+    light_worker *w = &job->worker[worker];
+    *(sl_rgb *)result = light_vertex(job->light, job->place[i], job->quick, kept, w, counters);
 }
 
 sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count,
-                               const sl_root_place *place, sl_coarse_share *kept, sl_rgb *radiance,
-                               sl_counters *counters, sl_error *error) {
+                               const sl_root_place *place, bool quick, sl_coarse_share *kept,
+                               sl_rgb *radiance, sl_counters *counters, sl_error *error) {
     size_t lights = light->lights->count, all = lights * light->threads;
-    lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), place, kept};
+    lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), place, quick, kept};
     const sl_batch batch = {count, light_one, &job, radiance, sizeof *radiance};
     double *most = sl_allocate(all, sizeof *most);
     float *share = sl_allocate(all, sizeof *share);

@@ -82,7 +82,7 @@ static void forget_eye(sl_coarse_eye *eye, unsigned threads) {
 }
 
 void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds, unsigned threads) {
-    for (int i = 0; i < 2; i++) forget_eye(&rounds->eye[i], threads);
+    for (int i = 0; i < SL_GATHER_DETAILS; i++) forget_eye(&rounds->eye[i], threads);
 }
 
 static sl_status make_eye(sl_multi_mesh_state *s, const sl_coarse *coarse, sl_coarse_eye *eye,
@@ -102,28 +102,29 @@ static sl_status make_eye(sl_multi_mesh_state *s, const sl_coarse *coarse, sl_co
     return status;
 }
 
-/* A quarter of the pixels, unless that is too few to be drawn. */
-static int pixels_of(const sl_multi_mesh_state *s, bool quick) {
-    return quick && sl_multi_mesh_has_quick(s) ? s->settings.gather_size / 4 : s->settings.gather_size;
+/* Fewer pixels a side, unless a quarter of them is too few to be drawn. */
+static int pixels_of(const sl_multi_mesh_state *s, sl_gather_detail detail) {
+    return sl_multi_mesh_has_quick(s) ? s->settings.gather_size >> detail : s->settings.gather_size;
 }
 
 bool sl_multi_mesh_has_quick(const sl_multi_mesh_state *s) {
     return s->settings.gather_size >= 4 * SL_GATHER_COLOURED_LEAST;
 }
 
-sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick,
+sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, sl_gather_detail detail,
                                   sl_error *error) {
-    sl_coarse_eye *eye = &rounds->eye[quick];
-    eye->pixels = pixels_of(s, quick);
+    sl_coarse_eye *eye = &rounds->eye[detail];
+    eye->pixels = pixels_of(s, detail);
     sl_status status = eye->gather ? SL_OK : make_eye(s, rounds->coarse, eye, error);
     if (status != SL_OK) forget_eye(eye, s->settings.threads);
     return status;
 }
 
-sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick, size_t count,
-                               const sl_mesh_point *points, sl_rgb *irradiance, sl_error *error) {
-    sl_coarse_eye *eye = &rounds->eye[quick];
-    sl_status status = sl_multi_mesh_ready_eye(s, rounds, quick, error);
+sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, sl_gather_detail detail,
+                               size_t count, const sl_mesh_point *points, sl_rgb *irradiance,
+                               sl_error *error) {
+    sl_coarse_eye *eye = &rounds->eye[detail];
+    sl_status status = sl_multi_mesh_ready_eye(s, rounds, detail, error);
     if (status != SL_OK) return status;
     gathering g = {s, eye, points};
     const sl_batch batch = {count, gather_one, &g, irradiance, sizeof *irradiance};
@@ -186,8 +187,9 @@ static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *er
     sl_root_place place[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) place[i] = sl_coarse_lit_place(r->coarse, r->done + i);
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
-    return sl_coarse_light_take(&s->light, count, place, r->shares ? r->shares + r->done * lights : NULL,
-                                r->direct + r->done, &s->counters, error);
+    return sl_coarse_light_take(&s->light, count, place, r->rolls,
+                                r->shares ? r->shares + r->done * lights : NULL, r->direct + r->done,
+                                &s->counters, error);
 }
 
 /* U_dd, and E_i / pi where it is known, is what gathers see. */
@@ -270,7 +272,8 @@ static sl_status gather_for_coarse(sl_multi_mesh_state *s, sl_coarse_rounds *see
     sl_mesh_point points[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++)
         points[i] = sl_mesh_point_at(s->primitives, sl_coarse_lit_place(s->next.coarse, s->next.done + i));
-    return sl_multi_mesh_gather(s, seen, s->next.rolls || is_quick_round(s), count, points,
+    const bool quick = s->next.rolls || is_quick_round(s);
+    return sl_multi_mesh_gather(s, seen, quick ? SL_GATHER_A_QUARTER : SL_GATHER_ALL, count, points,
                                 s->next.indirect + s->next.done, error);
 }
 

@@ -65,21 +65,27 @@ sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
 
 /* ---- pixels down the quadtrees ---- */
 
-/* Each child's pixels lie together, and so do those of the whole node. */
+enum { CHILD_SHIFT = 30, PIXEL = (1 << CHILD_SHIFT) - 1 };
+
+/* Each child's pixels lie together, and so do those of the whole node. Which child's they are stands in
+ * their highest bits meanwhile. */
 void sl_displayed_hand_down(sl_displayed *d, const sl_patch_place *place) {
     const sl_visible_pixels *pixels = d->pixels;
     sl_patch *node = &d->mesh->patch[place->patch], *child = &d->mesh->patch[node->child];
-    uint32_t at = d->first[place->patch], end = at + node->pixels;
-    for (int c = 0; c < 4; c++) {
-        d->first[node->child + (uint32_t)c] = at;
+    uint32_t first = d->first[place->patch], at = first, end = first + node->pixels;
+    for (uint32_t i = first; i < end; i++) {
+        const double w1 = (double)pixels->w1[d->order[i]], w2 = (double)pixels->w2[d->order[i]];
+        d->order[i] |= (uint32_t)sl_patch_child_at(place, w1, w2) << CHILD_SHIFT;
+    }
+    for (uint32_t c = 0; c < 4; c++) {
+        d->first[node->child + c] = at;
         for (uint32_t i = at; i < end; i++) {
-            uint32_t pixel = d->order[i];
-            double w1 = (double)pixels->w1[pixel], w2 = (double)pixels->w2[pixel];
-            if (sl_patch_child_at(place, w1, w2) != c) continue;
+            const uint32_t pixel = d->order[i];
+            if (pixel >> CHILD_SHIFT != c) continue;
             d->order[i] = d->order[at];
-            d->order[at++] = pixel;
+            d->order[at++] = pixel & PIXEL;
         }
-        child[c].pixels = at - d->first[node->child + (uint32_t)c];
+        child[c].pixels = at - d->first[node->child + c];
     }
 }
 

@@ -176,7 +176,7 @@ void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
 void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     const sl_visible_pixels *pixels = s->visible;
     if (!sl_announcing(&s->announcer) || !pixels || !pixels->face_count) return;
-    if (sl_multi_mesh_ready_eye(s, &s->whole, false, NULL) != SL_OK) return;
+    if (sl_multi_mesh_ready_eye(s, &s->whole, SL_GATHER_ALL, NULL) != SL_OK) return;
     const sl_coarse_eye *eye = &s->whole.eye[0];
     size_t widest = 0;
     for (size_t f = 1; f < pixels->face_count; f++)

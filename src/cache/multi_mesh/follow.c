@@ -15,7 +15,14 @@
  * Together with the coarse mesh's vertices and the leaves that are served they take about as long as a frame
  * at 25 frames a second on two cores: a light sample 20 to 40 us, a gather of few pixels 30 to 60, one of
  * all 350, a coarse vertex's direct light 5. */
-enum { PICTURES = 1024, VERTICES = 8192, QUICK_GATHERS = 256, GATHERS = 64, A_SLICE = 64 };
+enum {
+    PICTURES = 1024,
+    QUICK_SAMPLES = 4096, /* in pictures, too: all that a frame shows, mostly */
+    VERTICES = 8192,
+    QUICK_GATHERS = 512,
+    GATHERS = 64,
+    A_SLICE = 64
+};
 
 /* ---- the world as it is now, beside what is left of the old one ---- */
 
@@ -126,7 +133,7 @@ static void age_direct(sl_displayed *d, const sl_light_moves *moves, double reac
     const holding h = {moves, reach};
     /* of lights of another colour each sample holds, and no sum of them */
     const sl_mesh_check check = {value_holds, &h};
-    sl_displayed_age(d, 1, moves && !moves->recoloured ? &check : NULL);
+    sl_displayed_age(d, SL_WORLDS_AN_EDIT, moves && !moves->recoloured ? &check : NULL);
     if (moves) sl_displayed_doubt(d, &(sl_leaf_check){leaf_holds, &h});
 }
 
@@ -134,7 +141,7 @@ static sl_status age(sl_multi_mesh_state *s, const sl_light_moves *moves, sl_err
     const double reach = s->sampling ? 10.0 * sl_light_sampling_step(s->sampling) : 0.0;
     for (int i = 0; i < SL_INDIRECT; i++)
         if (s->part[i]) age_direct(s->part[i], moves, reach);
-    if (s->part[SL_INDIRECT]) sl_displayed_age(s->part[SL_INDIRECT], SL_WORLDS_GATHERED, NULL);
+    if (s->part[SL_INDIRECT]) sl_displayed_age(s->part[SL_INDIRECT], SL_WORLDS_AN_EDIT, NULL);
     if (!s->irradiance) return SL_OK;
     s->light = sl_multi_mesh_irradiance_settings(s);
     return sl_irradiance_meshes_follow(s->irradiance, &s->light, moves, error);
@@ -223,7 +230,7 @@ void sl_multi_mesh_carry(sl_multi_mesh_state *s) {
         for (int c = 0; c < 3; c++) value[c] = scaled(value[c], before[c], now[c], mean[c]);
     }
     d->dirty_all = true;
-    sl_displayed_age(d, SL_WORLDS_GATHERED, NULL);
+    sl_displayed_age(d, SL_WORLDS_AN_EDIT, NULL);
 }
 
 /* ---- what is renewed ---- */
@@ -245,17 +252,17 @@ static sl_status renew_slice(sl_multi_mesh_state *s, sl_component part, size_t c
 
 /* Returns in which of the method's worlds a value was taken. */
 static uint32_t world_of(const sl_multi_mesh_state *s, sl_component part, uint32_t vertex) {
-    return s->world - (s->part[part]->world - s->part[part]->world_of[vertex]);
+    return s->world - (s->part[part]->world - s->part[part]->world_of[vertex]) / SL_WORLDS_AN_EDIT;
 }
 
 static size_t fewer(size_t a, size_t b) { return a < b ? a : b; }
 
-/* As many slices as the share allows; what is left is counted. */
-static sl_status renew_part(sl_multi_mesh_state *s, sl_component part, uint32_t world, size_t most,
-                            sl_error *error) {
+/* As many slices as the shares of work and of vertices allow; what is left is counted. */
+static sl_status renew_part(sl_multi_mesh_state *s, sl_component part, uint32_t world, size_t work,
+                            size_t most, sl_error *error) {
     sl_old_vertex *old;
     size_t count, at = 0;
-    const uint64_t end = work_done(s) + sl_multi_mesh_share(s, PICTURES);
+    const uint64_t end = work_done(s) + sl_multi_mesh_share(s, work);
     sl_status status = sl_displayed_list_old(s->part[part], world, &old, &count, error);
     while (status == SL_OK && at < count && at < most && work_done(s) < end) {
         size_t some = fewer(fewer(count - at, most - at), A_SLICE);
@@ -279,10 +286,20 @@ static sl_status renew_indirect(sl_multi_mesh_state *s, sl_error *error) {
     d->put_as = d->world - 1;
     sl_status status = SL_OK;
     if (!of_now || has_quick)
-        status = renew_part(s, SL_INDIRECT, d->world - 1, sl_multi_mesh_share(s, QUICK_GATHERS), error);
+        status = renew_part(s, SL_INDIRECT, d->world - 1, PICTURES, sl_multi_mesh_share(s, QUICK_GATHERS),
+                            error);
     if (status != SL_OK || s->old_left > before || !of_now) return status;
     d->put_as = d->world;
-    return renew_part(s, SL_INDIRECT, d->world, sl_multi_mesh_share(s, has_quick ? GATHERS : QUICK_GATHERS),
+    return renew_part(s, SL_INDIRECT, d->world, PICTURES,
+                      sl_multi_mesh_share(s, has_quick ? GATHERS : QUICK_GATHERS), error);
+}
+
+/* Light of lamps on diffuse surfaces by few rays while one move comes after another. */
+static sl_status renew_direct(sl_multi_mesh_state *s, sl_component part, bool at_rest, sl_error *error) {
+    sl_displayed *d = s->part[part];
+    const bool quick = part == SL_DIRECT_DIFFUSE && s->moves && !at_rest;
+    d->put_as = quick ? d->world - 1 : d->world;
+    return renew_part(s, part, d->put_as, quick ? QUICK_SAMPLES : PICTURES, sl_multi_mesh_share(s, VERTICES),
                       error);
 }
 
@@ -293,10 +310,8 @@ sl_status sl_multi_mesh_renew(sl_multi_mesh_state *s, sl_error *error) {
     s->old_left = 0;
     s->mixed = false;
     if (s->world == 1) return SL_OK;
-    const size_t most = sl_multi_mesh_share(s, VERTICES);
     for (int i = 0; i < SL_INDIRECT && status == SL_OK; i++)
-        if (sl_multi_mesh_takes_part(s, i))
-            status = renew_part(s, (sl_component)i, s->part[i]->world, most, error);
+        if (sl_multi_mesh_takes_part(s, i)) status = renew_direct(s, (sl_component)i, at_rest, error);
     if (status == SL_OK && s->change_waits && s->oldest_left >= s->change_world) {
         s->change_waits = false;
         sl_count(&s->counters, SL_COUNT_CHANGES_SHOWN, 1);

@@ -60,8 +60,29 @@ static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint
     return sl_direct_specular(s->lights, share, &point.lit, exponent, s->scene->camera.eye);
 }
 
+/* While things move: the closed form times the share that a few rays see. */
+static sl_status sample_direct_quickly(sl_multi_mesh_state *s, size_t count, const sl_wanted_vertex *wanted,
+                                       sl_error *error) {
+    sl_displayed *part = s->part[SL_DIRECT_DIFFUSE];
+    sl_root_place *places = sl_allocate(count, sizeof *places);
+    sl_rgb *radiance = sl_allocate(count, sizeof *radiance);
+    sl_status status = places && radiance ? SL_OK : sl_fail_memory(error, "samples");
+    for (size_t i = 0; i < count && status == SL_OK; i++)
+        places[i] = part->mesh->vertex[wanted[i].vertex].place;
+    if (status == SL_OK)
+        status = sl_coarse_light_take(&s->light, count, places, true, NULL, radiance, &s->counters, error);
+    for (size_t i = 0; i < count && status == SL_OK; i++) {
+        const bool valid = sl_rgb_is_finite(radiance[i]);
+        sl_displayed_put(part, wanted[i].vertex, valid ? radiance[i] : sl_grey(0.0f), valid, &s->counters);
+    }
+    sl_free(radiance);
+    sl_free(places);
+    return status;
+}
+
 static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t count,
                                const sl_wanted_vertex *wanted, sl_error *error) {
+    if (s->part[part]->put_as < s->part[part]->world) return sample_direct_quickly(s, count, wanted, error);
     size_t lights = s->lights->count;
     sl_face_point *points = sl_allocate(count, sizeof *points);
     float *share = sl_allocate(count * lights, sizeof *share);
@@ -97,9 +118,9 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
         valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, NULL, wanted[i].vertex,
                                                 &points[i].lit, &moved, &s->counters);
     }
-    bool quick = part->put_as < part->world;
+    sl_gather_detail detail = part->put_as < part->world ? SL_GATHER_HALF : SL_GATHER_ALL;
     if (status == SL_OK) /* equation (7) */
-        status = sl_multi_mesh_gather(s, &s->whole, quick, count, points, irradiance, error);
+        status = sl_multi_mesh_gather(s, &s->whole, detail, count, points, irradiance, error);
     for (size_t i = 0; i < count && status == SL_OK; i++)
         sl_displayed_put(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);
     sl_free(valid);

@@ -32,7 +32,7 @@ typedef enum sl_mesh_phase { SL_PHASE_VIEW, SL_PHASE_FIRST, SL_PHASE_REFINE, SL_
 
 enum {
     SL_DONE_VIEWS = 32,
-    SL_WORLDS_GATHERED = 2 /* worlds of the indirect mesh by edit: values of quick gathers are in between */
+    SL_WORLDS_AN_EDIT = 2 /* worlds of a mesh by edit: values that were taken quickly are in between */
 };
 
 /* Gathers of so many pixels a side. */
@@ -41,6 +41,14 @@ typedef struct sl_coarse_eye {
     sl_gather_scratch **scratch; /* one a thread */
     int pixels;
 } sl_coarse_eye;
+
+/* Pixels a side of a gather: half while things move, a quarter where hundreds are seen at once. */
+typedef enum sl_gather_detail {
+    SL_GATHER_ALL,
+    SL_GATHER_HALF,
+    SL_GATHER_A_QUARTER,
+    SL_GATHER_DETAILS
+} sl_gather_detail;
 
 /* A coarse mesh with those who look at it, and how far its light has come. */
 typedef struct sl_coarse_rounds {
@@ -53,7 +61,7 @@ typedef struct sl_coarse_rounds {
     sl_rgb *direct;             /* U_dd of lamps at its vertices, and ... */
     sl_rgb *indirect;           /* ... E_i of the environment or of later bounces; NULL: not yet, or none */
     uint32_t gathers;           /* rounds of these that are left */
-    sl_coarse_eye eye[2];       /* of all pixels; of a quarter a side */
+    sl_coarse_eye eye[SL_GATHER_DETAILS];
 } sl_coarse_rounds;
 
 typedef struct sl_multi_mesh_state {
@@ -84,6 +92,7 @@ typedef struct sl_multi_mesh_state {
     bool has_light;                 /* frames may show it */
     bool change_waits;              /* a change of direct light is yet to be shown: that of ... */
     uint32_t change_world;
+    bool moves, settled;            /* the last edit came before the picture of the one before was done */
     bool is_edited;                 /* since the method began, the view included: updates are shared out */
     size_t old_left;                /* values in view that an edit has left to be taken again */
     uint32_t oldest_left;           /* the world of the oldest of direct light */
@@ -223,14 +232,15 @@ sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error);
 void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds, unsigned threads);
 /* Gathers are made anew: the hardware's vertices have moved. */
 void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds, unsigned threads);
-/* Tells whether gathers of a quarter of the pixels a side have fewer. */
+/* Tells whether gathers of half or a quarter of the pixels a side have fewer. */
 bool sl_multi_mesh_has_quick(const sl_multi_mesh_state *s);
-/* Makes the gather of all pixels, or of a quarter of them a side, where there is none. */
-sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick,
+/* Makes the gather of so many pixels where there is none. */
+sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, sl_gather_detail detail,
                                   sl_error *error);
-/* Irradiance that points gather from a coarse mesh, through all pixels or a quarter of them a side. */
-sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, bool quick, size_t count,
-                               const sl_mesh_point *points, sl_rgb *irradiance, sl_error *error);
+/* Irradiance that points gather from a coarse mesh. */
+sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, sl_gather_detail detail,
+                               size_t count, const sl_mesh_point *points, sl_rgb *irradiance,
+                               sl_error *error);
 /* Makes a coarse mesh, its light not yet asked for. */
 sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error);
 /* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins, or is old. */

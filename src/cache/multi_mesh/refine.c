@@ -30,10 +30,9 @@ sl_status sl_displayed_request(sl_displayed *d, const sl_patch_place *leaf, uint
     sl_status status = SL_OK;
     *count = 0;
     /* some may have been interpolated where something lies in between */
-    bool again = sl_displayed_is_contradicted(d, leaf);
+    bool again = sl_displayed_is_contradicted(d, leaf), all = will_split(d, leaf); /* by values as they are */
     for (int c = 0; c < 3; c++) ask(d, sl_patch_corner(d->mesh, leaf->patch, c), again, vertex, count);
     d->corners_asked |= *count > 0;
-    bool all = will_split(d, leaf);
     for (int e = 0; e < 3; e++) {
         if (sl_edge_of(&d->mesh->patch[leaf->patch], e) == SL_EDGE_CLOSED && !all) continue;
         uint32_t middle = sl_mesh_middle(d->mesh, leaf, e, &status, error);

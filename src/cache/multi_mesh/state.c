@@ -224,7 +224,7 @@ static size_t bytes_of_rounds(const sl_coarse_rounds *r, size_t lights) {
     size_t of_vertex = (r->direct ? sizeof *r->direct : 0) + (r->indirect ? sizeof *r->indirect : 0) +
                        (r->shares ? lights * sizeof *r->shares : 0);
     size_t bytes = sl_coarse_memory_bytes(r->coarse) + r->coarse->vertex_count * of_vertex;
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < SL_GATHER_DETAILS; i++)
         if (r->eye[i].gather) bytes += sl_gather_memory_bytes(r->eye[i].gather);
     return bytes;
 }

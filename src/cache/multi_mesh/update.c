@@ -10,6 +10,7 @@ static void end_picture(sl_multi_mesh_state *s) {
     sl_multi_mesh_announce_light_sample(s);
     sl_multi_mesh_remember_done(s);
     s->phase = SL_PHASE_DONE;
+    s->settled = true;
 }
 
 /* Leaves were judged by the other components as they were then. Before the end all are judged by what there
@@ -100,6 +101,8 @@ static sl_status make_anew(sl_multi_mesh_state *s, sl_error *error) {
 static sl_status edit_world(sl_multi_mesh_state *s, unsigned changes, sl_error *error) {
     bool followed = false;
     s->done_count = 0;
+    s->moves = !s->settled;
+    s->settled = false;
     s->gathers_wait = sl_coarse_is_of_now(s) || (s->gathers_wait && !s->next.coarse);
     s->world++;
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) s->lit = s->world;

@@ -73,7 +73,7 @@ static void where_nothing_is_between_all_lights_count_though_few_are_asked(void 
     sl_root_place vertex[POINTS];
     sl_rgb radiance[POINTS];
     places(0, vertex);
-    assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, NULL, radiance, &h.counters, NULL), SL_OK);
+    assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, false, NULL, radiance, &h.counters, NULL), SL_OK);
     for (int i = 0; i < POINTS; i++) {
         double expected = unoccluded(&h, &vertex[i], LAMPS);
         assert_true(fabs((double)radiance[i].g * SL_PI / expected - 1.0) < 1e-4);
@@ -91,7 +91,7 @@ static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(vo
     sl_root_place vertex[POINTS];
     sl_rgb radiance[POINTS];
     places(0, vertex);
-    assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, NULL, radiance, &h.counters, NULL), SL_OK);
+    assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, false, NULL, radiance, &h.counters, NULL), SL_OK);
     for (int i = 0; i < POINTS; i++) {
         double seen = unoccluded(&h, &vertex[i], LAMPS / 2), all = unoccluded(&h, &vertex[i], LAMPS);
         assert_true(fabs((double)radiance[i].g * SL_PI - seen) < 0.0301 * all);
@@ -135,7 +135,7 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
         sl_rgb radiance;
         const sl_root_place v = sl_coarse_lit_place(coarse, i);
         if (v.root != 0 && v.root != 2) continue;
-        assert_int_equal(sl_coarse_light_take(&h.light, 1, &v, NULL, &radiance, &h.counters, NULL), SL_OK);
+        assert_int_equal(sl_coarse_light_take(&h.light, 1, &v, false, NULL, &radiance, &h.counters, NULL), SL_OK);
         floor++;
         double open = unoccluded(&h, &v, 1) / SL_PI;
         assert_true((double)radiance.g > 0.9 * open);
