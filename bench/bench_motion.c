@@ -51,7 +51,7 @@ static const struct {
     {SL_COUNT_SHADOW_LOOKUPS, 20},
     {SL_COUNT_PHOTON_LOOK_UPS, 2.4},
     {SL_COUNT_PHOTONS_GATHERED, 120},
-    {SL_COUNT_TEXTURE_FETCHES, 60},
+    {SL_COUNT_TEXTURE_FETCHES, 8},
 };
 
 static double nanoseconds(const sl_counters *counters) {
@@ -129,7 +129,7 @@ static void open_method(contestant *c, const sl_scene *scene, const char *method
     check(sl_scene_copy(scene, &c->scene, &error), &error);
     check(sl_method_create(c->scene, &settings, &c->method, &error), &error);
     const sl_window_class *window = c->method->class->window;
-    if (window) check(window->create(c->method->state, c->scene, &c->window, &error), &error);
+    if (window) check(window->create(c->method->state, c->scene, 1, &c->window, &error), &error);
 }
 
 static void open_contestant(contestant *c, const sl_scene *scene, const char *path, const char *method,
