@@ -302,7 +302,8 @@ static sl_status replay_show(replay *r, const cJSON *show, sl_image **picture, s
     sl_status status = settings_from(show, &settings, error);
     if (status == SL_OK) status = sl_world_copy(&r->world, &r->scene, error);
     if (status == SL_OK) status = make_before(r, (uint64_t)number(show, "behind"), error);
-    if (status == SL_OK) status = sl_live_choose(r->scene, &settings, &own, error);
+    const sl_settings shown = sl_side_shown(&settings);
+    if (status == SL_OK) status = sl_live_choose(r->scene, &shown, &own, error);
     if (status == SL_OK) status = sl_method_create(r->scene, &own, &r->method, error);
     const cJSON *turns = cJSON_GetObjectItem(show, "turns"), *turn = turns ? turns->child : NULL;
     while (turn && status == SL_OK) status = take_turn(r, &turn, error);

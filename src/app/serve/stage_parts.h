@@ -76,6 +76,9 @@ void sl_add_numbers(cJSON *to, const char *name, const double *values, int count
 void sl_add_floats(cJSON *to, const char *name, const float *values, int count);
 
 /* ---- side.c ---- */
+/* The settings with which a side's method is shown: what is left open is chosen for frames that follow a hand;
+ * an exact picture has the side's own. */
+sl_settings sl_side_shown(const sl_settings *settings);
 /* Shows the method of side->settings, as the world stands now. */
 sl_status sl_side_start(sl_stage *stage, int index, sl_error *error);
 void sl_side_stop(sl_stage *stage, int index);
