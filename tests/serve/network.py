@@ -29,6 +29,15 @@ def refused(*words, **options):
     raise AssertionError(f"let in: {options}")
 
 
+def it_listens_at_the_loopback_address_alone(server):
+    port = f":{int(server.host.rsplit(':')[-1]):04X}"
+    places = []
+    for table in ("tcp", "tcp6"):
+        with open("/proc/net/" + table, encoding="ascii") as lines:
+            places += [line.split()[1] for line in lines if line.split()[3] == "0A" and line.split()[1].endswith(port)]
+    assert places == ["0100007F" + port], places
+
+
 def only_who_has_the_token_and_comes_from_the_page_is_let_in(server):
     refused(server, token="")
     refused(server, token=server.token[:-1] + ("0" if server.token[-1] != "0" else "1"))
@@ -146,7 +155,7 @@ def what_was_closed_is_freed(server):
 def main():
     server = Server(PROGRAM, "scenes/cornell.json", "-s", "64x64", "-m", "direct-radiance", "--quiet")
     failed = 0
-    for test in (only_who_has_the_token_and_comes_from_the_page_is_let_in, names_that_others_could_give_the_machine_are_refused,
+    for test in (it_listens_at_the_loopback_address_alone, only_who_has_the_token_and_comes_from_the_page_is_let_in, names_that_others_could_give_the_machine_are_refused,
                  pages_say_what_a_browser_may_do_with_them, what_is_malformed_ends_that_connection_alone,
                  too_many_messages_end_the_connection, no_more_than_sixteen_are_let_in_and_those_who_leave_make_room,
                  a_viewer_that_does_not_read_gets_fewer_frames_and_no_queue, ten_viewers_share_one_frame,

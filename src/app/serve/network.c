@@ -3,15 +3,21 @@
 #include "app/clock.h"
 #include "base/error.h"
 
+#include <arpa/inet.h>
+#include <errno.h>
 #include <libwebsockets.h>
+#include <netdb.h>
+#include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 _Static_assert(SL_PACKET_ROOM >= LWS_PRE, "room for a frame's own header");
 
-enum { TEXTS = 128, UNSEEN = 2, CONNECTIONS = 64, CHUNK = 8192, HEADERS = 2048 };
+enum { TEXTS = 128, UNSEEN = 2, CONNECTIONS = 64, CHUNK = 8192, HEADERS = 2048, WAITING = 16 };
 
 /* Who listens at the other end of a WebSocket. */
 typedef struct client {
@@ -39,7 +45,7 @@ struct sl_network {
     sl_network_options options;
     sl_mail *mail;
     struct lws_context *context;
-    int port;
+    int port, listener;
     client *clients;
     unsigned joined, present;
 };
@@ -346,6 +352,12 @@ static int answer(sl_network *n, struct lws *wsi, session *s, const char *path) 
 
 /* ---- the loop ---- */
 
+static int welcome(const sl_network *n) {
+    const int fd = accept(n->listener, NULL, NULL);
+    if (fd >= 0) lws_adopt_socket(n->context, fd);
+    return 0;
+}
+
 static int on_http(sl_network *n, struct lws *wsi, enum lws_callback_reasons why, session *s,
                    const char *in) {
     switch (why) {
@@ -369,6 +381,7 @@ static int on_event(struct lws *wsi, enum lws_callback_reasons why, void *user, 
         s->client = NULL;
         return 0;
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED: collect(n); return 0;
+    case LWS_CALLBACK_RAW_RX_FILE: return welcome(n);
     default: return on_http(n, wsi, why, s, in);
     }
 }
@@ -389,25 +402,59 @@ sl_status sl_network_token(char token[SL_TOKEN_BYTES], sl_error *error) {
     return SL_OK;
 }
 
+/* The first of the addresses that a name stands for at which this machine can listen; -1: none. Our own socket,
+ * so that it is that address and no other. */
+static int bound_socket(const struct addrinfo *addresses) {
+    for (const struct addrinfo *a = addresses; a; a = a->ai_next) {
+        const int fd = socket(a->ai_family, a->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, a->ai_protocol),
+                  on = 1;
+        if (fd < 0) continue;
+        setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+        if (bind(fd, a->ai_addr, a->ai_addrlen) == 0 && listen(fd, WAITING) == 0) return fd;
+        close(fd);
+    }
+    return -1;
+}
+
+static sl_status open_socket(sl_network *n, int *fd, sl_error *error) {
+    const struct addrinfo hints = {.ai_flags = AI_PASSIVE, .ai_socktype = SOCK_STREAM};
+    struct addrinfo *addresses = NULL;
+    struct sockaddr_storage at;
+    socklen_t size = sizeof at;
+    char port[16];
+    snprintf(port, sizeof port, "%d", n->options.port);
+    errno = EADDRNOTAVAIL; /* where the name stands for none */
+    *fd = getaddrinfo(n->options.host, port, &hints, &addresses) == 0 ? bound_socket(addresses) : -1;
+    if (addresses) freeaddrinfo(addresses);
+    if (*fd < 0 || getsockname(*fd, (struct sockaddr *)&at, &size) != 0)
+        return sl_fail(error, SL_ERROR_RESOURCES, "cannot listen at %.200s, port %s: %s", n->options.host,
+                       port, strerror(errno));
+    n->port = ntohs(at.ss_family == AF_INET6 ? ((struct sockaddr_in6 *)&at)->sin6_port
+                                             : ((struct sockaddr_in *)&at)->sin_port);
+    return SL_OK;
+}
+
 static sl_status listen_at(sl_network *n, sl_error *error) {
     struct lws_context_creation_info info;
+    lws_sock_file_fd_type listener;
+    sl_status status = open_socket(n, &listener.filefd, error);
+    if (status != SL_OK) return status;
     memset(&info, 0, sizeof info);
-    info.port = n->options.port;
-    info.iface = n->options.host;
+    info.port = CONTEXT_PORT_NO_LISTEN_SERVER;
     info.protocols = protocols;
     info.user = n;
     info.gid = info.uid = -1;
     info.fd_limit_per_thread = CONNECTIONS;
     info.timeout_secs = 10;
     info.keepalive_timeout = 10;
-    info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
     lws_set_log_level(0, NULL);
+    n->listener = listener.filefd;
     n->context = lws_create_context(&info);
-    if (!n->context)
-        return sl_fail(error, SL_ERROR_RESOURCES, "cannot listen at %.200s, port %d", n->options.host,
-                       n->options.port);
-    n->port = lws_get_vhost_listen_port(lws_get_vhost_by_name(n->context, "default"));
-    return SL_OK;
+    struct lws_vhost *host = n->context ? lws_get_vhost_by_name(n->context, "default") : NULL;
+    if (host && lws_adopt_descriptor_vhost(host, LWS_ADOPT_RAW_FILE_DESC, listener, protocols[0].name, NULL))
+        return SL_OK;
+    if (n->context) lws_context_destroy(n->context);
+    return sl_fail(error, SL_ERROR_RESOURCES, "no server could be had");
 }
 
 sl_status sl_network_open(const sl_network_options *options, sl_mail *mail, sl_network **network,
