@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -103,6 +104,7 @@ static bool start_driver(browser *b) {
     if (pipe(ends) != 0) return false;
     b->driver = fork();
     if (b->driver == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGTERM);
         dup2(ends[1], STDOUT_FILENO);
         close(ends[0]);
         execlp("chromedriver", "chromedriver", "--port=0", (char *)NULL);
@@ -126,7 +128,8 @@ static void start_session(browser *b, int width, int height) {
     cJSON *message = cJSON_Parse("{\"capabilities\":{\"alwaysMatch\":{\"browserName\":\"chrome\",\"goog:"
                                  "loggingPrefs\":{\"browser\":\"ALL\"},"
                                  "\"goog:chromeOptions\":{\"args\":[\"--headless=new\",\"--no-sandbox\",\"--"
-                                 "disable-gpu\",\"--disable-dev-shm-usage\"]}}}}");
+                                 "disable-gpu\",\"--disable-dev-shm-usage\",\"--disable-renderer-"
+                                 "backgrounding\"]}}}}");
     cJSON *match = cJSON_GetObjectItem(cJSON_GetObjectItem(message, "capabilities"), "alwaysMatch");
     cJSON_AddItemToArray(cJSON_GetObjectItem(cJSON_GetObjectItem(match, "goog:chromeOptions"), "args"),
                          cJSON_CreateString(size));
@@ -164,12 +167,55 @@ void browser_resize(browser *b, int width, int height) {
     cJSON_Delete(ask_session(b, "window/rect", message));
 }
 
+/* Of the browser's own protocol. */
+static void command(browser *b, const char *name, const char *parameters) {
+    cJSON *message = cJSON_CreateObject();
+    cJSON_AddStringToObject(message, "cmd", name);
+    cJSON_AddItemToObject(message, "params", cJSON_Parse(parameters));
+    cJSON_Delete(ask_session(b, "goog/cdp/execute", message));
+}
+
+void browser_screen(browser *b, int width, int height) {
+    char text[200];
+    snprintf(text, sizeof text, "{\"width\":%d,\"height\":%d,\"deviceScaleFactor\":2,\"mobile\":true}", width,
+             height);
+    command(b, width ? "Emulation.setDeviceMetricsOverride" : "Emulation.clearDeviceMetricsOverride",
+            width ? text : "{}");
+}
+
+void browser_colours(browser *b, bool dark) {
+    char text[200];
+    snprintf(text, sizeof text, "{\"features\":[{\"name\":\"prefers-color-scheme\",\"value\":\"%s\"}]}",
+             dark ? "dark" : "light");
+    command(b, "Emulation.setEmulatedMedia", text);
+}
+
+void browser_go_to(browser *b, const char *address) {
+    cJSON *message = cJSON_CreateObject();
+    cJSON_AddStringToObject(message, "url", address);
+    cJSON_Delete(ask_session(b, "url", message));
+}
+
 void browser_go_to_file(browser *b, const char *path) {
     char url[4096];
     snprintf(url, sizeof url, "file://%s", path);
-    cJSON *message = cJSON_CreateObject();
-    cJSON_AddStringToObject(message, "url", url);
-    cJSON_Delete(ask_session(b, "url", message));
+    browser_go_to(b, url);
+}
+
+void browser_open_tab(browser *b) {
+    cJSON *value = ask_session(b, "window/new", cJSON_Parse("{\"type\":\"tab\"}")), *message = cJSON_CreateObject();
+    cJSON_AddItemToObject(message, "handle", cJSON_DetachItemFromObject(value, "handle"));
+    cJSON_Delete(ask_session(b, "window", message));
+    cJSON_Delete(value);
+}
+
+void browser_turn_to_tab(browser *b, int index) {
+    char path[256];
+    snprintf(path, sizeof path, "/session/%s/window/handles", b->session);
+    cJSON *handles = ask(b, "GET", path, NULL), *message = cJSON_CreateObject();
+    cJSON_AddItemToObject(message, "handle", cJSON_DetachItemFromArray(handles, index));
+    cJSON_Delete(ask_session(b, "window", message));
+    cJSON_Delete(handles);
 }
 
 /* ---- scripts ---- */
@@ -208,6 +254,61 @@ void browser_click(browser *b, int x, int y) {
              "\"button\":0},{\"type\":\"pointerUp\",\"button\":0}]}]}",
              x, y);
     cJSON_Delete(ask_session(b, "actions", cJSON_Parse(text)));
+}
+
+static cJSON *pointer(const char *id, const char *type, cJSON *actions) {
+    cJSON *source = cJSON_CreateObject(), *parameters = cJSON_AddObjectToObject(source, "parameters");
+    cJSON_AddStringToObject(source, "type", "pointer");
+    cJSON_AddStringToObject(source, "id", id);
+    cJSON_AddStringToObject(parameters, "pointerType", type);
+    cJSON_AddItemToObject(source, "actions", actions);
+    return source;
+}
+
+static void add_move(cJSON *actions, browser_place to, int milliseconds) {
+    cJSON *move = cJSON_CreateObject();
+    cJSON_AddStringToObject(move, "type", "pointerMove");
+    cJSON_AddNumberToObject(move, "duration", milliseconds);
+    cJSON_AddNumberToObject(move, "x", to.x);
+    cJSON_AddNumberToObject(move, "y", to.y);
+    cJSON_AddItemToArray(actions, move);
+}
+
+static void add_button(cJSON *actions, const char *type) {
+    cJSON *press = cJSON_CreateObject();
+    cJSON_AddStringToObject(press, "type", type);
+    cJSON_AddNumberToObject(press, "button", 0);
+    cJSON_AddItemToArray(actions, press);
+}
+
+static cJSON *drag(const browser_place *places, int count, bool held) {
+    cJSON *actions = cJSON_CreateArray();
+    add_move(actions, places[0], 0);
+    add_button(actions, "pointerDown");
+    for (int i = 1; i < count; i++) add_move(actions, places[i], 25);
+    if (!held) add_button(actions, "pointerUp");
+    return actions;
+}
+
+static void act(browser *b, cJSON *first, cJSON *second) {
+    cJSON *message = cJSON_CreateObject(), *list = cJSON_AddArrayToObject(message, "actions");
+    cJSON_AddItemToArray(list, first);
+    if (second) cJSON_AddItemToArray(list, second);
+    cJSON_Delete(ask_session(b, "actions", message));
+}
+
+void browser_drag(browser *b, const char *type, const browser_place *places, int count, bool held) {
+    act(b, pointer(type, type, drag(places, count, held)), NULL);
+}
+
+void browser_pinch(browser *b, const browser_place one[2], const browser_place other[2]) {
+    act(b, pointer("one", "touch", drag(one, 2, false)), pointer("other", "touch", drag(other, 2, false)));
+}
+
+void browser_release(browser *b) {
+    char path[256];
+    snprintf(path, sizeof path, "/session/%s/actions", b->session);
+    cJSON_Delete(ask(b, "DELETE", path, NULL));
 }
 
 void browser_press(browser *b, const char *key) {

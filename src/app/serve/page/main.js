@@ -26,6 +26,7 @@ begin_time();
 begin_keep();
 
 on("picked", () => show_panel("scene"));
+on("pass-chosen", () => show_panel("method"));
 on("tool", tool => tool === "pixel" && show_panel("pixel"));
 
 connect();

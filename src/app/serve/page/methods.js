@@ -21,7 +21,7 @@ export const title_of = method => titles[method] || method;
 
 const measures = [
   ["reference", "The reference, path traced"], ["difference", "Difference to the reference"],
-  ["error", "Map of the estimated error"], ["exact", "The exact picture"]
+  ["error", "The map of the error"], ["exact", "The exact picture"]
 ];
 
 const changed = {
@@ -48,7 +48,7 @@ function ask_method(side, name) {
 const needs = {
   reference: ["reference"],
   difference: ["reference", "difference"],
-  error: ["error"]
+  error: ["reference", "error"]
 };
 
 function switch_measures(before, now) {
@@ -63,6 +63,7 @@ export function show_right(name) {
   switch_measures(before, now);
   if (now === "b" && world.methods.b !== name) {
     forget("b");
+    if (!world.methods.b) find("quality-b").value = find("quality-a").value;
     use_method("b", name);
   } else if (now !== "b" && world.methods.b)
     use_method("b", "");
@@ -175,17 +176,24 @@ function take_sides(h) {
   show_right(name);
 }
 
-on("hello", h => {
-  world.hello = h;
-  take_sides(h);
+on("hello", take_sides);
+
+function take_settings(side, settings) {
+  world.settings = {...world.settings, [side]: settings};
+  find("quality-" + side).value = settings?.quality || "normal";
+}
+
+on("state", s => {
+  if (!world.hello || world.settings?.[s.side] || is_unanswered("method")) return;
+  take_settings(s.side, s.settings);
+  show_settings();
 });
 
 /* Whoever switched it: all viewers see the same. */
 on("method", ({side, name, settings}) => {
   if (!world.hello || is_unanswered("method")) return;
-  world.settings = {...world.settings, [side]: settings};
+  take_settings(side, settings);
   world.methods[side] = name;
-  find("quality-" + side).value = settings?.quality || "normal";
   if (side === "a")
     find("method-a").value = name;
   else if (name || world.right === "b") {

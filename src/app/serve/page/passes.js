@@ -3,7 +3,7 @@ import {send} from "./connection.js";
 import {fill, find, make} from "./make.js";
 import {draw_bitmap, mark} from "./picture.js";
 import {explanation} from "./story.js";
-import {on, world} from "./world.js";
+import {on, tell, world} from "./world.js";
 
 const strip = find("strip"), passes = new Map(); /* by index: {news, card, canvas} */
 let side = "a", chosen = null, overlay = "";
@@ -36,6 +36,7 @@ function card_of(index) {
 function take_pass(news) {
   const entry = card_of(news.index);
   entry.news = {...news, paper_place: news.source, source: null};
+  entry.card.title = news.title || news.name;
   entry.title.textContent = news.index + 1 + ". " + (news.title || news.name);
   entry.price.textContent = cost(news.counters);
   if (chosen === news.index) show_pass();
@@ -51,6 +52,7 @@ function take_picture(f) {
 
 function choose(index) {
   chosen = chosen === index ? null : index;
+  if (chosen !== null) tell("pass-chosen", chosen);
   for (const [i, entry] of passes) entry.card.setAttribute("aria-pressed", String(i === chosen));
   show_pass();
 }

@@ -8,7 +8,7 @@ import {on, world} from "./world.js";
 
 const editor = find("editor"), list = find("things");
 const xyz = ["x", "y", "z"];
-let shown = null, parts = []; /* functions that show the scene as it now is */
+let lamps = -1, shown = null, parts = []; /* functions that show the scene as it now is */
 
 /* ---- the list ---- */
 
@@ -191,15 +191,14 @@ on("selected", () => {
 });
 
 function take_scene(scene) {
-  const before = world.scene;
-  world.scene = scene;
+  const more = lamps >= 0 && scene.lights.length > lamps;
+  lamps = scene.lights.length;
   if (is_dragging()) return;
   find("undo").disabled = !scene.undo;
   find("redo").disabled = !scene.redo;
   find("scene-name").textContent = scene.name || "scene";
   document.title = (scene.name || "scene") + " · softlux";
-  if (before && scene.lights.length > before.lights.length)
-    world.selected = {what: "light", number: scene.lights[scene.lights.length - 1].light};
+  if (more) select("light", scene.lights[lamps - 1].light);
   show_list();
   show_sky();
   const s = world.selected;

@@ -123,7 +123,7 @@ on("error", e => {
   if (!s) return;
   s.error = e.error;
   s.bound = e.bound;
-  note_error(e.side, s.seconds, e.error);
+  note_error(e.side, e.seconds ?? s.seconds, e.error);
   show_side(e.side);
   plot();
 });
@@ -182,5 +182,5 @@ function show_speed() {
 export function begin_status() {
   setInterval(show_speed, 500);
   find("estimate").addEventListener("change", event => send({do: "error", on: event.target.checked}));
-  window.softlux = {speed, world}; /* for measurements */
+  window.softlux = {speed, states, world}; /* for measurements */
 }

@@ -87,28 +87,23 @@ function legend(story, layers) {
 
 const short = x => number(x, 3);
 
-function rows(story, layers) {
-  const line = (kind, name, layer, weight, value, rgb) =>
-      make("tr", {class: kind},
-           make("th", {scope: "row"}, layer !== null && make("span", {class: "dot hue" + layer}), name),
-           make("td", {}, weight), make("td", {class: "value"}, value),
-           ...rgb.map(v => make("td", {title: String(v)}, short(v))));
-  const terms = story.terms.map(t => line("", named(t), layers.get(t.layer), short(t.weight),
-                                          t.value.map(short).join(" "), t.contribution));
-  return [
-    ...terms, line("", "rounding", null, "", "", story.rounding),
-    line("sum", "the pixel", null, "", "", add_up(story))
-  ];
+function row(kind, name, weight, rgb) {
+  return make("tr", {class: kind}, make("th", {scope: "row"}, ...[name].flat()), make("td", {}, weight),
+              ...rgb.map(v => make("td", {title: String(v)}, short(v))));
+}
+
+function term_row(t, layers) {
+  const holds = make("span", {class: "holds"}, "holds " + t.value.map(short).join("  "));
+  return row("", [make("span", {class: "dot hue" + layers.get(t.layer)}), named(t), holds], short(t.weight),
+             t.contribution);
 }
 
 function terms_table(story, layers) {
+  const head = ["term", "weight", "adds R", "G", "B"].map(h => make("th", {scope: "col"}, h));
   return make("div", {class: "scroll", tabindex: 0, role: "region", "aria-label": "Terms of the pixel"},
-              make("table", {class: "terms"},
-                   make("thead", {},
-                        make("tr", {},
-                             ...["term", "weight", "holds R G B", "adds R", "G", "B"].map(
-                                 h => make("th", {scope: "col"}, h)))),
-                   make("tbody", {}, ...rows(story, layers))));
+              make("table", {class: "terms"}, make("thead", {}, make("tr", {}, ...head)),
+                   make("tbody", {}, ...story.terms.map(t => term_row(t, layers)),
+                        row("", "rounding", "", story.rounding), row("sum", "the pixel", "", add_up(story)))));
 }
 
 const prose = lines => Array.isArray(lines) ? lines.join("") : lines || "";
@@ -143,6 +138,7 @@ function show_story(story) {
               [make("p", {class: "help"}, "This method tells no terms; the pixel is a mean of samples.")]),
       story.paper && fill(make("p", {class: "help"}), prose(story.paper)),
       ...(story.passes || []).map(explanation));
+  find("story").dataset.place = story.x + "," + story.y;
   find("story").dataset.sum = JSON.stringify(sum);
   find("story").dataset.pixel = JSON.stringify(story.pixel);
   mark_pixel(story.terms.filter(t => t.at));

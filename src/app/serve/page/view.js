@@ -94,7 +94,7 @@ function drag_one(dx, dy, since) {
 }
 
 function pointer_down(event) {
-  if (event.target.closest("button")) return;
+  if (event.target.closest("button, #line")) return;
   frame.setPointerCapture(event.pointerId);
   pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
   travelled = pointers.size > 1 ? Infinity : 0;

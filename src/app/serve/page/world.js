@@ -7,6 +7,7 @@ export const world = {
   size: [1, 1],
   methods: {a: "", b: ""},
   right: "",     /* what stands right of the line: "", "b", "reference", "difference", "error", "exact" */
+  settings: {},
   selected: null /* {what: "object" or "light", number} */
 };
 
@@ -20,3 +21,13 @@ export function on(kind, listener) {
 export function tell(kind, news) {
   for (const listener of listeners.get(kind) || []) listener(news);
 }
+
+/* Before all who listen elsewhere. */
+on("hello", h => {
+  world.hello = h;
+  world.scene = h.scene;
+  world.settings = {};
+});
+on("scene", scene => {
+  world.scene = scene;
+});
