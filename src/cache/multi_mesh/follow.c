@@ -17,8 +17,8 @@
  * all 350, a coarse vertex's direct light 5. */
 enum {
     PICTURES = 1024,
-    QUICK_SAMPLES = 4096, /* in pictures, too: all that a frame shows, mostly */
-    VERTICES = 8192,
+    QUICK_SAMPLES = 8192, /* in pictures, too: all that a frame shows, mostly */
+    VERTICES = 16384,
     QUICK_GATHERS = 512,
     GATHERS = 64,
     A_SLICE = 64
