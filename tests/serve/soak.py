@@ -134,7 +134,7 @@ def main():
     folder = tempfile.mkdtemp()
     server = Server(PROGRAM, SCENE, "-s", "96x96", "-m", "direct-radiance", "-o", folder, "--quiet")
     visitor, slow = Visitor(server), Visitor(server, slow=True)
-    hello = visitor.wait_for(lambda m: m.get("is") == "hello", 60 * SLACK)
+    hello = visitor.wait_for(lambda m: m.get("is") == "hello", 300 * SLACK)
     scene, begin, told, levels, turns = hello["scene"], time.monotonic(), 0, [], 0
     while time.monotonic() - begin < 60 * MINUTES:
         scene, turns = a_while(visitor, scene), turns + 1
@@ -143,7 +143,7 @@ def main():
         if turns % 11 == 0:  # a reload in the middle of a drag
             visitor.close()
             visitor = Visitor(server)
-            scene = visitor.wait_for(lambda m: m.get("is") == "hello", 60 * SLACK)["scene"]
+            scene = visitor.wait_for(lambda m: m.get("is") == "hello", 300 * SLACK)["scene"]
         if turns % 13 == 0:
             slow.close()
             slow = Visitor(server, slow=True)

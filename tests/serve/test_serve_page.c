@@ -309,6 +309,10 @@ static void tell_pixel(browser *b, int x, int y) {
 static const char adds_up[] = "(s => JSON.parse(s.sum).every((v, c) => Math.fround(v) === Math.fround(JSON.parse("
                               "s.pixel)[c])))(document.getElementById('story').dataset)";
 
+static bool tells_terms(const char *method) {
+    return strcmp(method, "path") != 0 && strcmp(method, "bidirectional") != 0;
+}
+
 static void the_story_of_a_pixel_adds_up_to_it(void **state) {
     fixture *f = *state;
     need_browser(f);
@@ -319,7 +323,7 @@ static void the_story_of_a_pixel_adds_up_to_it(void **state) {
         wait_until(f->browser, "softlux.states.a.batches > 0");
         for (int k = 0; k < 2; k++) {
             tell_pixel(f->browser, 7 + 17 * k, 30 + 11 * k);
-            assert_holds(f->browser, adds_up);
+            assert_holds(f->browser, tells_terms(methods[i]) ? adds_up : "!document.getElementById('story').dataset.sum");
         }
         if (strcmp(methods[i], "splatting") != 0) continue;
         assert_holds(f->browser, "document.querySelectorAll('#story .terms tbody tr').length >= 3");

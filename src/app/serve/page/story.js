@@ -144,6 +144,15 @@ function show_story(story) {
   mark_pixel(story.terms.filter(t => t.at));
 }
 
+/* Path tracers tell no terms. */
+function show_refusal(reason) {
+  told = null;
+  find("story").replaceChildren(make("h3", {}, `Pixel ${place.x}, ${place.y}`),
+                                make("p", {class: "help"}, reason));
+  find("story").dataset.place = place.x + "," + place.y;
+  delete find("story").dataset.sum;
+}
+
 function mark_pixel(terms) {
   if (!place) return;
   const unit = Math.max(world.size[0] / 128, .8);
@@ -183,7 +192,10 @@ function leave() {
 
 on("story", show_story);
 on("refused", r => {
-  if (r.do === "story") answered();
+  if (r.do !== "story") return;
+  const at = asked;
+  answered();
+  if (at && place && at.x === place.x && at.y === place.y) show_refusal(r.reason);
 });
 on("connection", () => {
   asked = null;
