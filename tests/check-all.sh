@@ -25,4 +25,8 @@ for target in tests/fuzz/target_*.c; do
     step "fuzzing: ${target#target_}" fuzz "${target#target_}"
 done
 
+step 'serve: a scripted visitor for a minute' python3 tests/serve/soak.py build/softlux 1
+step 'serve: a scripted visitor under the thread sanitizer' sh -c 'make -s -j"$1" CONFIG=tsan CC=clang build/tsan-clang/softlux &&
+    SLACK=10 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp" python3 tests/serve/soak.py build/tsan-clang/softlux 1' sh "$jobs"
+
 conclude

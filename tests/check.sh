@@ -29,9 +29,6 @@ step 'inputs that fuzzing found or began with' sh -c 'make -s -j"$1" CONFIG=debu
 step 'thread sanitizer' build_and_test build/tsan-clang 'CONFIG=tsan CC=clang' \
     test_base_parts test_raster_plain test_gather_determinism test_splatting_determinism test_path_determinism test_shading_cache_windows test_shading_cache_live test_threads
 step 'serve: who is let in, what ends a connection, what is freed' python3 tests/serve/network.py build/softlux
-step 'serve: a scripted visitor for a minute' python3 tests/serve/soak.py build/softlux 1
-step 'serve: a scripted visitor under the thread sanitizer' sh -c 'make -s -j"$1" CONFIG=tsan CC=clang build/tsan-clang/softlux &&
-    SLACK=10 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp" python3 tests/serve/soak.py build/tsan-clang/softlux 1' sh "$jobs"
 step 'as a library: installed, in C and C++, documented' tests/library.sh build
 step 'in Python: installed by pip, tested by pytest' tests/python.sh build
 step 'hard cases: every method' build/softlux check-numerics

@@ -398,6 +398,7 @@ static sl_status start(sl_scene *scene, sl_scene *shown, const sl_settings *sett
                        sl_error *error) {
     if (!live) return sl_fail_null(error, "a place for a live show");
     *live = NULL;
+    if (!scene || !settings) return sl_fail_null(error, "a scene and settings");
     sl_live *l = sl_allocate(1, sizeof *l);
     if (!l) return sl_fail_memory(error, "a live show");
     const bool meets = sl_monitor_open(&l->meeting), draws = meets && sl_monitor_open(&l->drawing);
