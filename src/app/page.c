@@ -182,6 +182,8 @@ static void put_page(FILE *out, const void *what) {
         else fputc(*data, out);
     }
     fputs("</script>\n<script>\n", out);
+    if (files->before_js)
+        fwrite(files->before_js, 1, (size_t)(files->before_js_end - files->before_js), out);
     fwrite(files->js, 1, (size_t)(files->js_end - files->js), out);
     fputs("</script>\n</body>\n</html>\n", out);
 }

@@ -20,6 +20,7 @@ const char *sl_next_item(const char **at, const char *between, size_t *length);
 /* Files that the linker has put in, from their beginning to their end. */
 typedef struct sl_page_files {
     const char *css, *css_end, *js, *js_end;
+    const char *before_js, *before_js_end; /* a script that the page's own calls; NULL: none */
 } sl_page_files;
 
 /* Writes the page, with its heading unless that is ""; the file appears whole or not at all. */

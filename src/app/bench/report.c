@@ -102,8 +102,8 @@ static cJSON *scene_json(const sl_bench_scene *s) {
 
 static sl_status write_page(const sl_bench_results *r, const char *path, sl_error *error) {
     const sl_page_files files = {
-        _binary_src_app_bench_page_css_start, _binary_src_app_bench_page_css_end,
-        _binary_src_app_bench_page_js_start, _binary_src_app_bench_page_js_end};
+        .css = _binary_src_app_bench_page_css_start, .css_end = _binary_src_app_bench_page_css_end,
+        .js = _binary_src_app_bench_page_js_start, .js_end = _binary_src_app_bench_page_js_end};
     cJSON *data = cJSON_CreateObject(), *scenes = cJSON_AddArrayToObject(data, "scenes");
     add_printed(data, "overview", sl_report_overview, r);
     for (size_t s = 0; s < r->scene_count; s++) cJSON_AddItemToArray(scenes, scene_json(&r->scenes[s]));
