@@ -72,8 +72,8 @@ static uint8_t nearest_code(const double borders[255], double x) {
     return (uint8_t)code;
 }
 
-/* The code at the low end of each of 128 steps of a doubling, from OCTAVES of them below 1 on: from there to the
- * code of a value it is a border or two. A value's step stands in its bits. */
+/* The code at the low end of each of 128 steps of a doubling, from OCTAVES of them below 1 on: from there to
+ * the code of a value it is a border or two. A value's step stands in its bits. */
 enum { OCTAVES = 13, STEP_BITS = 45, STEPS = OCTAVES * 128, FIRST_STEP = (1023 - OCTAVES) << 7 };
 
 static void find_first_codes(const double borders[255], uint8_t first[STEPS]) {

@@ -402,8 +402,8 @@ sl_status sl_network_token(char token[SL_TOKEN_BYTES], sl_error *error) {
     return SL_OK;
 }
 
-/* The first of the addresses that a name stands for at which this machine can listen; -1: none. Our own socket,
- * so that it is that address and no other. */
+/* Opens the first of the addresses that a name stands for at which this machine can listen; -1: none. A
+ * socket of its own, so that it is that address and no other. */
 static int bound_socket(const struct addrinfo *addresses) {
     for (const struct addrinfo *a = addresses; a; a = a->ai_next) {
         const int fd = socket(a->ai_family, a->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, a->ai_protocol),

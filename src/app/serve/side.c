@@ -25,8 +25,8 @@ static void give_way(void *context, sl_method *method) {
     if (method) setpriority(PRIO_PROCESS, 0, 5);
 }
 
-/* Splatting's own choice for soft shadows, rays, takes two and a half times as long for each frame; and a frame
- * of fewer records comes sooner. */
+/* Splatting's own choice for soft shadows, rays, takes two and a half times as long for each frame; and a
+ * frame of fewer records comes sooner. */
 sl_settings sl_side_shown(const sl_settings *settings) {
     sl_settings shown = *settings;
     if (strcmp(shown.method, "splatting") == 0 && shown.direct == SL_DIRECT_AUTO)

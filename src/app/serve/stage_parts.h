@@ -76,7 +76,7 @@ void sl_add_numbers(cJSON *to, const char *name, const double *values, int count
 void sl_add_floats(cJSON *to, const char *name, const float *values, int count);
 
 /* ---- side.c ---- */
-/* The settings with which a side's method is shown: what is left open is chosen for frames that follow a hand;
+/* The settings with which a side's method is shown: those left open are chosen for frames that follow a hand;
  * an exact picture has the side's own. */
 sl_settings sl_side_shown(const sl_settings *settings);
 /* Shows the method of side->settings, as the world stands now. */

@@ -224,7 +224,8 @@ sl_status sl_steps_run(const sl_scene *scene, const sl_steps_options *o, cJSON *
 extern const char _binary_src_app_steps_page_css_start[], _binary_src_app_steps_page_css_end[];
 extern const char _binary_src_app_steps_page_js_start[], _binary_src_app_steps_page_js_end[];
 /* Equations in MathML, as on the page of `serve`. */
-extern const char _binary_src_app_serve_page_equation_js_start[], _binary_src_app_serve_page_equation_js_end[];
+extern const char _binary_src_app_serve_page_equation_js_start[],
+    _binary_src_app_serve_page_equation_js_end[];
 
 sl_status sl_steps_page(const char *path, const char *methods, const char *scene, const cJSON *runs,
                         sl_error *error) {

@@ -13,7 +13,7 @@
  * Vertices are shared as all vertices of patches are.
  *
  *   coarse.c         levels and vertices; their values times the bounce's reflectance
- *   coarse_light.c   direct light at its vertices
+ *   coarse_light.c   direct light at its vertices, by rays
  *   coarse_rounds.c  rounds in which all of them get it, some an update; gathers that see it */
 #ifndef SL_MULTI_MESH_COARSE_H
 #define SL_MULTI_MESH_COARSE_H
@@ -67,9 +67,10 @@ uint32_t sl_coarse_lattice_vertex(const sl_coarse *coarse, uint32_t face, int i,
 
 /* ---- coarse_light.c ---- */
 
-/* Direct light of the coarse mesh's vertices. A gather sees hundreds of them at once, so a few rays a light
- * are enough, noise and all; and of many lights those that could give most are asked, in that order (Ward
- * 1994), until the others together could add but little: these are taken to be as visible as the former were.
+/* Direct light of the coarse mesh's vertices, and of displayed ones while things move. A gather sees hundreds
+ * of them at once, so a few rays a light are enough, noise and all; and of many lights those that could give
+ * most are asked, in that order (Ward 1994), until the others together could add but little: these are taken
+ * to be as visible as the former were.
  * Nothing is kept for the picture's own meshes, nor are these refined for it. */
 /* F of one light at a vertex; by how it was sampled, or 0: it was not. */
 typedef struct sl_coarse_share {

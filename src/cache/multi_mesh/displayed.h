@@ -164,7 +164,8 @@ void sl_displayed_settle(sl_displayed *displayed, sl_counters *counters);
 /* The same of all leaves in view: what else is seen beside them may have changed. */
 void sl_displayed_settle_all(sl_displayed *displayed, sl_counters *counters);
 
-/* Quick samples of light will do while they are put; quick gathers are too rough to cut leaves by. */
+/* Tells whether a value is to be taken again: quick samples of lights are not, as long as such are put; quick
+ * gathers are, being too rough to cut leaves by. */
 static inline bool sl_is_old(const sl_displayed *d, uint32_t vertex) {
     const uint32_t least = d->settings.component == SL_INDIRECT ? d->world : d->put_as;
     return d->world > 1 && vertex < d->vertex_room && d->world_of[vertex] < least;

@@ -247,8 +247,8 @@ static sl_status draw_set(window *w, const mesh_copies *set, sl_image *image, sl
         status = sl_visible_pixels_sort(w->primitives, w->raster, &view, w->id, w->threads, &seen, counters,
                                         error);
     if (status == SL_OK)
-        status = sl_materials_resolve(w->scene, w->raster, &view, w->id, wanted, w->threads, &materials, counters,
-                                      error);
+        status = sl_materials_resolve(w->scene, w->raster, &view, w->id, wanted, w->threads, &materials,
+                                      counters, error);
     if (status == SL_OK) {
         draw_meshes(w, set, seen, &merge);
         merge.materials = materials;
