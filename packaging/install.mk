@@ -31,7 +31,8 @@ install: all ## into PREFIX (default /usr/local), DESTDIR respected; make uninst
 	@$(CC) $(ALL_CFLAGS) -DSL_IMPORTER='"$(LIBEXECDIR)/softlux-import"' -c src/scene/importer_path.c \
 	  -o $(STAGE)/importer_path.o
 	@cp $(BUILD)/libsoftlux.a $(STAGE)/libsoftlux.a && $(AR) rs $(STAGE)/libsoftlux.a $(STAGE)/importer_path.o
-	@$(CC) $(OPTIMISE) $(OPENMP) -o $(STAGE)/softlux $(APP_OBJECTS) $(STAGE)/libsoftlux.a $(LDFLAGS) $(LIBS)
+	@$(CC) $(OPTIMISE) $(OPENMP) -o $(STAGE)/softlux $(APP_OBJECTS) $(STAGE)/libsoftlux.a $(LDFLAGS) $(LIBS) \
+	  $(SERVE_LIBS)
 	@$(CC) $(OPTIMISE) $(OPENMP) $(SHARED) -o $(STAGE)/libsoftlux.so $(STAGE)/importer_path.o \
 	  $(filter-out $(PATH_OBJECT),$(LIBRARY_OBJECTS)) $(LDFLAGS) $(LIBS)
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(LIBEXECDIR) $(DESTDIR)$(LIBDIR)/pkgconfig \
