@@ -195,15 +195,19 @@ static void take_message(sl_network *n, client *c) {
     }
 }
 
+/* Leaves what comes after a fault unread here, not in the socket: closing over bytes that were never read
+ * resets the connection, and the reason would be lost on its way. */
 static int receive(sl_network *n, client *c, const char *part, size_t length) {
+    if (c->reason) return 0;
     if (lws_frame_is_binary(c->wsi)) c->reason = "expected text";
-    if (c->length + length > SL_MESSAGE_BYTES) c->reason = "a message is too long";
-    if (c->reason) return end_client(c, c->reason, strlen(c->reason));
-    memcpy(c->message + c->length, part, length);
-    c->length += length;
-    if (!lws_is_final_fragment(c->wsi) || lws_remaining_packet_payload(c->wsi)) return 0;
-    take_message(n, c);
-    return c->reason ? end_client(c, c->reason, strlen(c->reason)) : 0;
+    else if (c->length + length > SL_MESSAGE_BYTES) c->reason = "a message is too long";
+    if (!c->reason) {
+        memcpy(c->message + c->length, part, length);
+        c->length += length;
+        if (lws_is_final_fragment(c->wsi) && !lws_remaining_packet_payload(c->wsi)) take_message(n, c);
+    }
+    if (c->reason) lws_callback_on_writable(c->wsi);
+    return 0;
 }
 
 /* ---- requests ---- */
