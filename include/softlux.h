@@ -535,7 +535,7 @@ SL_API sl_status sl_edit_material(sl_scene_edit *edit, uint32_t material, const 
 SL_API sl_status sl_edit_light(sl_scene_edit *edit, uint32_t light, const float strength[3],
                                const double position[3], const double direction[3], sl_error *error);
 /** Moves an object from where it was when the scene was made, by 16 numbers by columns: turned, moved,
- * scaled, not mirrored. From then on keyframes do not move it. */
+ * scaled, not mirrored. From then on keyframes do not move it; NULL: they do again. */
 SL_API sl_status sl_edit_transform(sl_scene_edit *edit, uint32_t object, const double columns[16],
                                    sl_error *error);
 /** Adds a point, spot or directional light, whose number is the next one. One that is to go again is turned

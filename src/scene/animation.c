@@ -95,6 +95,29 @@ static sl_affine track_in_world(const sl_animation *animation, const sl_track *t
 
 /* ---- objects --------------------------------------------------------------------------------- */
 
+/* Returns the track of an object, of several the last one; NULL: it rests. */
+static const sl_track *track_of(const sl_animation *a, uint32_t object) {
+    const sl_track *last = NULL;
+    for (size_t i = 0; a && i < a->track_count; i++) {
+        const sl_track *t = &a->tracks[i];
+        if (t->kind == SL_TRACK_OBJECTS && object >= t->first && object - t->first < t->count) last = t;
+    }
+    return last;
+}
+
+sl_affine sl_animation_placement(const sl_scene *scene, uint32_t object, bool *keyed) {
+    const sl_track *track = track_of(scene->animation, object);
+    *keyed = track && !track->is_placed;
+    return track ? track_in_world(scene->animation, track, scene->time) : sl_affine_identity();
+}
+
+bool sl_scene_transform(const sl_scene *scene, uint32_t object, double columns[16]) {
+    bool keyed;
+    const sl_affine at = sl_animation_placement(scene, object - 1, &keyed);
+    for (int k = 0; k < 16; k++) columns[k] = k % 4 < 3 ? at.m[k % 4][k / 4] : k == 15 ? 1.0 : 0.0;
+    return keyed;
+}
+
 static sl_vec3 moved(const sl_affine *motion, sl_vec3 rest) {
     return sl_to_float(sl_affine_point(motion, sl_to_double(rest)));
 }
@@ -104,6 +127,11 @@ typedef struct motion {
     bool moves;
     sl_affine places, turns;
 } motion;
+
+static motion motion_at(const sl_animation *a, const sl_track *track, double time) {
+    const sl_affine places = track_in_world(a, track, time);
+    return (motion){track->kind == SL_TRACK_OBJECTS, places, sl_affine_normal_map(&places)};
+}
 
 /* Returns the motion of a vertex; NULL: it stays where it is. */
 static const motion *motion_of(const sl_animation *a, const motion *motions, size_t vertex) {
@@ -188,11 +216,7 @@ static sl_status motions_at(const sl_scene *scene, double time, motion **motions
     if (a->track_count == 0) return SL_OK;
     motion *m = sl_allocate(a->track_count, sizeof *m);
     if (!m) return sl_fail_memory(error, "the motion of objects");
-    for (size_t i = 0; i < a->track_count; i++) {
-        m[i].moves = a->tracks[i].kind == SL_TRACK_OBJECTS;
-        m[i].places = track_in_world(a, &a->tracks[i], time);
-        m[i].turns = sl_affine_normal_map(&m[i].places);
-    }
+    for (size_t i = 0; i < a->track_count; i++) m[i] = motion_at(a, &a->tracks[i], time);
     const uint32_t bad = find_beyond(scene, m);
     *motions = m;
     if (bad == SL_NO_INDEX) return SL_OK;
@@ -284,6 +308,7 @@ sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *chan
     move_lights(scene, time_seconds, &changed);
     if (!same_camera(&camera, &scene->camera)) changed |= SL_CHANGED_CAMERA;
     scene->camera = camera;
+    scene->time = time_seconds;
     sl_scene_has_changed(scene, changed);
     if (changes) *changes = changed;
     return SL_OK;
@@ -341,7 +366,7 @@ sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error)
 /* ---- objects that are placed ----------------------------------------------------------------- */
 
 /* Gives an object the track by which it was placed before, or one of its own, for which there is room. */
-static void place_track(sl_animation *a, const sl_placement *p, motion *motions) {
+static void place_track(sl_animation *a, const sl_placement *p, double time, motion *motions) {
     size_t i = 0;
     while (i < a->track_count && !(a->tracks[i].is_placed && a->tracks[i].first == p->object)) i++;
     a->track_count += i == a->track_count;
@@ -350,7 +375,14 @@ static void place_track(sl_animation *a, const sl_placement *p, motion *motions)
                               .count = 1,
                               .is_placed = true,
                               .placement = p->placement};
-    motions[i] = (motion){true, p->placement, sl_affine_normal_map(&p->placement)};
+    if (p->released) a->tracks[i].count = 0;
+    const sl_track *track = track_of(a, p->object);
+    if (!track) { /* back to rest */
+        a->tracks[i].count = 1;
+        a->tracks[i].placement = sl_affine_identity();
+        track = &a->tracks[i];
+    }
+    motions[track - a->tracks] = motion_at(a, track, time);
 }
 
 /* Moves what the motions move, or nothing, where that would leave all numbers. */
@@ -375,7 +407,7 @@ static sl_status place(sl_scene *s, sl_animation *a, size_t count, const sl_plac
     motion *motions = sl_allocate(with.track_room, sizeof *motions);
     const bool there = with.tracks && with.track_of_vertex && motions;
     if (there && a->track_count) memcpy(with.tracks, a->tracks, a->track_count * sizeof *a->tracks);
-    for (size_t i = 0; i < count && there; i++) place_track(&with, &placement[i], motions);
+    for (size_t i = 0; i < count && there; i++) place_track(&with, &placement[i], s->time, motions);
     const sl_status status = there && follow_tracks(s, &with)
                                  ? move_placed(s, &with, motions, changes, error)
                                  : sl_fail_memory(error, "the motion of objects");

@@ -33,7 +33,7 @@ typedef struct sl_track {
     uint32_t first, count; /* objects; the light */
     size_t key_count;
     sl_key *keys; /* times rise strictly */
-    bool is_placed; /* an object that stays where an edit has placed it, whatever the time */
+    bool is_placed; /* an object that stays where an edit has placed it, whatever the time; no count: no more */
     sl_affine placement; /* ... in our world */
 } sl_track;
 
@@ -57,10 +57,13 @@ sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_err
 /* The scene takes the animation over (also where this fails: it goes with the scene), keeps the scene's state
  * as the rest state, and moves the scene to time 0. */
 sl_status sl_animation_attach(sl_scene *scene, sl_animation *animation, sl_error *error);
+/* Returns an object's motion from its rest state as the scene stands now; *keyed: its keyframes move it. */
+sl_affine sl_animation_placement(const sl_scene *scene, uint32_t object, bool *keyed);
 /* An object's motion from its rest state. */
 typedef struct sl_placement {
     uint32_t object;
     sl_affine placement;
+    bool released; /* in place of that, its keyframes move it again; if it has none, it rests */
 } sl_placement;
 /* Places objects, each once, in place of their keyframes from then on; SL_CHANGED_ bits are added to *changes.
  * All or nothing. */

@@ -187,11 +187,11 @@ static sl_status place(sl_scene_edit *e, sl_placement placed, sl_error *error) {
 
 sl_status sl_edit_transform(sl_scene_edit *edit, uint32_t object, const double columns[16],
                             sl_error *error) {
-    sl_placement placed = {.object = object - 1};
-    if (!edit || !columns) return sl_fail_null(error, "an edit and a transform");
+    sl_placement placed = {.object = object - 1, .placement = sl_affine_identity(), .released = !columns};
+    if (!edit) return sl_fail_null(error, "an edit");
     sl_status status = check_object(edit, object, error);
     if (status != SL_OK) return status;
-    const char *fault = sl_matrix_fault(columns, &placed.placement);
+    const char *fault = columns ? sl_matrix_fault(columns, &placed.placement) : NULL;
     if (!fault && !(sl_affine_determinant(&placed.placement) > 0.0))
         fault = "expected 'transform' not to mirror";
     return fault ? fail_object(edit, object, fault, error) : place(edit, placed, error);
@@ -377,14 +377,12 @@ static sl_status change_surfaces(sl_scene_edit *e, unsigned *changes, sl_error *
 
 /* Objects of other vertices that move are placed as they were last, whatever keyframes say. */
 static sl_status place_moulded(sl_scene_edit *e, sl_error *error) {
-    const sl_animation *a = e->scene->animation;
     sl_status status = SL_OK;
-    for (size_t i = 0; i < e->shape.mouldings && a && status == SL_OK; i++) {
-        sl_placement at = {e->shape.moulding[i].object, sl_affine_identity()};
-        bool placed = false;
-        for (size_t k = 0; k < a->track_count; k++)
-            if (a->tracks[k].is_placed && a->tracks[k].first == at.object)
-                at.placement = a->tracks[k].placement;
+    for (size_t i = 0; i < e->shape.mouldings && e->scene->animation && status == SL_OK; i++) {
+        bool placed = false, keyed;
+        sl_placement at = {.object = e->shape.moulding[i].object};
+        at.placement = sl_animation_placement(e->scene, at.object, &keyed);
+        if (keyed) at.placement = sl_affine_identity();
         for (size_t k = 0; k < e->placements; k++) placed |= e->placement[k].object == at.object;
         if (!placed) status = place(e, at, error);
     }

@@ -178,6 +178,7 @@ struct sl_scene {
     size_t object_count;
     char **object_names;
     sl_animation *animation;    /* NULL: nothing moves */
+    double time;                /* to which keyframes have moved it */
 
     sl_vec3 box_min, box_max;
     float diagonal;             /* of the box, > 0 */
@@ -200,6 +201,10 @@ struct sl_scene {
     size_t file_count;
     char **files;
 };
+
+/* Fills in how an object (from 1) is moved from its rest state, as sl_edit_transform() has it; true: keyframes
+ * move it. */
+bool sl_scene_transform(const sl_scene *scene, uint32_t object, double columns[16]);
 
 /* A new version, in which this has changed: SL_CHANGED_ bits. */
 static inline void sl_scene_has_changed(sl_scene *s, unsigned changes) {

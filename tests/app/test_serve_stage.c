@@ -11,8 +11,8 @@
 #include "app/serve/log.h"
 #include "scene_files.h"
 
-static const char scene_path[] = "scenes/cornell-glossy.json";
-enum { SIZE = 48, VIEWER = 7 };
+static const char scene_path[] = "scenes/cornell-glossy.json", moving_path[] = "scenes/moving-ball.json";
+enum { SIZE = 48, VIEWER = 7, BALL = 6 };
 
 typedef struct house {
     sl_mail mail;
@@ -22,12 +22,12 @@ typedef struct house {
     sl_packet *packets; /* not looked at yet */
 } house;
 
-static int open_house(void **state) {
+static int open_house_of(void **state, const char *path) {
     static house h;
     memset(&h, 0, sizeof h);
     sl_error error;
     snprintf(h.folder, sizeof h.folder, "%s", scene_file_path("kept"));
-    sl_stage_options o = {.scene_path = scene_path,
+    sl_stage_options o = {.scene_path = path,
                           .reading = &h.reading,
                           .settings = sl_settings_default(),
                           .folder = h.folder,
@@ -40,6 +40,9 @@ static int open_house(void **state) {
     *state = &h;
     return 0;
 }
+
+static int open_house(void **state) { return open_house_of(state, scene_path); }
+static int open_moving_house(void **state) { return open_house_of(state, moving_path); }
 
 static int close_house(void **state) {
     house *h = *state;
@@ -351,13 +354,24 @@ static void assert_same_colours(const sl_image *a, const sl_image *b) {
     assert_true(c.identical);
 }
 
+static void assert_log_gives_the_picture(house *h, const char *path) {
+    char log[4096];
+    sl_image *kept, *replayed;
+    sl_error error;
+    keep_log(h, log);
+    if (sl_log_replay(log, path, &h->reading, 0, &replayed, &error) != SL_OK) fail_msg("%s", error.message);
+    snprintf(log + strlen(log) - 5, 10, "-a.exr");
+    assert_int_equal(sl_image_read(log, &kept, &error), SL_OK);
+    assert_same_colours(kept, replayed);
+    sl_image_destroy(kept);
+    sl_image_destroy(replayed);
+}
+
 static void a_log_gives_the_live_pictures_bits(void **state) {
     house *h = *state;
     static const char *const methods[] = {"shading-cache", "multi-mesh", "splatting", "light-octree"};
     for (int m = 0; m < 4; m++) {
-        char text[200], log[4096];
-        sl_image *kept, *replayed;
-        sl_error error;
+        char text[200];
         snprintf(text, sizeof text, "{\"do\":\"method\",\"name\":\"%s\"}", methods[m]);
         say(h, text);
         await_picture(h, SL_FRAME_A, 0);
@@ -365,15 +379,61 @@ static void a_log_gives_the_live_pictures_bits(void **state) {
             edit_at_random(h, i + 8 * m);
             sl_sleep_until(sl_seconds_now() + 0.02);
         }
-        keep_log(h, log);
-        if (sl_log_replay(log, scene_path, &h->reading, 0, &replayed, &error) != SL_OK)
-            fail_msg("%s", error.message);
-        snprintf(log + strlen(log) - 5, 10, "-a.exr");
-        assert_int_equal(sl_image_read(log, &kept, &error), SL_OK);
-        assert_same_colours(kept, replayed);
-        sl_image_destroy(kept);
-        sl_image_destroy(replayed);
+        assert_log_gives_the_picture(h, scene_path);
     }
+}
+
+/* Of the ball that keyframes move: its matrix, where the page is told that its middle is. */
+static void await_ball(house *h, double rows[12], double centre[3]) {
+    cJSON *scene = await(h, "scene"), *o;
+    bool there = false;
+    cJSON_ArrayForEach(o, cJSON_GetObjectItem(scene, "objects")) {
+        if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(o, "name")), "ball") != 0) continue;
+        there = true;
+        for (int k = 0; k < 12; k++)
+            rows[k] = cJSON_GetArrayItem(cJSON_GetObjectItem(o, "matrix"), k)->valuedouble;
+        for (int k = 0; k < 3; k++)
+            centre[k] = cJSON_GetArrayItem(cJSON_GetObjectItem(o, "centre"), k)->valuedouble;
+    }
+    assert_true(there);
+    cJSON_Delete(scene);
+}
+
+static void say_ball(house *h, const double m[12], const char *more) {
+    char text[600];
+    snprintf(text, sizeof text,
+             "{\"do\":\"edit\",\"edits\":[{\"kind\":\"object\",\"object\":%d,\"matrix\":[%.17g,%.17g,%.17g,"
+             "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g]}]%s}",
+             BALL, m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], more);
+    say(h, text);
+}
+
+static void what_keyframes_move_is_dragged_from_where_it_is_and_given_back_to_them(void **state) {
+    house *h = *state;
+    double matrix[12], before[3], now[3];
+    say(h, "{\"do\":\"time\",\"at\":2}");
+    await_ball(h, matrix, before);
+    assert_float_equal(before[0], 420.0, 0.5);
+    for (int i = 0; i < 3; i++) {
+        matrix[3] += 5.0;
+        say_ball(h, matrix, i < 2 ? ",\"drag\":true" : "");
+    }
+    await_ball(h, matrix, now);
+    assert_true(fabs(now[0] - before[0] - 15.0) < 0.01);
+    assert_float_equal(now[1], before[1], 0.01);
+    say(h, "{\"do\":\"undo\"}");
+    await_ball(h, matrix, now);
+    for (int k = 0; k < 3; k++) assert_float_equal(now[k], before[k], 1e-9);
+    say(h, "{\"do\":\"time\",\"at\":3}");
+    await_ball(h, matrix, now);
+    assert_float_equal(now[0], 150.0, 0.5);
+    say(h, "{\"do\":\"redo\"}");
+    await_ball(h, matrix, now);
+    assert_true(fabs(now[0] - before[0] - 15.0) < 0.01);
+    say(h, "{\"do\":\"edit\",\"edits\":[{\"kind\":\"object\",\"object\":6,\"matrix\":null}]}");
+    await_ball(h, matrix, now);
+    assert_float_equal(now[0], 150.0, 0.5);
+    assert_log_gives_the_picture(h, moving_path);
 }
 
 /* The file behind an address. */
@@ -474,6 +534,9 @@ int main(void) {
         HOUSE(what_is_malformed_ends_its_connection_with_a_reason),
         HOUSE(what_cannot_be_is_refused_and_changes_nothing),
         HOUSE(a_log_gives_the_live_pictures_bits),
+        cmocka_unit_test_setup_teardown(
+            what_keyframes_move_is_dragged_from_where_it_is_and_given_back_to_them, open_moving_house,
+            close_house),
         HOUSE(an_exact_picture_has_the_bits_of_a_render_of_the_scene_that_is_kept),
         HOUSE(a_reference_grows_and_tells_the_error),
         HOUSE(what_is_kept_is_offered_by_a_number),

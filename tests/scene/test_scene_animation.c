@@ -8,6 +8,7 @@
 #include "scene/animation.h"
 #include "rendering.h"
 #include "scene_files.h"
+#include "softlux.h"
 
 static const char triangle_obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nusemtl plain\nf 1//1 2//1 3//1\n";
 
@@ -114,6 +115,32 @@ static void moving_emitters_count_as_lights_and_keep_their_area(void **state) {
     sl_scene_destroy(s);
 }
 
+static void transform(sl_scene *scene, const double columns[16]) {
+    sl_scene_edit *e;
+    assert_int_equal(sl_scene_edit_begin(scene, &e, NULL), SL_OK);
+    assert_int_equal(sl_edit_transform(e, 2, columns, NULL), SL_OK);
+    assert_int_equal(sl_scene_edit_commit(e, NULL, NULL), SL_OK);
+}
+
+static void an_object_that_was_placed_is_given_back_to_its_keyframes(void **state) {
+    (void)state;
+    const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 7, 0, 1};
+    bool keyed;
+    sl_scene *s = load(moving), *plain = load(moving);
+    at(s, 1.0);
+    transform(s, aside);
+    assert_int_equal(at(s, 2.0), 0);
+    assert_true(sl_animation_placement(s, 1, &keyed).m[1][3] == 7.0 && !keyed);
+    transform(s, NULL);
+    at(plain, 2.0);
+    assert_true(sl_scene_hash(s) == sl_scene_hash(plain));
+    assert_true(sl_animation_placement(s, 1, &keyed).m[0][3] == 2.0 && keyed);
+    at(s, 3.0), at(plain, 3.0);
+    assert_true(sl_scene_hash(s) == sl_scene_hash(plain));
+    sl_scene_destroy(s);
+    sl_scene_destroy(plain);
+}
+
 static void a_z_up_scene_moves_as_its_y_up_twin(void **state) {
     (void)state;
     sl_scene *z =
@@ -134,6 +161,7 @@ int main(void) {
         cmocka_unit_test(objects_move_between_keys_and_rest_beyond_them),
         cmocka_unit_test(lights_and_camera_move_and_are_reported_by_kind),
         cmocka_unit_test(moving_emitters_count_as_lights_and_keep_their_area),
+        cmocka_unit_test(an_object_that_was_placed_is_given_back_to_its_keyframes),
         cmocka_unit_test(a_z_up_scene_moves_as_its_y_up_twin),
     };
     return cmocka_run_group_tests(tests, NULL, scene_files_teardown);

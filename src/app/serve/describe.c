@@ -74,8 +74,9 @@ static object_box *boxes_of(const sl_scene *s) {
 
 static cJSON *object_of(const sl_world *w, size_t i, const object_box *b) {
     cJSON *o = cJSON_CreateObject();
-    double rows[12];
-    for (int k = 0; k < 12; k++) rows[k] = w->columns[i][4 * (k % 4) + k / 4];
+    double columns[16], rows[12];
+    sl_scene_transform(w->scene, (uint32_t)i + 1, columns);
+    for (int k = 0; k < 12; k++) rows[k] = columns[4 * (k % 4) + k / 4];
     cJSON_AddNumberToObject(o, "object", (double)i + 1);
     cJSON_AddStringToObject(o, "name", w->scene->object_names[i]);
     cJSON_AddNumberToObject(o, "material", b->material + 1);

@@ -50,6 +50,7 @@ static sl_status edit_item(sl_scene_edit *edit, const sl_item *item, const sl_sk
     const sl_light_item *l = &item->to.light;
     switch (item->kind) {
     case SL_ITEM_OBJECT: return sl_edit_transform(edit, item->number, item->to.columns, error);
+    case SL_ITEM_RELEASE: return sl_edit_transform(edit, item->number, NULL, error);
     case SL_ITEM_MATERIAL: return sl_edit_material(edit, item->number, &item->to.material, error);
     case SL_ITEM_LIGHT:
         return sl_edit_light(edit, item->number, l->has_strength ? l->strength : NULL,

@@ -52,6 +52,7 @@ static cJSON *json_of_item(const sl_item *item) {
         cJSON_AddBoolToObject(o, "keeps_camera", item->to.time.keeps_camera);
         break;
     case SL_ITEM_OBJECT: sl_add_numbers(o, "columns", item->to.columns, 16); break;
+    case SL_ITEM_RELEASE: break;
     case SL_ITEM_MATERIAL: add_material(o, &item->to.material); break;
     case SL_ITEM_SKY: cJSON_AddNumberToObject(o, "stops", item->to.stops); break;
     default: add_light(o, &item->to.light);
@@ -209,6 +210,7 @@ static bool item_from(const cJSON *o, const sl_scene *scene, sl_item *item) {
         item->to.time.keeps_camera = cJSON_IsTrue(cJSON_GetObjectItem(o, "keeps_camera"));
         return true;
     case SL_ITEM_OBJECT: return numbers(o, "columns", item->to.columns, 16);
+    case SL_ITEM_RELEASE: return true;
     case SL_ITEM_MATERIAL: return material_from(o, scene, item);
     case SL_ITEM_SKY: item->to.stops = number(o, "stops"); return true;
     default: break;

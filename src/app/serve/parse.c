@@ -134,6 +134,10 @@ static sl_status take_object(const cJSON *edit, const sl_world *w, sl_item *item
     bool there = false;
     item->kind = SL_ITEM_OBJECT;
     sl_status status = take_index(edit, "object", w->scene->object_count, &item->number, error);
+    if (cJSON_IsNull(item_of(edit, "matrix", NULL))) {
+        item->kind = SL_ITEM_RELEASE;
+        return status;
+    }
     if (status == SL_OK) status = sl_take_numbers(edit, "matrix", 12, rows, &there, error);
     if (status == SL_OK && !there) status = malformed("matrix", "twelve numbers", error);
     for (int k = 0; k < 16 && status == SL_OK; k++)

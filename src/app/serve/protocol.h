@@ -19,7 +19,8 @@
  *   {"do":"pick","x":..,"y":..}
  *   {"do":"edit","edits":[...],"drag":true}                        drag: more of the same follow, one undo
  *       {"kind":"object","object":3,"matrix":[12]}                 three rows of four, the last column moves;
- *                                                                  from where the scene's file has it
+ *                                                                  from where the scene's file has it; null:
+ *                                                                  back there, or to its keyframes
  *       {"kind":"material","material":2,"diffuse":[3],"specular":[3],"exponent":..,"mirror":[3],"emission":[3]}
  *       {"kind":"light","light":1,"power":[3],"position":[3],"direction":[3]}        what is left out stays;
  *                                                                  power: W/sr, or W/m^2 of directional ones;
@@ -51,7 +52,7 @@
  *   {"is":"scene",name,triangles,cameras:[{name,eye,target,up,fov}],camera:{eye,target,up,fov},time,duration,
  *       objects:[{object,name,material,centre,bounds:[6],matrix:[12]}],
  *       materials:[{material,name,diffuse,specular,exponent,mirror,emission,textured}],
- *       lights:[{light,type,position,direction,power}],sky:{present,stops},undo:n,redo:n}  after edits, too
+ *       lights:[{light,type,position,direction,power}],sky:{present,stops},undo:n,redo:n}  after edits, too, and as keyframes move things
  *   {"is":"camera",eye,target,up,fov,time}                         somebody moved it (also to that one)
  *   {"is":"state","side":"a","method","seconds","batches","done","error":share|null,"levels":..|null,
  *       "counters":{..},"kept":{"event":n,"changes":[..],"counters":{"before":{..},"since":{..}}},

@@ -73,7 +73,9 @@ static sl_status take_view(sl_stage *s, unsigned client, const cJSON *message, s
 static sl_status go_to(sl_stage *s, double seconds, sl_error *error) {
     unsigned changes;
     sl_status status = sl_world_go_to(&s->world, seconds, &changes, error);
-    return status == SL_OK ? spread(s, changes, error) : status;
+    if (status != SL_OK) return status;
+    s->things_move = s->things_move || (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS));
+    return spread(s, changes, error);
 }
 
 static sl_status take_reset(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
@@ -371,11 +373,20 @@ static void play(sl_stage *s, double now) {
     sl_say(s, 0, sl_describe_camera(s));
 }
 
+/* Where keyframes have led things is what a hand takes them from. */
+static void tell_motion(sl_stage *s, double now) {
+    if (!s->things_move || now - s->motion_told < 0.25) return;
+    s->things_move = false;
+    s->motion_told = now;
+    sl_say(s, 0, sl_describe_scene(s, false));
+}
+
 double sl_stage_step(sl_stage *s) {
     const double now = sl_seconds_now();
     bool busy = s->plays;
     if (!s->viewers) return 1.0;
     if (s->plays && now - s->times[s->world.count % SL_TIMES] > 1.0 / 30.0) play(s, now);
+    tell_motion(s, now);
     for (int i = 0; i < SL_SIDES; i++) {
         const sl_side *d = &s->side[i];
         sl_side_step(s, i, now);

@@ -45,6 +45,8 @@ struct sl_stage {
     double times[SL_TIMES]; /* when the last events came, by number */
     bool plays;
     double play_began, play_from;
+    bool things_move; /* by keyframes, since that was told */
+    double motion_told;
     sl_worker *worker;
     bool reference, difference, error;
     struct {             /* keep.c */

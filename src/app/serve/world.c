@@ -23,13 +23,6 @@ sl_status sl_world_copy(const sl_world *w, sl_scene **scene, sl_error *error) {
     return status;
 }
 
-static bool make_columns(sl_world *w) {
-    w->columns = calloc(w->scene->object_count + 1, sizeof *w->columns);
-    for (size_t i = 0; w->columns && i < w->scene->object_count; i++)
-        for (int k = 0; k < 16; k += 5) w->columns[i][k] = 1.0;
-    return w->columns != NULL;
-}
-
 sl_status sl_world_open(sl_world *w, const char *path, const sl_reading *reading, double time_seconds,
                         sl_error *error) {
     *w = (sl_world){.path = path, .reading = reading, .time = time_seconds, .first_time = time_seconds};
@@ -39,7 +32,7 @@ sl_status sl_world_open(sl_world *w, const char *path, const sl_reading *reading
     w->first_camera = w->scene->camera;
     w->duration = sl_scene_duration(w->scene);
     w->undo = calloc(UNDO_STEPS, sizeof *w->undo);
-    if (w->sky && make_columns(w) && w->undo) return SL_OK;
+    if (w->sky && w->undo) return SL_OK;
     sl_world_close(w);
     return sl_fail_memory(error, "the scene's edits");
 }
@@ -48,7 +41,6 @@ void sl_world_close(sl_world *w) {
     for (size_t i = 0; i < w->count; i++) free(w->events[i]);
     sl_free(w->events);
     free(w->undo);
-    free(w->columns);
     free(w->sky);
     sl_scene_destroy(w->scene);
     *w = (sl_world){.path = NULL};
@@ -67,7 +59,6 @@ sl_status sl_world_catch_up(const sl_world *w, uint64_t behind, sl_scene *scene,
 
 static void remember(sl_world *w, const sl_item *item) {
     switch (item->kind) {
-    case SL_ITEM_OBJECT: memcpy(w->columns[item->number - 1], item->to.columns, sizeof *w->columns); break;
     case SL_ITEM_SKY: w->stops = item->to.stops; break;
     case SL_ITEM_TIME: w->time = item->to.time.seconds; break;
     default: break;
@@ -124,8 +115,10 @@ static bool reverse(const sl_world *w, const sl_item *item, size_t lights, sl_it
     *back = *item;
     switch (item->kind) {
     case SL_ITEM_OBJECT:
+    case SL_ITEM_RELEASE:
         if (!item->number || item->number > w->scene->object_count) return false;
-        memcpy(back->to.columns, w->columns[item->number - 1], sizeof back->to.columns);
+        back->kind = sl_scene_transform(w->scene, item->number, back->to.columns) ? SL_ITEM_RELEASE
+                                                                                  : SL_ITEM_OBJECT;
         return true;
     case SL_ITEM_MATERIAL: return sl_scene_material(w->scene, item->number, &back->to.material);
     case SL_ITEM_LIGHT:

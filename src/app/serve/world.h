@@ -16,7 +16,8 @@ typedef enum sl_item_kind {
     SL_ITEM_MATERIAL,
     SL_ITEM_LIGHT,
     SL_ITEM_ADD_LIGHT, /* a point */
-    SL_ITEM_SKY
+    SL_ITEM_SKY,
+    SL_ITEM_RELEASE /* an object: its keyframes move it again */
 } sl_item_kind;
 
 typedef struct sl_light_item {
@@ -72,7 +73,6 @@ typedef struct sl_world {
     double time, first_time, duration, stops;
     bool looks; /* the camera is not the keyframes' */
     bool edited;
-    double (*columns)[16]; /* of every object */
     sl_event **events;
     size_t count, room;
     uint64_t changed; /* the number of the newest event that changed anything */

@@ -69,8 +69,7 @@ function object_editor(s) {
     make(
         "div", {class: "row"}, field("Turn by (degrees)", number_input({value: 15, id: "turn-by"}, () => {})),
         button("Turn", () => edit(turn_edit(s, own(), Number(find("turn-by").value) || 0))),
-        button("Back to the file's place",
-               () => edit({kind: "object", object: s.number, matrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]}))),
+        button("Back to the file's place", () => edit({kind: "object", object: s.number, matrix: null}))),
     ...material_editor(own()?.material)
   ];
 }
