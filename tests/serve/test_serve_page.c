@@ -105,6 +105,10 @@ static const char tools[] =
     "window.away = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));"
     "window.choose = (id, value) => { const e = document.getElementById(id); e.value = value;"
     "  e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change', {bubbles: true})); };"
+    "window.lies_over_the_picture = e => { const r = e.getBoundingClientRect(),"
+    "  p = document.getElementById('left').getBoundingClientRect();"
+    "  return r.right > p.left && r.left < p.right && r.bottom > p.top && r.top < p.bottom; };"
+    "window.marks = s => [...document.querySelectorAll('#marks [data-layer=overlay] ' + s)];"
     "window.press = id => document.getElementById(id).click();";
 
 static void open_page(fixture *f) {
@@ -336,6 +340,48 @@ static void the_story_of_a_pixel_adds_up_to_it(void **state) {
     assert_nothing_is_wrong(f);
 }
 
+/* Chooses a pass by its title and has its marks drawn. */
+static void draw_marks(browser *b, const char *title) {
+    char text[300];
+    snprintf(text, sizeof text, "window.card = [...document.querySelectorAll('#strip .card')].find(c => "
+                                "c.textContent.includes('%s'))", title);
+    wait_until(b, text);
+    run(b, "card.click()");
+    wait_until(b, "document.querySelector('#pass .chip')");
+    run(b, "document.querySelector('#pass .chip').click()");
+}
+
+static void a_pass_draws_its_marks_over_the_picture(void **state) {
+    static const struct {
+        const char *method, *title, *marks;
+    } passes[] = {{"splatting", "The records", "path.disc"},
+                  {"multi-mesh", "The mesh of direct light", "path"},
+                  {"direct-radiance", "Sample photons", "circle"}};
+    fixture *f = *state;
+    need_browser(f);
+    for (size_t i = 0; i < sizeof passes / sizeof passes[0]; i++) {
+        char text[400];
+        open_page(f);
+        use_method(f->browser, passes[i].method);
+        run(f->browser, "press('passes')");
+        draw_marks(f->browser, passes[i].title);
+        snprintf(text, sizeof text, "marks('%s').length > 20", passes[i].marks);
+        wait_until(f->browser, text);
+        assert_holds(f->browser, "marks('*').filter(lies_over_the_picture).length > 0.9 * marks('*').length");
+        run(f->browser, "window.drawn = marks('*').map(m => m.outerHTML).join();"
+                        "document.getElementById('frame').focus()");
+        browser_press(f->browser, KEY_RIGHT);
+        wait_until(f->browser, "marks('*').length && marks('*').map(m => m.outerHTML).join() !== drawn");
+        run(f->browser, "document.querySelector('#pass .chip').click()");
+        assert_holds(f->browser, "!marks('*').length");
+        assert_nothing_is_wrong(f);
+    }
+    open_page(f); /* where they are shown already, and nothing more is computed */
+    run(f->browser, "press('passes')");
+    draw_marks(f->browser, passes[2].title);
+    run(f->browser, "press('passes'); press('reset')");
+}
+
 static void a_reload_in_the_middle_of_a_drag_goes_on(void **state) {
     fixture *f = *state;
     need_browser(f);
@@ -455,6 +501,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(two_methods_stand_under_one_line_that_moves),
         cmocka_unit_test(reference_difference_and_error_stand_beside),
         cmocka_unit_test(the_story_of_a_pixel_adds_up_to_it),
+        cmocka_unit_test(a_pass_draws_its_marks_over_the_picture),
         cmocka_unit_test(a_reload_in_the_middle_of_a_drag_goes_on),
         cmocka_unit_test(two_tabs_see_the_same),
         cmocka_unit_test(keys_alone_reach_everything),

@@ -6,12 +6,13 @@
 #include "app/page.h"
 #include "app/steps/narrative.h"
 #include "base/thread.h"
+#include "cache/frame/method.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PASSES = 62, MARKS = 4000, MARKS_SHOWN = 700 };
+enum { PASSES = 62, MARKS = 4000, SHOWN = 700, EDGES_SHOWN = 2500 };
 static const double pause = 0.5;
 
 typedef struct one_pass {
@@ -33,6 +34,7 @@ struct sl_passes {
     char overlay[100]; /* the pass whose marks are shown; "": none */
     uint64_t overlay_told;
     double last; /* time */
+    uint64_t resolved; /* updates that were done by then */
 };
 
 /* ---- the updating thread ---- */
@@ -159,7 +161,8 @@ static void step_pass(sl_stage *s, sl_passes *p, int side, size_t i) {
 
 static void tell_overlay(sl_stage *s, sl_passes *p, int side, const one_pass *o) {
     const sl_mark_view view = sl_stage_view(s);
-    const sl_marks marks = {&view, o->marks, o->mark_count, MARKS_SHOWN};
+    const size_t most = o->marks->kind == SL_MARK_SEGMENT ? EDGES_SHOWN : SHOWN;
+    const sl_marks marks = {&view, o->marks, o->mark_count, most};
     char *svg = sl_printed(sl_marks_put, &marks);
     cJSON *m = sl_message("overlay");
     cJSON_AddStringToObject(m, "side", sl_side_name(side));
@@ -185,9 +188,20 @@ static void step_overlay(sl_stage *s, sl_passes *p, int side) {
     sl_monitor_leave(&p->meeting);
 }
 
+/* A method with a display is not resolved to be shown, but its last passes are those that this takes: pictures
+ * of parts, edges of meshes. */
+static void resolve(void *context, sl_method *method) {
+    sl_image *unused = NULL;
+    (void)context;
+    if (method && method->class->window) sl_method_resolve(method, &unused, NULL);
+    sl_image_destroy(unused);
+}
+
 void sl_passes_step(sl_stage *s, sl_passes *p, int side, double now) {
+    const sl_side *d = &s->side[side];
     if (now - p->last < pause) return;
     p->last = now;
+    if (d->last.updates != p->resolved && sl_live_visit(d->live, resolve, NULL)) p->resolved = d->last.updates;
     sl_monitor_enter(&p->meeting);
     const size_t count = p->count;
     sl_monitor_leave(&p->meeting);

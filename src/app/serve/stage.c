@@ -251,7 +251,7 @@ static sl_status take_passes(sl_stage *s, unsigned client, const cJSON *message,
     sl_status status = sl_take_side(message, &side, error);
     if (status == SL_OK) status = sl_take_flag(message, "on", &on, error);
     (void)client;
-    if (status != SL_OK || s->side[side].observed == on) return status;
+    if (status != SL_OK || (!on && !s->side[side].observed)) return status;
     s->side[side].observed = on;
     return s->side[side].wanted ? restart(s, side, error) : SL_OK;
 }

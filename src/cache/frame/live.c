@@ -38,6 +38,12 @@ typedef struct change {
     uint64_t frames; /* that were drawn before it */
 } change;
 
+enum { VISITS = 4 };
+typedef struct visit {
+    sl_live_visitor *visitor;
+    void *context;
+} visit;
+
 struct sl_live {
     sl_scene *scene;   /* the thread's, while it runs; the caller's is the copy */
     sl_method *method; /* likewise */
@@ -74,8 +80,8 @@ struct sl_live {
     size_t turn_count, turn_room;
     uint64_t turn;
     uint64_t changed, picture_changed; /* the number of the newest change followed; the picture's */
-    sl_live_visitor *visitor;
-    void *visit_context;
+    visit visits[VISITS]; /* that wait, in order */
+    size_t visit_count;
     bool rest;
     bool blind;        /* the method's state is another one than the window's */
     sl_image *picture; /* the newest, not taken yet; NULL: none */
@@ -137,7 +143,7 @@ static bool rests(const sl_live *l) {
  * been shown. */
 static bool next_turn(sl_live *l, bool shown, pose *turn, change *moved) {
     sl_monitor_enter(&l->meeting);
-    while (!l->stop && l->status == SL_OK && (l->blind || (!l->visitor && rests(l))))
+    while (!l->stop && l->status == SL_OK && (l->blind || (!l->visit_count && rests(l))))
         sl_monitor_wait(&l->meeting);
     bool goes_on = !l->stop && l->status == SL_OK;
     if (shown) {
@@ -205,11 +211,13 @@ static sl_status follow_changes(sl_live *l, bool *any, bool *anew, sl_error *err
 }
 
 static void be_visited(sl_live *l) {
+    visit taken[VISITS];
     sl_monitor_enter(&l->meeting);
-    sl_live_visitor *visitor = l->visitor;
-    l->visitor = NULL;
+    const size_t count = l->visit_count;
+    memcpy(taken, l->visits, sizeof taken);
+    l->visit_count = 0;
     sl_monitor_leave(&l->meeting);
-    if (visitor) visitor(l->visit_context, l->method);
+    for (size_t i = 0; i < count; i++) taken[i].visitor(taken[i].context, l->method);
 }
 
 static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
@@ -330,7 +338,7 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
     if (counters) *counters = (sl_counters){0};
     if (!l) return;
     sl_live_halt(l);
-    if (l->visitor) l->visitor(l->visit_context, NULL);
+    for (size_t i = 0; i < l->visit_count; i++) l->visits[i].visitor(l->visits[i].context, NULL);
     if (counters && l->method) {
         *counters = *sl_method_counters(l->method);
         sl_counters_add(counters, &l->counters);
@@ -573,14 +581,11 @@ size_t sl_live_turns(sl_live *l, sl_live_turn *turns, size_t room, uint64_t *upd
 
 bool sl_live_visit(sl_live *l, sl_live_visitor *visitor, void *context) {
     sl_monitor_enter(&l->meeting);
-    bool free_now = !l->visitor && l->status == SL_OK;
-    if (free_now) {
-        l->visitor = visitor;
-        l->visit_context = context;
-        sl_monitor_signal(&l->meeting);
-    }
+    const bool fits = l->visit_count < VISITS && l->status == SL_OK;
+    if (fits) l->visits[l->visit_count++] = (visit){visitor, context};
+    if (fits) sl_monitor_signal(&l->meeting);
     sl_monitor_leave(&l->meeting);
-    return free_now;
+    return fits;
 }
 
 void sl_live_counters(sl_live *l, sl_counters *counters) {

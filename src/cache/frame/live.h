@@ -41,8 +41,8 @@ typedef struct sl_live_turn {
 size_t sl_live_turns(sl_live *live, sl_live_turn *turns, size_t room, uint64_t *updates);
 
 /* Has the updating thread call it once between two updates, soon. It may resolve the method and ask it for
- * explanations. Without a method: the show was stopped before that. False: another visitor waits, or updates
- * have failed; it is not called. */
+ * explanations. Without a method: the show was stopped before that. False: too many wait, or updates have
+ * failed; it is not called. */
 typedef void sl_live_visitor(void *context, sl_method *method);
 bool sl_live_visit(sl_live *live, sl_live_visitor *visitor, void *context);
 /* What the method had counted when its last update ended. */

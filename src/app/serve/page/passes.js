@@ -104,7 +104,7 @@ function use_overlay(kind) {
 }
 
 function take_overlay(o) {
-  if (o.kind !== overlay && overlay && o.kind) return;
+  if (o.kind !== overlay) return;
   const svg = fill(mark("overlay"), o.svg || "", "svg"), [width, height] = world.size;
   svg.setAttribute("transform", `scale(${width / o.width} ${height / o.height})`);
 }
