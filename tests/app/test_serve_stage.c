@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "app/clock.h"
 #include "app/serve/log.h"
@@ -443,16 +444,36 @@ static void file_at(house *h, const cJSON *message, const char *name, char path[
     assert_true(sl_mail_offered(&h->mail, strtoul(strrchr(address, '/') + 1, NULL, 10), path, 4096));
 }
 
-static void an_exact_picture_has_the_bits_of_a_render_of_the_scene_that_is_kept(void **state) {
-    house *h = *state;
-    char exact[4096], scene_file[4096];
-    edit_at_random(h, 5);
-    say(h, "{\"do\":\"exact\"}");
+static cJSON *await_exact(house *h) {
     cJSON *told = await(h, "exact");
     while (!cJSON_IsTrue(cJSON_GetObjectItem(told, "done"))) {
         cJSON_Delete(told);
         told = await(h, "exact");
     }
+    return told;
+}
+
+static void an_exact_picture_that_is_asked_for_again_is_told_of_once_it_is_there(void **state) {
+    house *h = *state;
+    char first[4096], second[4096];
+    snprintf(first, sizeof first, "%.3800s/exact-1.png", h->folder);
+    say(h, "{\"do\":\"exact\"}");
+    for (int i = 0; i < 2000 && access(first, F_OK) != 0; i++) sl_sleep_until(sl_seconds_now() + 0.01);
+    sl_sleep_until(sl_seconds_now() + 0.2); /* it is done, and nobody has looked */
+    say(h, "{\"do\":\"method\",\"name\":\"splatting\"}");
+    say(h, "{\"do\":\"exact\"}");
+    cJSON *told = await_exact(h);
+    file_at(h, told, "png", second);
+    assert_int_equal(access(second, F_OK), 0);
+    cJSON_Delete(told);
+}
+
+static void an_exact_picture_has_the_bits_of_a_render_of_the_scene_that_is_kept(void **state) {
+    house *h = *state;
+    char exact[4096], scene_file[4096];
+    edit_at_random(h, 5);
+    say(h, "{\"do\":\"exact\"}");
+    cJSON *told = await_exact(h);
     file_at(h, told, "exr", exact);
     const char *command = cJSON_GetStringValue(cJSON_GetObjectItem(told, "command"));
     assert_int_equal(sscanf(command, "softlux render %4000s", scene_file), 1);
@@ -537,6 +558,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(
             what_keyframes_move_is_dragged_from_where_it_is_and_given_back_to_them, open_moving_house,
             close_house),
+        HOUSE(an_exact_picture_that_is_asked_for_again_is_told_of_once_it_is_there),
         HOUSE(an_exact_picture_has_the_bits_of_a_render_of_the_scene_that_is_kept),
         HOUSE(a_reference_grows_and_tells_the_error),
         HOUSE(what_is_kept_is_offered_by_a_number),

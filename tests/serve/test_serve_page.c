@@ -340,6 +340,61 @@ static void the_story_of_a_pixel_adds_up_to_it(void **state) {
     assert_nothing_is_wrong(f);
 }
 
+/* Loads what was kept of a kind, as whoever clicks on its link. */
+static void load_kept(browser *b, const char *kind, const char *path) {
+    char script[400];
+    snprintf(script, sizeof script,
+             "return fetch(document.querySelector('#kept [data-what=%s] a').href).then(r => r.arrayBuffer()).then("
+             "f => [...new Uint8Array(f)].map(v => v.toString(16).padStart(2, '0')).join(''))", kind);
+    char *digits = browser_text(b, script);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    for (const char *d = digits; d[0] && d[1]; d += 2) {
+        const char one[3] = {d[0], d[1], '\0'};
+        fputc((int)strtol(one, NULL, 16), file);
+    }
+    fclose(file);
+    free(digits);
+}
+
+/* Renders what the page's command line says into another file. */
+static void render_as_told(browser *b, const char *path) {
+    static const char words[] = "softlux render ";
+    char line[16384];
+    char *command = browser_text(b, "return document.querySelector('#command pre').textContent");
+    assert_memory_equal(command, words, strlen(words));
+    *strstr(command, " -o ") = '\0';
+    snprintf(line, sizeof line, "%s render %s --quiet -o %s", program, command + strlen(words), path);
+    free(command);
+    assert_int_equal(system(line), 0);
+}
+
+static void the_exact_picture_is_that_of_the_command_which_the_page_tells(void **state) {
+    static const char *const kinds[] = {"exr", "png"};
+    fixture *f = *state;
+    need_browser(f);
+    open_page(f);
+    drag_from(f->browser, "mouse", place_in(f->browser, ".handle.lamp", 0.5, 0.5), 40, 0, false);
+    wait_until(f->browser, "!document.getElementById('undo').disabled");
+    for (int m = 0; m < 2; m++) {
+        if (m) use_method(f->browser, "splatting");
+        run(f->browser, "press('tab-keep'); press('exact')");
+        wait_until(f->browser, "document.getElementById('exact').dataset.done === 'true'");
+        for (int k = 0; k < 2; k++) {
+            char kept[2048], made[2048], line[16384];
+            snprintf(kept, sizeof kept, "%s/loaded.%s", f->folder, kinds[k]);
+            snprintf(made, sizeof made, "%s/rendered.%s", f->folder, kinds[k]);
+            load_kept(f->browser, kinds[k], kept);
+            render_as_told(f->browser, made);
+            snprintf(line, sizeof line, "%s compare --identical %s %s >%s/compared 2>&1", program, kept, made, f->folder);
+            assert_int_equal(system(line), 0);
+        }
+    }
+    wait_until(f->browser, "!document.querySelector('#right.empty')");
+    run(f->browser, "choose('method-b', ''); choose('method-a', 'direct-radiance'); press('undo')");
+    assert_nothing_is_wrong(f);
+}
+
 /* Chooses a pass by its title and has its marks drawn. */
 static void draw_marks(browser *b, const char *title) {
     char text[300];
@@ -501,6 +556,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(two_methods_stand_under_one_line_that_moves),
         cmocka_unit_test(reference_difference_and_error_stand_beside),
         cmocka_unit_test(the_story_of_a_pixel_adds_up_to_it),
+        cmocka_unit_test(the_exact_picture_is_that_of_the_command_which_the_page_tells),
         cmocka_unit_test(a_pass_draws_its_marks_over_the_picture),
         cmocka_unit_test(a_reload_in_the_middle_of_a_drag_goes_on),
         cmocka_unit_test(two_tabs_see_the_same),

@@ -134,7 +134,8 @@ static sl_status begin(sl_stage *s, int side, const char *what, sl_error *error)
     if (status != SL_OK) return status;
     s->kept.side = side;
     s->kept.what = what;
-    write_command(s);
+    s->kept.command[0] = '\0';
+    if (*j->exr) write_command(s);
     sl_worker_exact(s->worker, j);
     return SL_OK;
 }
@@ -155,10 +156,9 @@ sl_status sl_take_exact(sl_stage *s, unsigned client, const cJSON *message, sl_e
 
 static void tell_exact(sl_stage *s, const sl_work_done *done) {
     cJSON *m = sl_message("exact");
-    const bool page = *s->kept.job.page;
     cJSON_AddStringToObject(m, "side", sl_side_name(s->kept.side));
     cJSON_AddNumberToObject(m, "fraction", done->fraction);
-    cJSON_AddBoolToObject(m, "done", done->exact_done && !page);
+    cJSON_AddBoolToObject(m, "done", done->exact_done);
     cJSON_AddStringToObject(m, "command", s->kept.command);
     if (done->exact) {
         add_address(s, m, "exr", s->kept.job.exr);

@@ -254,24 +254,34 @@ static sl_status make_page(const sl_exact_job *j, sl_error *error) {
     return status;
 }
 
+/* Nothing of one that another has taken the place of. */
+static void publish_exact(sl_worker *w, const sl_progress *progress, const sl_error *error,
+                          sl_image *picture) {
+    sl_monitor_enter(&w->meeting);
+    sl_image *unused = picture;
+    if (!w->leave_off) {
+        unused = w->done.exact;
+        w->done.exact_news = w->news = true;
+        w->done.exact_done = progress->done;
+        w->done.fraction = progress->fraction;
+        w->done.exact_error = *error;
+        w->done.exact = picture;
+    }
+    sl_monitor_leave(&w->meeting);
+    sl_image_destroy(unused);
+}
+
 static void step_exact(sl_worker *w) {
     sl_progress progress = {0};
-    sl_image *picture = NULL, *old = NULL;
+    sl_image *picture = NULL;
     sl_error error = {.status = SL_OK};
     const bool page = *w->exact->page;
     sl_status status = page ? make_page(w->exact, &error) : w->exact_method ? SL_OK : begin_exact(w, &error);
     progress.done = page;
     if (status == SL_OK && !page) status = sl_method_update(w->exact_method, &progress, &error);
     if (status == SL_OK && !page && progress.done) status = finish_exact(w, &picture, &error);
-    sl_monitor_enter(&w->meeting);
-    w->done.exact_news = w->news = true;
-    w->done.exact_done = progress.done;
-    w->done.fraction = progress.fraction;
-    w->done.exact_error = error;
-    w->done.exact_error.status = status;
-    if (picture) old = w->done.exact, w->done.exact = picture;
-    sl_monitor_leave(&w->meeting);
-    sl_image_destroy(old);
+    error.status = status;
+    publish_exact(w, &progress, &error, picture);
     if (status != SL_OK || progress.done) leave_exact(w);
 }
 
@@ -412,8 +422,12 @@ void sl_worker_exact(sl_worker *w, const sl_exact_job *job) {
     free(w->job);
     w->job = own;
     w->leave_off = true;
+    sl_image *unused = w->done.exact;
+    w->done.exact = NULL;
+    w->done.exact_news = false;
     sl_monitor_signal(&w->meeting);
     sl_monitor_leave(&w->meeting);
+    sl_image_destroy(unused);
 }
 
 bool sl_worker_take(sl_worker *w, sl_work_done *done) {

@@ -36,8 +36,9 @@ function show_exact(e) {
   const told = find("exact-told"), bar = find("exact-bar");
   bar.hidden = e.done;
   bar.value = e.fraction || 0;
-  told.textContent = e.done ? "Exact: these are the bits of render, right of the line." :
-                              "Rendering afresh beside the live picture …";
+  told.textContent = !e.done ? "Rendering afresh beside the live picture …" :
+      e.exr                  ? "Exact: these are the bits of render." :
+                               "";
   find("exact").dataset.done = String(Boolean(e.done));
   if (e.command) show_command(e.command);
   if (!e.done) return;
@@ -60,6 +61,7 @@ on("kept", k => {
 
 export function begin_keep() {
   find("exact").addEventListener("click", () => {
+    show_exact({done: false}); /* what is told so far is of another one */
     if (world.right === "exact") send({do: "exact", side: "a"});
     show_right("exact");
   });
