@@ -264,6 +264,26 @@ static void passes_come_with_their_pictures_and_marks(void **state) {
     cJSON_Delete(overlay);
 }
 
+/* A method that takes a while to be made, and whose samples take a while, is switched to and away from. */
+static void who_comes_is_greeted_at_once_whatever_method_is_being_made(void **state) {
+    house *h = *state;
+    sl_packet *picture;
+    cJSON_Delete(await(h, "hello"));
+    say(h, "{\"do\":\"size\",\"width\":512,\"height\":512}");
+    const double begun = sl_seconds_now();
+    say(h, "{\"do\":\"method\",\"name\":\"splatting\"}");
+    say(h, "{\"do\":\"method\",\"name\":\"path\"}");
+    say(h, "{\"do\":\"method\",\"name\":\"splatting\"}");
+    sl_stage_take(h->stage, (sl_letter){VIEWER + 1, SL_LETTER_JOINED, NULL});
+    cJSON_Delete(await(h, "hello"));
+    const double greeted = sl_seconds_now() - begun;
+    while ((picture = next_packet(h, 60.0)) != NULL && picture->slot < 0) free(picture);
+    assert_non_null(picture);
+    free(picture);
+    const double shown = sl_seconds_now() - begun;
+    if (greeted > 0.15 * shown) fail_msg("greeted after %.2f of %.2f s", greeted, shown);
+}
+
 static void an_edit_tells_what_was_kept(void **state) {
     house *h = *state;
     say(h, "{\"do\":\"method\",\"name\":\"multi-mesh\"}");
@@ -551,6 +571,7 @@ int main(void) {
         HOUSE(what_is_picked_is_the_object_there),
         HOUSE(a_story_adds_up_to_its_pixel_and_shows_the_source),
         HOUSE(passes_come_with_their_pictures_and_marks),
+        HOUSE(who_comes_is_greeted_at_once_whatever_method_is_being_made),
         HOUSE(an_edit_tells_what_was_kept),
         HOUSE(what_is_malformed_ends_its_connection_with_a_reason),
         HOUSE(what_cannot_be_is_refused_and_changes_nothing),

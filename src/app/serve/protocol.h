@@ -76,7 +76,8 @@
  *   {"is":"exact","side","fraction","done","command","png","exr"}  png, exr: addresses, once it is done; what a
  *                                                                  frame of kind 6 shows
  *   {"is":"kept","what","name","href","bytes"}                     also of png and exr, once they are made
- *   {"is":"refused","do","reason"}
+ *   {"is":"refused","do","reason"}                                 of a method also late, with its side: it is
+ *                                                                  made beside all else
  *   {"is":"viewers","count"}
  *
  * ---- pictures: binary, little-endian, SL_FRAME_HEADER bytes and then a JPEG's or PNG's

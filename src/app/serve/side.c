@@ -18,13 +18,6 @@ const char *sl_side_name(int index) { return index ? "b" : "a"; }
 
 /* ---- life ---- */
 
-/* Samples give way to frames and to the network: on Linux a thread has a priority of its own, and those that
- * it starts have that, too. */
-static void give_way(void *context, sl_method *method) {
-    (void)context;
-    if (method) setpriority(PRIO_PROCESS, 0, 5);
-}
-
 /* Splatting's own choice for soft shadows, rays, takes two and a half times as long for each frame; and a
  * frame of fewer records comes sooner. */
 sl_settings sl_side_shown(const sl_settings *settings) {
@@ -35,30 +28,18 @@ sl_settings sl_side_shown(const sl_settings *settings) {
     return shown;
 }
 
-static sl_status catch_up(sl_stage *s, sl_side *d, sl_error *error) {
-    sl_status status = d->scene ? SL_OK : sl_world_copy(&s->world, &d->scene, error);
-    if (status == SL_OK) status = sl_world_catch_up(&s->world, d->has, d->scene, error);
-    d->has = s->world.count;
-    return status;
-}
-
-sl_status sl_side_start(sl_stage *s, int index, sl_error *error) {
-    sl_side *d = &s->side[index];
-    sl_status status = catch_up(s, d, error);
-    sl_settings settings = sl_side_shown(&d->settings);
-    if (d->observed) d->passes = sl_passes_create(settings.method);
-    if (d->passes) settings.observer = sl_passes_observer(d->passes);
-    if (status == SL_OK) status = sl_live_start_beside(d->scene, s->world.scene, &settings, &d->live, error);
-    d->wanted = status == SL_OK;
-    d->began = d->moved = sl_seconds_now();
-    d->last = (sl_live_state){0};
-    d->shown = s->world.count;
-    d->sent_still = false;
-    d->edit = 0;
-    if (status == SL_OK) sl_live_visit(d->live, give_way, NULL);
-    if (status == SL_OK && !s->viewers) sl_live_rest(d->live, true);
-    return status;
-}
+/* A show with all that only it has. Whoever waits for its last update, to end it, is a show's thread and not
+ * the stage's. */
+struct sl_side_show {
+    const sl_world *world;
+    sl_scene *scene;   /* the updates' */
+    uint64_t has;      /* events that were made to it before the updates began */
+    sl_event **events; /* all that there were when it was asked for */
+    size_t count;
+    sl_live *live; /* NULL: it could not begin */
+    sl_passes *passes;
+    sl_side_show *before;
+};
 
 /* The newest event that updates have followed; the scene is as they had it. */
 static uint64_t last_followed(sl_live *live, uint64_t before) {
@@ -70,17 +51,89 @@ static uint64_t last_followed(sl_live *live, uint64_t before) {
     return last;
 }
 
+/* Returns its scene, or NULL, and how many events that has had. NULL is allowed. */
+static sl_scene *end_show(sl_side_show *w, uint64_t *has) {
+    *has = 0;
+    if (!w) return NULL;
+    if (w->live) {
+        sl_live_halt(w->live);
+        *has = last_followed(w->live, w->has);
+    }
+    sl_scene *scene = w->live ? w->scene : end_show(w->before, has);
+    sl_live_stop(w->live, NULL);
+    sl_passes_destroy(w->passes);
+    free(w->events);
+    free(w);
+    return scene;
+}
+
+/* The updating thread's first work. Samples give way to frames and to the network: on Linux a thread has a
+ * priority of its own, and those that it starts have that, too. */
+static sl_status open_show(void *context, sl_scene **scene, sl_error *error) {
+    sl_side_show *w = context;
+    setpriority(PRIO_PROCESS, 0, 5);
+    w->scene = end_show(w->before, &w->has);
+    w->before = NULL;
+    if (!w->scene) w->has = 0;
+    sl_status status = w->scene ? SL_OK : sl_world_copy(w->world, &w->scene, error);
+    for (; w->has < w->count && status == SL_OK; w->has++) {
+        unsigned ignored;
+        status = sl_event_make(w->events[w->has], w->scene, &ignored, error);
+    }
+    if (status != SL_OK) sl_scene_destroy(w->scene), w->scene = NULL;
+    *scene = w->scene;
+    return status;
+}
+
+/* The newest show of a side, which is not yet begun. */
+static sl_status add_show(sl_stage *s, sl_side *d, sl_error *error) {
+    const size_t count = s->world.count;
+    sl_side_show *w = calloc(1, sizeof *w);
+    sl_event **events = malloc((count + 1) * sizeof *events);
+    if (!w || !events) {
+        free(w), free(events);
+        return sl_fail_memory(error, "a show");
+    }
+    if (count) memcpy(events, s->world.events, count * sizeof *events);
+    *w = (sl_side_show){.world = &s->world, .events = events, .count = count, .before = d->show};
+    if (d->observed) w->passes = sl_passes_create(d->settings.method);
+    d->show = w;
+    d->has = count;
+    return SL_OK;
+}
+
+sl_status sl_side_start(sl_stage *s, int index, sl_error *error) {
+    sl_side *d = &s->side[index];
+    sl_status status = add_show(s, d, error);
+    sl_settings settings = sl_side_shown(&d->settings);
+    if (status == SL_OK && d->show->passes) settings.observer = sl_passes_observer(d->show->passes);
+    if (status == SL_OK)
+        status =
+            sl_live_start_beside(open_show, d->show, s->world.scene, &settings, &d->show->live, error);
+    d->wanted = status == SL_OK;
+    if (d->wanted) d->live = d->show->live, d->passes = d->show->passes;
+    d->began = d->moved = sl_seconds_now();
+    d->last = (sl_live_state){0};
+    d->shown = s->world.count;
+    d->sent_still = false;
+    d->edit = 0;
+    if (status == SL_OK && !s->viewers) sl_live_rest(d->live, true);
+    return status;
+}
+
 void sl_side_stop(sl_stage *s, int index) {
     sl_side *d = &s->side[index];
-    if (d->live) {
-        sl_live_halt(d->live);
-        d->has = last_followed(d->live, d->has);
-        sl_live_stop(d->live, NULL);
-    }
-    sl_passes_destroy(d->passes);
+    if (d->live) sl_live_leave(d->live);
     d->passes = NULL;
     d->live = NULL;
     d->wanted = false;
+}
+
+void sl_side_close(sl_stage *s, int index) {
+    uint64_t ignored;
+    sl_side_stop(s, index);
+    sl_scene_destroy(end_show(s->side[index].show, &ignored));
+    s->side[index].show = NULL;
 }
 
 sl_status sl_side_follow(sl_stage *s, int index, unsigned changes, sl_error *error) {
@@ -188,6 +241,7 @@ static void draw(sl_stage *s, int index, double now) {
 void sl_side_step(sl_stage *s, int index, double now) {
     sl_side *d = &s->side[index];
     const bool rested = d->last.done && d->sent_still;
+    if (!d->live && d->show && (!d->show->live || sl_live_has_ended(d->show->live))) sl_side_close(s, index);
     if (!d->live) return;
     if (is_due(s, d, now)) draw(s, index, now);
     if (d->passes) sl_passes_step(s, d->passes, index, now);

@@ -430,10 +430,7 @@ sl_status sl_stage_open(const sl_stage_options *options, sl_mail *mail, sl_stage
 
 void sl_stage_close(sl_stage *s) {
     if (!s) return;
-    for (int i = 0; i < SL_SIDES; i++) {
-        sl_side_stop(s, i);
-        sl_scene_destroy(s->side[i].scene);
-    }
+    for (int i = 0; i < SL_SIDES; i++) sl_side_close(s, i);
     sl_film_end(s, false);
     sl_worker_stop(s->worker);
     sl_stage_forget_tracer(s);

@@ -13,13 +13,15 @@ enum { SL_SIDES = 2, SL_TIMES = 256 };
 
 typedef struct sl_passes sl_passes;
 
+typedef struct sl_side_show sl_side_show; /* side.c */
+
 /* One method, shown live. */
 typedef struct sl_side {
     sl_settings settings;
     bool wanted;                      /* a method is named */
-    sl_scene *scene;                  /* the updates' */
+    sl_side_show *show;               /* the newest, also where it is over; or NULL */
     uint64_t has;                     /* events that were made to the scene before the show began */
-    sl_live *live;                    /* NULL: it is not shown */
+    sl_live *live;                    /* the show's; NULL: it is over */
     double began, drawn, moved, told; /* seconds by the clock: the show; the last frame, change, state */
     sl_live_state last;
     uint64_t shown; /* the newest event that the last frame shows */
@@ -83,7 +85,9 @@ void sl_add_floats(cJSON *to, const char *name, const float *values, int count);
 sl_settings sl_side_shown(const sl_settings *settings);
 /* Shows the method of side->settings, as the world stands now. */
 sl_status sl_side_start(sl_stage *stage, int index, sl_error *error);
+/* Ends the show, whose last update may still be under way: the next show waits for it. */
 void sl_side_stop(sl_stage *stage, int index);
+void sl_side_close(sl_stage *stage, int index);
 /* The newest event of the world, which changed so much. */
 sl_status sl_side_follow(sl_stage *stage, int index, unsigned changes, sl_error *error);
 /* Draws what is due. */

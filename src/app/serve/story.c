@@ -130,15 +130,14 @@ static void visit(void *context, sl_method *method) {
     sl_image *picture = NULL;
     sl_explanation *e = NULL;
     sl_error error;
-    if (method) {
-        sl_status status = sl_method_resolve(method, &picture, &error);
-        if (status == SL_OK) status = sl_method_explanation(method, picture, y->x, y->y, &e, &error);
-        cJSON *m = status == SL_OK ? message_of(y, sl_image_metadata(picture, "softlux.method"), e)
-                                   : sl_message("refused");
-        if (status != SL_OK) cJSON_AddStringToObject(m, "do", "story");
-        if (status != SL_OK) cJSON_AddStringToObject(m, "reason", error.message);
-        sl_mail_send(y->mail, sl_packet_text(y->client, m));
-    }
+    sl_status status = method ? sl_method_resolve(method, &picture, &error)
+                              : sl_fail(&error, SL_ERROR_USAGE, "story: the method has ended");
+    if (status == SL_OK) status = sl_method_explanation(method, picture, y->x, y->y, &e, &error);
+    cJSON *m = status == SL_OK ? message_of(y, sl_image_metadata(picture, "softlux.method"), e)
+                               : sl_message("refused");
+    if (status != SL_OK) cJSON_AddStringToObject(m, "do", "story");
+    if (status != SL_OK) cJSON_AddStringToObject(m, "reason", error.message);
+    sl_mail_send(y->mail, sl_packet_text(y->client, m));
     sl_explanation_destroy(e);
     sl_image_destroy(picture);
     free(y);

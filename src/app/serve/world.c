@@ -46,15 +46,6 @@ void sl_world_close(sl_world *w) {
     *w = (sl_world){.path = NULL};
 }
 
-sl_status sl_world_catch_up(const sl_world *w, uint64_t behind, sl_scene *scene, sl_error *error) {
-    sl_status status = SL_OK;
-    for (size_t i = behind; i < w->count && status == SL_OK; i++) {
-        unsigned ignored;
-        status = sl_event_make(w->events[i], scene, &ignored, error);
-    }
-    return status;
-}
-
 /* ---- events ---- */
 
 static void remember(sl_world *w, const sl_item *item) {

@@ -87,8 +87,6 @@ sl_status sl_world_open(sl_world *world, const char *path, const sl_reading *rea
 void sl_world_close(sl_world *world);
 /* A copy of the scene as it was in the beginning, which the caller destroys. */
 sl_status sl_world_copy(const sl_world *world, sl_scene **scene, sl_error *error);
-/* Makes all events behind a number to a copy. */
-sl_status sl_world_catch_up(const sl_world *world, uint64_t behind, sl_scene *scene, sl_error *error);
 
 /* Does it, or nothing; *changes gets SL_CHANGED_ bits. The newest event is then the last of world->events. */
 sl_status sl_world_look(sl_world *world, const sl_camera *camera, unsigned *changes, sl_error *error);

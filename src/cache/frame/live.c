@@ -45,12 +45,17 @@ typedef struct visit {
 } visit;
 
 struct sl_live {
+    sl_live_opening *opening; /* of a show that follows */
+    void *opening_context;
+    sl_settings settings; /* as asked, then of the method */
     sl_scene *scene;   /* the thread's, while it runs; the caller's is the copy */
     sl_method *method; /* likewise */
     sl_thread thread;
     bool runs;
 
     sl_scene *scene_copy;
+    const char *reduced; /* the method's */
+    bool draws;         /* the method has a display, whose window may be still to come */
     bool follows;       /* the copy is the caller's, and so are all moves */
     sl_monitor drawing; /* held while a window draws, and while changes may take its method away */
     void *window;       /* NULL: the method has none */
@@ -62,7 +67,7 @@ struct sl_live {
     sl_counters counters; /* of frames */
 
     sl_monitor meeting; /* guards what follows */
-    bool stop;
+    bool stop, ended;
     pose asked;
     /* by moves that the thread has not taken yet; by what updates have made of those that it took */
     change moved, found;
@@ -210,14 +215,14 @@ static sl_status follow_changes(sl_live *l, bool *any, bool *anew, sl_error *err
     return status;
 }
 
-static void be_visited(sl_live *l) {
+static void be_visited(sl_live *l, sl_method *method) {
     visit taken[VISITS];
     sl_monitor_enter(&l->meeting);
     const size_t count = l->visit_count;
     memcpy(taken, l->visits, sizeof taken);
     l->visit_count = 0;
     sl_monitor_leave(&l->meeting);
-    for (size_t i = 0; i < count; i++) taken[i].visitor(taken[i].context, l->method);
+    for (size_t i = 0; i < count; i++) taken[i].visitor(taken[i].context, method);
 }
 
 static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
@@ -291,8 +296,45 @@ static void tell(sl_live *l, const pose *p, const change *moved, const sl_progre
     sl_image_destroy(old);
 }
 
-static void update_on_and_on(void *context) {
-    sl_live *l = context;
+/* Beside the method: the copy; the frame that is shown, the one that waits and the one that is made (a
+ * display's is the method's picture); and two of a byte a value for whoever writes them. */
+static double bytes_of_show(const sl_scene *scene, const sl_settings *settings) {
+    enum { FRAME = 12, WRITTEN = 6 };
+    return (double)sl_scene_copy_bytes(scene) +
+           (double)settings->width * (double)settings->height * (3 * FRAME + WRITTEN);
+}
+
+static sl_status make_method(sl_live *l, sl_error *error) {
+    sl_method *made;
+    const sl_settings asked = l->settings;
+    sl_status status = sl_live_choose(l->scene, &asked, &l->settings, error);
+    if (status == SL_OK)
+        status = sl_method_create_beside(l->scene, &l->settings, bytes_of_show(l->scene, &l->settings), &made,
+                                         error);
+    if (status != SL_OK) return status;
+    sl_monitor_enter(&l->drawing);
+    sl_monitor_enter(&l->meeting);
+    l->method = made;
+    l->blind = made->class->window != NULL;
+    sl_monitor_leave(&l->meeting);
+    sl_monitor_leave(&l->drawing);
+    return SL_OK;
+}
+
+/* The method of a show that follows; false: there is none. */
+static bool open_show(sl_live *l) {
+    sl_error error = {0};
+    sl_status status = l->opening(l->opening_context, &l->scene, &error);
+    if (status == SL_OK) status = make_method(l, &error);
+    if (status == SL_OK) return true;
+    sl_monitor_enter(&l->meeting);
+    l->status = status;
+    l->error = error;
+    sl_monitor_leave(&l->meeting);
+    return false;
+}
+
+static void update_on_and_on(sl_live *l) {
     pose turn;
     change moved = {.waits = false};
     uint64_t at = 0;
@@ -303,7 +345,7 @@ static void update_on_and_on(void *context) {
         sl_image *picture = NULL;
         uint64_t changes = sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN];
         bool changed = false, anew = false;
-        be_visited(l);
+        be_visited(l, l->method);
         sl_status status = turn.number == at ? SL_OK : follow(l, &turn, &error);
         if (status == SL_OK && shown) status = follow_changes(l, &changed, &anew, &error);
         shown = shown && turn.number == at && !changed;
@@ -322,14 +364,34 @@ static void update_on_and_on(void *context) {
     }
 }
 
+static void update_thread(void *context) {
+    sl_live *l = context;
+    if (!l->opening || open_show(l)) update_on_and_on(l);
+    sl_monitor_enter(&l->meeting);
+    l->ended = true;
+    sl_monitor_leave(&l->meeting);
+    be_visited(l, NULL);
+}
+
 /* ---- life ------------------------------------------------------------------------------------ */
 
-void sl_live_halt(sl_live *l) {
-    if (!l->runs) return;
+void sl_live_leave(sl_live *l) {
     sl_monitor_enter(&l->meeting);
     l->stop = true;
     sl_monitor_signal(&l->meeting);
     sl_monitor_leave(&l->meeting);
+}
+
+bool sl_live_has_ended(sl_live *l) {
+    sl_monitor_enter(&l->meeting);
+    const bool ended = l->ended;
+    sl_monitor_leave(&l->meeting);
+    return ended;
+}
+
+void sl_live_halt(sl_live *l) {
+    if (!l->runs) return;
+    sl_live_leave(l);
     sl_thread_join(&l->thread);
     l->runs = false;
 }
@@ -338,7 +400,6 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
     if (counters) *counters = (sl_counters){0};
     if (!l) return;
     sl_live_halt(l);
-    for (size_t i = 0; i < l->visit_count; i++) l->visits[i].visitor(l->visits[i].context, NULL);
     if (counters && l->method) {
         *counters = *sl_method_counters(l->method);
         sl_counters_add(counters, &l->counters);
@@ -354,14 +415,6 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
     sl_monitor_close(&l->drawing);
     sl_monitor_close(&l->meeting);
     sl_free(l);
-}
-
-/* Beside the method: the copy; the frame that is shown, the one that waits and the one that is made (a
- * display's is the method's picture); and two of a byte a value for whoever writes them. */
-static double bytes_of_show(const sl_scene *scene, const sl_settings *settings) {
-    enum { FRAME = 12, WRITTEN = 6 };
-    return (double)sl_scene_copy_bytes(scene) +
-           (double)settings->width * (double)settings->height * (3 * FRAME + WRITTEN);
 }
 
 /* Splatting shows what it has after so many new ones. */
@@ -384,30 +437,47 @@ static unsigned drawers(const sl_live *l) {
     return l->follows && threads > 1 ? 2 : 1;
 }
 
+/* The method's state was made anew, and no update is under way. */
+static sl_status renew_window(sl_live *l, sl_error *error) {
+    if (l->window) l->method->class->window->destroy(l->window);
+    l->window = NULL;
+    sl_status status =
+        l->method->class->window->create(l->method->state, l->scene_copy, drawers(l), &l->window, error);
+    sl_monitor_enter(&l->meeting);
+    l->blind = false;
+    if (status != SL_OK) l->status = status, l->error = *error;
+    sl_monitor_signal(&l->meeting);
+    sl_monitor_leave(&l->meeting);
+    return status;
+}
+
+static sl_status begin_at_once(sl_live *l, const sl_settings *asked, sl_error *error) {
+    sl_status status = make_method(l, error);
+    if (status == SL_OK) status = sl_scene_copy(l->scene, &l->scene_copy, error);
+    if (status != SL_OK) return status;
+    const sl_settings *own = &l->method->settings;
+    l->hold = l->method->class->error_levels ? asked->shading_cache.hold_levels : 0.0;
+    l->reduced = l->method->reduced;
+    l->settings.width = own->width, l->settings.height = own->height;
+    return l->blind ? renew_window(l, error) : SL_OK;
+}
+
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
-    sl_settings own;
-    sl_status status = sl_live_choose(l->scene, settings, &own, error);
+    l->settings = *settings;
+    sl_status status = l->follows ? SL_OK : begin_at_once(l, settings, error);
+    if (status == SL_OK)
+        status = sl_image_create(l->settings.width, l->settings.height, 3, NULL, &l->frame, error);
     if (status != SL_OK) return status;
-    status = sl_method_create_beside(l->scene, &own, bytes_of_show(l->scene, &own), &l->method, error);
-    if (status == SL_OK && !l->follows) status = sl_scene_copy(l->scene, &l->scene_copy, error);
-    if (status != SL_OK) return status;
-    const sl_method_class *class = l->method->class;
-    l->hold = class->error_levels ? settings->shading_cache.hold_levels : 0.0;
-    status =
-        sl_image_create(l->method->settings.width, l->method->settings.height, 3, NULL, &l->frame, error);
-    if (status == SL_OK && class->window)
-        status = class->window->create(l->method->state, l->scene_copy, drawers(l), &l->window, error);
-    if (status != SL_OK) return status;
-    l->runs = sl_thread_start(&l->thread, update_on_and_on, l);
+    l->runs = sl_thread_start(&l->thread, update_thread, l);
     return l->runs ? SL_OK : sl_fail(error, SL_ERROR_RESOURCES, "no thread could be had for updates");
 }
 
-static sl_status start(sl_scene *scene, sl_scene *shown, const sl_settings *settings, sl_live **live,
-                       sl_error *error) {
+/* as: its scenes, and who opens it. */
+static sl_status start(const sl_live *as, const sl_settings *settings, sl_live **live, sl_error *error) {
     if (!live) return sl_fail_null(error, "a place for a live show");
     *live = NULL;
-    if (!scene || !settings) return sl_fail_null(error, "a scene and settings");
-    sl_live *l = sl_allocate(1, sizeof *l);
+    if (!(as->scene || as->scene_copy) || !settings) return sl_fail_null(error, "a scene and settings");
+    sl_live *l = sl_copy_of(as, 1, sizeof *l);
     if (!l) return sl_fail_memory(error, "a live show");
     const bool meets = sl_monitor_open(&l->meeting), draws = meets && sl_monitor_open(&l->drawing);
     if (!draws) {
@@ -415,9 +485,7 @@ static sl_status start(sl_scene *scene, sl_scene *shown, const sl_settings *sett
         sl_free(l);
         return sl_fail(error, SL_ERROR_RESOURCES, "no lock could be had for a live show");
     }
-    l->scene = scene;
-    l->scene_copy = shown;
-    l->follows = shown != NULL;
+    l->reduced = "";
     l->error_levels = -1.0;
     sl_status status = begin(l, settings, error);
     if (status == SL_OK) *live = l;
@@ -426,15 +494,17 @@ static sl_status start(sl_scene *scene, sl_scene *shown, const sl_settings *sett
 }
 
 sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_live **live, sl_error *error) {
-    return start(scene, NULL, settings, live, error);
+    return start(&(sl_live){.scene = scene}, settings, live, error);
 }
 
-sl_status sl_live_start_beside(sl_scene *scene, sl_scene *shown, const sl_settings *settings, sl_live **live,
-                               sl_error *error) {
-    return shown ? start(scene, shown, settings, live, error) : sl_fail_null(error, "a scene to draw");
+sl_status sl_live_start_beside(sl_live_opening *opening, void *context, sl_scene *shown,
+                               const sl_settings *settings, sl_live **live, sl_error *error) {
+    const sl_live as = {
+        .opening = opening, .opening_context = context, .scene_copy = shown, .follows = true};
+    return start(&as, settings, live, error);
 }
 
-const char *sl_live_reduction(const sl_live *l) { return l->method->reduced; }
+const char *sl_live_reduction(const sl_live *l) { return l->reduced; }
 
 /* ---- moves ----------------------------------------------------------------------------------- */
 
@@ -581,7 +651,7 @@ size_t sl_live_turns(sl_live *l, sl_live_turn *turns, size_t room, uint64_t *upd
 
 bool sl_live_visit(sl_live *l, sl_live_visitor *visitor, void *context) {
     sl_monitor_enter(&l->meeting);
-    const bool fits = l->visit_count < VISITS && l->status == SL_OK;
+    const bool fits = l->visit_count < VISITS && !l->ended;
     if (fits) l->visits[l->visit_count++] = (visit){visitor, context};
     if (fits) sl_monitor_signal(&l->meeting);
     sl_monitor_leave(&l->meeting);
@@ -606,6 +676,8 @@ void sl_live_rest(sl_live *l, bool rest) {
 /* Reads how far updates have come, and takes the newest picture, where they leave pictures. */
 static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, sl_error *error) {
     sl_monitor_enter(&l->meeting);
+    if (l->method) l->reduced = l->method->reduced;
+    l->draws = l->method && l->method->class->window;
     l->state.updates = l->progress.batches;
     l->state.error_levels = l->error_levels;
     l->state.samples = l->samples;
@@ -625,20 +697,6 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
     l->found.waits = false;
     sl_status status = l->status;
     if (status != SL_OK && error) *error = l->error;
-    sl_monitor_leave(&l->meeting);
-    return status;
-}
-
-/* The method's state was made anew, and no update is under way. */
-static sl_status renew_window(sl_live *l, sl_error *error) {
-    l->method->class->window->destroy(l->window);
-    l->window = NULL;
-    sl_status status =
-        l->method->class->window->create(l->method->state, l->scene_copy, drawers(l), &l->window, error);
-    sl_monitor_enter(&l->meeting);
-    l->blind = false;
-    if (status != SL_OK) l->status = status, l->error = *error;
-    sl_monitor_signal(&l->meeting);
     sl_monitor_leave(&l->meeting);
     return status;
 }
@@ -664,7 +722,7 @@ sl_status sl_live_frame(sl_live *l, const sl_image **frame, sl_live_state *state
     sl_status status = go_if_it_may(l, error);
     if (status == SL_OK) status = look_up(l, &picture, &picture_time, error);
     if (status != SL_OK) return status;
-    if (l->window) {
+    if (l->draws) {
         status = draw_window(l, error);
         l->seen = l->told;
         l->state.time_seconds = l->shown.time;

@@ -16,11 +16,14 @@ typedef struct sl_live_change {
     uint64_t kind;
 } sl_live_change;
 
-/* As sl_live_start(). `shown` is a scene of its own that stands as the other does; it must outlive the show,
- * and between two calls it is the caller's. No frame waits: what moves is sl_live_follow()'s, and
- * sl_live_move(), sl_live_look() and shading-cache.hold are not for such a show. */
-sl_status sl_live_start_beside(sl_scene *scene, sl_scene *shown, const sl_settings *settings, sl_live **live,
-                               sl_error *error);
+/* Gives the scene of the updates, which stands as the other did when the show was started. */
+typedef sl_status sl_live_opening(void *context, sl_scene **scene, sl_error *error);
+/* As sl_live_start(), without waiting for the method: the updating thread, which calls `opening` first of all,
+ * makes it, and frames tell whether that has failed. The settings have the picture's size. `shown` is a scene
+ * of its own; it must outlive the show, and between two calls it is the caller's. No frame waits: what moves
+ * is sl_live_follow()'s, and sl_live_move(), sl_live_look() and shading-cache.hold are not for such a show. */
+sl_status sl_live_start_beside(sl_live_opening *opening, void *context, sl_scene *shown,
+                               const sl_settings *settings, sl_live **live, sl_error *error);
 /* The change has been made to `shown`, of which it changed so much; updates follow. */
 sl_status sl_live_follow(sl_live *live, const sl_live_change *change, unsigned changes, sl_error *error);
 /* The number of the newest change that the last frame shows, of light maybe not yet in full; 0: of none. */
@@ -41,14 +44,16 @@ typedef struct sl_live_turn {
 size_t sl_live_turns(sl_live *live, sl_live_turn *turns, size_t room, uint64_t *updates);
 
 /* Has the updating thread call it once between two updates, soon. It may resolve the method and ask it for
- * explanations. Without a method: the show was stopped before that. False: too many wait, or updates have
- * failed; it is not called. */
+ * explanations. Without a method: updates have ended before that. False: too many wait, or
+ * updates have ended; it is not called. */
 typedef void sl_live_visitor(void *context, sl_method *method);
 bool sl_live_visit(sl_live *live, sl_live_visitor *visitor, void *context);
 /* What the method had counted when its last update ended. */
 void sl_live_counters(sl_live *live, sl_counters *counters);
-/* Ends the updates; frames and turns are still to be had. */
+/* Ends the updates, and waits for the one under way; frames and turns are still to be had. */
 void sl_live_halt(sl_live *live);
+void sl_live_leave(sl_live *live);     /* the same, without waiting */
+bool sl_live_has_ended(sl_live *live); /* the updates have */
 /* Lets updates rest, or go on. */
 void sl_live_rest(sl_live *live, bool rest);
 
