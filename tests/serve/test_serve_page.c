@@ -395,13 +395,16 @@ static void the_exact_picture_is_that_of_the_command_which_the_page_tells(void *
     assert_nothing_is_wrong(f);
 }
 
-/* Chooses a pass by its title and has its marks drawn. */
-static void draw_marks(browser *b, const char *title) {
+static void choose_pass(browser *b, const char *title) {
     char text[300];
     snprintf(text, sizeof text, "window.card = [...document.querySelectorAll('#strip .card')].find(c => "
                                 "c.textContent.includes('%s'))", title);
     wait_until(b, text);
     run(b, "card.click()");
+}
+
+static void draw_marks(browser *b, const char *title) {
+    choose_pass(b, title);
     wait_until(b, "document.querySelector('#pass .chip')");
     run(b, "document.querySelector('#pass .chip').click()");
 }
@@ -435,6 +438,26 @@ static void a_pass_draws_its_marks_over_the_picture(void **state) {
     run(f->browser, "press('passes')");
     draw_marks(f->browser, passes[2].title);
     run(f->browser, "press('passes'); press('reset')");
+}
+
+static void a_pass_steps_back_through_the_batches_so_far(void **state) {
+    fixture *f = *state;
+    need_browser(f);
+    open_page(f);
+    use_method(f->browser, "multi-mesh");
+    run(f->browser, "press('passes')");
+    choose_pass(f->browser, "The picture");
+    wait_until(f->browser, "document.getElementById('big-pass')");
+    run(f->browser, "window.first = seen('big-pass'); document.getElementById('frame').focus()");
+    for (int i = 0; i < 4; i++) browser_press(f->browser, KEY_RIGHT);
+    wait_until(f->browser, "seen('big-pass') !== first && document.getElementById('past')?.value > 0");
+    run(f->browser, "window.newest = seen('big-pass'); document.getElementById('past').focus(); choose('past', 0)");
+    wait_until(f->browser, "seen('big-pass') !== newest");
+    assert_holds(f->browser, "/after batch \\d+/.test(document.querySelector('#pass output').textContent)");
+    run(f->browser, "window.oldest = seen('big-pass'); choose('past', document.getElementById('past').max)");
+    wait_until(f->browser, "seen('big-pass') !== oldest");
+    run(f->browser, "press('passes'); press('reset'); choose('method-a', 'direct-radiance')");
+    assert_nothing_is_wrong(f);
 }
 
 static void a_reload_in_the_middle_of_a_drag_goes_on(void **state) {
@@ -558,6 +581,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(the_story_of_a_pixel_adds_up_to_it),
         cmocka_unit_test(the_exact_picture_is_that_of_the_command_which_the_page_tells),
         cmocka_unit_test(a_pass_draws_its_marks_over_the_picture),
+        cmocka_unit_test(a_pass_steps_back_through_the_batches_so_far),
         cmocka_unit_test(a_reload_in_the_middle_of_a_drag_goes_on),
         cmocka_unit_test(two_tabs_see_the_same),
         cmocka_unit_test(keys_alone_reach_everything),

@@ -5,8 +5,9 @@ import {draw_bitmap, mark} from "./picture.js";
 import {explanation} from "./story.js";
 import {on, tell, world} from "./world.js";
 
-const strip = find("strip"), passes = new Map(); /* by index: {news, card, canvas} */
-let side = "a", chosen = null, overlay = "";
+const strip = find("strip"), passes = new Map(); /* by index: {news, card, canvas, past, at} */
+const most_past = 48; /* files that are kept of a pass */
+let side = "a", chosen = null, shown = null, overlay = "", batches = 0;
 
 const work =
     ["rays", "shadow_rays", "fragments_shaded", "fragments_blended", "photons_gathered", "records", "splats"];
@@ -26,7 +27,7 @@ function card_of(index) {
   const card =
       make("button", {type: "button", class: "card", "aria-pressed": "false", click: () => choose(index)},
            canvas, title, price);
-  const entry = {canvas, card, title, price, news: null};
+  const entry = {canvas, card, title, price, news: null, past: [], at: null};
   passes.set(index, entry);
   const after = [...passes.keys()].filter(i => i > index).sort((a, b) => a - b)[0];
   strip.insertBefore(card, after === undefined ? null : passes.get(after).card);
@@ -42,8 +43,17 @@ function take_pass(news) {
   if (chosen === news.index) show_pass();
 }
 
+/* Keeps what came, of too many every second one; entry.at is the one that is looked at, null: the newest. */
+function remember(entry, file) {
+  entry.past.push({file, batches});
+  if (entry.past.length <= most_past) return;
+  entry.past = entry.past.filter((_, i) => i % 2 === 0);
+  if (entry.at !== null) entry.at >>= 1;
+}
+
 function take_picture(f) {
-  const {canvas} = card_of(f.index);
+  const entry = card_of(f.index), {canvas} = entry;
+  remember(entry, f.file);
   draw_bitmap(canvas, f.bitmap);
   canvas.classList.add("has-picture");
   f.bitmap.close();
@@ -77,16 +87,42 @@ function overlay_button(name) {
               "Draw its marks over the picture");
 }
 
+async function show_past(entry, canvas, told) {
+  const {file, batches} = entry.past[entry.at ?? entry.past.length - 1], at = entry.at;
+  told.textContent = "after batch " + batches;
+  const bitmap = await createImageBitmap(file);
+  if (entry.at === at) draw_bitmap(canvas, bitmap);
+  bitmap.close();
+}
+
+/* Steps back through the pictures of a pass that came so far. */
+function past_slider(entry, canvas) {
+  if (entry.past.length < 2) return null;
+  const range = make("input", {type: "range", id: "past", min: 0, step: 1}), told = make("output");
+  range.max = entry.past.length - 1;
+  range.value = entry.at ?? range.max;
+  range.addEventListener("input", () => {
+    range.max = entry.past.length - 1;
+    entry.at = range.value === range.max ? null : Number(range.value);
+    show_past(entry, canvas, told);
+  });
+  show_past(entry, canvas, told);
+  return make("div", {class: "field"}, make("label", {for: "past"}, "Batches so far"), told, range);
+}
+
 function show_pass() {
   const box = find("pass"), entry = passes.get(chosen);
+  if (entry && shown === chosen && document.activeElement === find("past")) return; /* a hand holds it */
+  shown = chosen;
   if (!entry?.news) {
     box.replaceChildren();
     return;
   }
   const {news, canvas} = entry,
-               big = make("canvas", {class: "big-pass", role: "img", "aria-label": news.title || news.name});
+               big = make("canvas", {class: "big-pass", id: "big-pass", role: "img", "aria-label": news.title || news.name});
   if (canvas.classList.contains("has-picture")) draw_bitmap(big, canvas);
-  box.replaceChildren(...[canvas.classList.contains("has-picture") && big, explanation(news),
+  box.replaceChildren(...[canvas.classList.contains("has-picture") && big, past_slider(entry, big),
+                          explanation(news),
                           make("p", {class: "help"},
                                news.paper_place + " · pass “" + news.name + "”" +
                                    (news.times > 1 ? ", " + news.times + " times" : "")),
@@ -126,6 +162,9 @@ function ask_passes(is_on) {
   document.body.classList.toggle("with-strip", is_on);
 }
 
+on("state", s => {
+  if (s.side === side) batches = s.batches;
+});
 on("pass", take_pass);
 on("pass-picture", take_picture);
 on("overlay", take_overlay);
