@@ -33,7 +33,7 @@ typedef struct sl_track {
     uint32_t first, count; /* objects; the light */
     size_t key_count;
     sl_key *keys; /* times rise strictly */
-    bool is_placed; /* an object that stays where an edit has placed it, whatever the time; no count: no more */
+    bool is_placed; /* an object stays where an edit has placed it, whatever the time; no count: no more */
     sl_affine placement; /* ... in our world */
 } sl_track;
 
@@ -65,8 +65,8 @@ typedef struct sl_placement {
     sl_affine placement;
     bool released; /* in place of that, its keyframes move it again; if it has none, it rests */
 } sl_placement;
-/* Places objects, each once, in place of their keyframes from then on; SL_CHANGED_ bits are added to *changes.
- * All or nothing. */
+/* Places objects, each once, in place of their keyframes from then on; SL_CHANGED_ bits are added to
+ * *changes. All or nothing. */
 sl_status sl_animation_place(sl_scene *scene, size_t count, const sl_placement *placement, unsigned *changes,
                              sl_error *error);
 void sl_animation_destroy(sl_animation *animation); /* NULL is allowed */

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""tests/serve/network.py PROGRAM: who is let in, what ends a connection, that slow viewers miss frames and ten
-share them, and that what was closed is freed. Each test's name is what it shows."""
+"""tests/serve/network.py PROGRAM: who is let in, what ends a connection, that slow viewers miss frames and
+ten share them, and that what was closed is freed. Each test's name is what it shows."""
 import json
 import sys
 import time
@@ -77,8 +77,8 @@ def names_that_others_could_give_the_machine_are_refused(server):
 def pages_say_what_a_browser_may_do_with_them(server):
     status, head, body = server.fetch("/")
     assert status == 200 and b"<html" in body
-    for line in ("content-security-policy: default-src 'self'", "referrer-policy: no-referrer", "x-frame-options: DENY",
-                 "x-content-type-options: nosniff", "cache-control: no-store"):
+    for line in ("content-security-policy: default-src 'self'", "referrer-policy: no-referrer",
+                 "x-frame-options: DENY", "x-content-type-options: nosniff", "cache-control: no-store"):
         assert line in head, line
     assert server.token not in head + body.decode()
     assert server.fetch("/../etc/passwd")[0] in (403, 404) and server.fetch("/none")[0] == 404
@@ -88,9 +88,11 @@ def pages_say_what_a_browser_may_do_with_them(server):
 
 def what_is_malformed_ends_that_connection_alone(server):
     other = Visitor(server)
-    for payload, reason in ((b"[]", "no JSON object"), (b"{", "no JSON object"), (b'{"do":1}', "no JSON object"),
-                            (b'{"do":"nothing"}', "nothing of that name"), (b'{"do":"x","a":[[[[[[[1]]]]]]]}', "too deep"),
-                            (b'{"do":"' + b"x" * 17000 + b'"}', "too long"), (b'{"do":"got"}', "a frame's number"),
+    for payload, reason in ((b"[]", "no JSON object"), (b"{", "no JSON object"),
+                            (b'{"do":1}', "no JSON object"), (b'{"do":"nothing"}', "nothing of that name"),
+                            (b'{"do":"x","a":[[[[[[[1]]]]]]]}', "too deep"),
+                            (b'{"do":"' + b"x" * 17000 + b'"}', "too long"),
+                            (b'{"do":"got"}', "a frame's number"),
                             (b'{"do":"camera","eye":[1,2]}', "eye")):
         visitor = Visitor(server)
         visitor.send(payload)
@@ -146,7 +148,8 @@ def ten_viewers_share_one_frame(server):
         visitor.wait_for(lambda m: m.get("is") == "hello")
     visitors[0].say(**CAMERA)
     event = visitors[0].wait_for(lambda m: m.get("is") == "did")["event"]
-    pictures = [v.wait_for(lambda m: "file" in m and m["event"] >= event and m["format"] == 1) for v in visitors]
+    pictures = [v.wait_for(lambda m: "file" in m and m["event"] >= event and m["format"] == 1)
+                for v in visitors]
     assert len({p["file"] for p in pictures}) == 1 and len({p["frame"] for p in pictures}) == 1
     for visitor in visitors:
         visitor.close()

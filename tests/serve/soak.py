@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""tests/serve/soak.py PROGRAM [MINUTES]: a scripted visitor for so long (1): edits, switches of method and size, reconnects, slow
-viewers and garbage. At the end memory has stayed level, the live picture is the one that its log leads to, the exact one
-that which `render` makes, to the bit, and Ctrl-C ends the server with 0. Numbers are drawn from SEED (1)."""
+"""tests/serve/soak.py PROGRAM [MINUTES]: a scripted visitor for so long (1): edits, switches of method and
+size, reconnects, slow viewers and garbage. At the end memory has stayed level, the live picture is the one
+that its log leads to, the exact one that which `render` makes, to the bit, and Ctrl-C ends the server with
+0. Numbers are drawn from SEED (1)."""
 import json
 import os
 import random
@@ -16,7 +17,8 @@ from visitor import Closed, Server, Visitor
 PROGRAM, MINUTES = sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 1.0
 SCENE = os.environ.get("SCENE", "scenes/cornell-glossy.json")
 SLACK = float(os.environ.get("SLACK", "1"))  # sanitizers are slower, and take more
-METHODS = ["splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path", "bidirectional"]
+METHODS = ["splatting", "direct-radiance", "light-octree", "multi-mesh", "shading-cache", "path",
+           "bidirectional"]
 dice = random.Random(int(os.environ.get("SEED", "1")))
 
 
@@ -31,8 +33,8 @@ def an_edit(scene):
         x, z = dice.uniform(-30, 30), dice.uniform(-30, 30)
         return {"kind": kind, "object": dice.choice([6, 7]), "matrix": [1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, z]}
     if kind == "material":
-        return {"kind": kind, "material": dice.randint(2, 5), "diffuse": vector(0, 0.5), "specular": vector(0, 0.4),
-                "exponent": dice.choice([1, 20, 200])}
+        return {"kind": kind, "material": dice.randint(2, 5), "diffuse": vector(0, 0.5),
+                "specular": vector(0, 0.4), "exponent": dice.choice([1, 20, 200])}
     if kind == "add-light" and lights < 6:
         return {"kind": kind, "position": [dice.uniform(100, 450) for _ in range(3)], "power": vector(0, 5e4)}
     if kind in ("light", "remove-light") and lights:
@@ -108,7 +110,8 @@ def a_while(visitor, scene):
 
 
 def compare(one, other):
-    result = subprocess.run([PROGRAM, "compare", one, other, "--json"], capture_output=True, text=True, check=True)
+    result = subprocess.run([PROGRAM, "compare", one, other, "--json"], capture_output=True, text=True,
+                            check=True)
     assert json.loads(result.stdout)["identical"], f"{one} and {other} differ"
 
 
@@ -151,12 +154,14 @@ def main():
             told = minute
             levels.append(server.memory_kib())
             if minute % 20 == 0:
-                print(f"{minute / 4:.0f} min: {levels[-1] // 1024} MiB, {server.descriptors()} descriptors", flush=True)
+                print(f"{minute / 4:.0f} min: {levels[-1] // 1024} MiB, {server.descriptors()} descriptors",
+                      flush=True)
     check_pictures(server, visitor, folder)
     status = server.stop()
     half = len(levels) // 2
     first, last = max(levels[:half] or [1]), max(levels[half:] or [1])
-    print(f"{turns} turns in {MINUTES:g} min, memory {first // 1024} MiB at most in the first half, {last // 1024} MiB in the second")
+    print(f"{turns} turns in {MINUTES:g} min, memory {first // 1024} MiB at most in the first half, "
+          f"{last // 1024} MiB in the second")
     shutil.rmtree(folder)
     assert status == 0, f"the server ends with {status}"
     assert MINUTES < 5 or last < 1.15 * first + 8192, f"memory grows: {levels}"

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""tests/serve/speed.py PROGRAM SCENE... [--methods a,b] [--size 512x512] [--seconds 5]: frames and bytes a second while a
-visitor orbits at 60 events a second, and milliseconds from an event to the frame that shows it, by method; then
-milliseconds of a processor: to draw a frame, to encode it, and of all threads by frame."""
+"""tests/serve/speed.py PROGRAM SCENE... [--methods a,b] [--size 512x512] [--seconds 5]: frames and bytes a
+second while a visitor orbits at 60 events a second, and milliseconds from an event to the frame that shows
+it, by method; then milliseconds of a processor: to draw a frame, to encode it, and of all threads by
+frame."""
 import argparse
 import math
 import time
@@ -44,11 +45,13 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program")
     parser.add_argument("scenes", nargs="+")
-    parser.add_argument("--methods", default="direct-radiance,light-octree,multi-mesh,shading-cache,splatting,path")
+    parser.add_argument("--methods",
+                        default="direct-radiance,light-octree,multi-mesh,shading-cache,splatting,path")
     parser.add_argument("--size", default="512x512")
     parser.add_argument("--seconds", type=float, default=5.0)
     options = parser.parse_args()
-    print(f"{'scene':24} {'method':16} frames/s  KB/s  median ms  95 % ms  drawing ms encoding ms all a frame")
+    print(f"{'scene':24} {'method':16} frames/s  KB/s  median ms  95 % ms  drawing ms "
+          "encoding ms all a frame")
     for scene in options.scenes:
         for method in options.methods.split(","):
             server = Server(options.program, scene, "-s", options.size, "-m", method, "--quiet")
@@ -59,9 +62,10 @@ def main():
             before = server.processor_seconds()
             rate, size, late, work = orbit(visitor, camera, options.seconds)
             busy = server.processor_seconds() - before
-            print(f"{scene.rsplit('/')[-1]:24} {method:16} {rate:8.1f} {size / 1e3:5.0f} {late[len(late) // 2]:10.0f} "
-                  f"{late[int(0.95 * len(late))]:8.0f} {work[0]:10.1f} {work[1]:11.1f} "
-                  f"{1e3 * busy / max(1.0, rate * options.seconds):12.1f}", flush=True)
+            print(f"{scene.rsplit('/')[-1]:24} {method:16} {rate:8.1f} {size / 1e3:5.0f} "
+                  f"{late[len(late) // 2]:10.0f} {late[int(0.95 * len(late))]:8.0f} "
+                  f"{work[0]:10.1f} {work[1]:11.1f} {1e3 * busy / max(1.0, rate * options.seconds):12.1f}",
+                  flush=True)
             visitor.close()
             server.stop()
 

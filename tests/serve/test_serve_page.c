@@ -1,5 +1,5 @@
-/* The page of `softlux serve`, in a browser, before a server of its own: what people do on it by mouse, touch and
- * keys is done in the scene and seen in the picture; it says nothing but the truth, and asks nobody else. */
+/* The page of `softlux serve`, in a browser, before a server of its own: what people do on it by mouse, touch
+ * and keys is done in the scene and seen in the picture; it says nothing but the truth, asks nobody else. */
 #include "unit_test.h"
 #include "webdriver.h"
 
@@ -36,8 +36,8 @@ static int start_server(fixture *f) {
         prctl(PR_SET_PDEATHSIG, SIGINT); /* a test that aborts leaves no server */
         dup2(ends[1], STDOUT_FILENO);
         close(ends[0]);
-        execl(program, program, "serve", "scenes/cornell-point.json", "-s", "48x48", "-m", "direct-radiance", "-q",
-              "draft", "--threads", "1", "-o", f->folder, "--quiet", (char *)NULL);
+        execl(program, program, "serve", "scenes/cornell-point.json", "-s", "48x48", "-m", "direct-radiance",
+              "-q", "draft", "--threads", "1", "-o", f->folder, "--quiet", (char *)NULL);
         _exit(127);
     }
     close(ends[1]);
@@ -160,8 +160,9 @@ static void the_page_opens_with_a_picture_and_hides_its_token(void **state) {
     assert_holds(f->browser, "sessionStorage.getItem('token').length >= 32");
     assert_holds(f->browser, "document.title.includes('cornell-point.json')");
     assert_holds(f->browser, "new Set(seen().split(',')).size > 50");
-    assert_holds(f->browser, "[...document.querySelectorAll('button, input, select, canvas')].every(e => e.labels?.length "
-                             "|| e.getAttribute('aria-label') || e.textContent.trim() || e.closest('#frame'))");
+    assert_holds(f->browser, "[...document.querySelectorAll('button, input, select, canvas')].every(e => "
+                             "e.labels?.length || e.getAttribute('aria-label') || e.textContent.trim() || "
+                             "e.closest('#frame'))");
     assert_nothing_is_wrong(f);
 }
 
@@ -218,14 +219,15 @@ static void what_is_picked_gets_another_colour_and_goes_elsewhere(void **state) 
     assert_holds(f->browser, "document.querySelector('#editor h3').textContent === 'short_box'");
     run(f->browser, "const c = document.querySelector('#editor input[type=color]'); c.value = '#0000ff';"
                     "c.dispatchEvent(new Event('change', {bubbles: true}))");
-    wait_until(f->browser, "softlux.world.scene.materials.some(m => m.diffuse[2] > 0.9 && m.diffuse[0] < 0.1)");
+    wait_until(f->browser, "softlux.world.scene.materials.some(m => m.diffuse[2] > 0.9 && "
+                           "m.diffuse[0] < 0.1)");
     wait_for_change(f->browser);
     remember(f->browser);
     run(f->browser, "const p = document.querySelector('#editor .triple input'); window.x = Number(p.value);"
                     "p.focus(); p.value = x + 60; p.dispatchEvent(new Event('change'))");
     wait_for_change(f->browser);
-    wait_until(f->browser, "Math.abs(softlux.world.scene.objects.find(o => o.name === 'short_box').centre[0] - x - 60)"
-                           " < 0.5");
+    wait_until(f->browser, "Math.abs(softlux.world.scene.objects.find(o => o.name === 'short_box').centre[0]"
+                           " - x - 60) < 0.5");
     run(f->browser, "press('undo'); press('undo')");
     wait_until(f->browser, "document.getElementById('undo').disabled");
     assert_nothing_is_wrong(f);
@@ -310,8 +312,8 @@ static void tell_pixel(browser *b, int x, int y) {
 }
 
 /* The sum is the page's own, of the terms that it shows; the pixel is what the server has. */
-static const char adds_up[] = "(s => JSON.parse(s.sum).every((v, c) => Math.fround(v) === Math.fround(JSON.parse("
-                              "s.pixel)[c])))(document.getElementById('story').dataset)";
+static const char adds_up[] = "(s => JSON.parse(s.sum).every((v, c) => Math.fround(v) === Math.fround("
+                              "JSON.parse(s.pixel)[c])))(document.getElementById('story').dataset)";
 
 static bool tells_terms(const char *method) {
     return strcmp(method, "path") != 0 && strcmp(method, "bidirectional") != 0;
@@ -327,7 +329,9 @@ static void the_story_of_a_pixel_adds_up_to_it(void **state) {
         wait_until(f->browser, "softlux.states.a.batches > 0");
         for (int k = 0; k < 2; k++) {
             tell_pixel(f->browser, 7 + 17 * k, 30 + 11 * k);
-            assert_holds(f->browser, tells_terms(methods[i]) ? adds_up : "!document.getElementById('story').dataset.sum");
+            assert_holds(f->browser, tells_terms(methods[i]) ?
+                                         adds_up :
+                                         "!document.getElementById('story').dataset.sum");
         }
         if (strcmp(methods[i], "splatting") != 0) continue;
         assert_holds(f->browser, "document.querySelectorAll('#story .terms tbody tr').length >= 3");
@@ -344,8 +348,8 @@ static void the_story_of_a_pixel_adds_up_to_it(void **state) {
 static void load_kept(browser *b, const char *kind, const char *path) {
     char script[400];
     snprintf(script, sizeof script,
-             "return fetch(document.querySelector('#kept [data-what=%s] a').href).then(r => r.arrayBuffer()).then("
-             "f => [...new Uint8Array(f)].map(v => v.toString(16).padStart(2, '0')).join(''))", kind);
+             "return fetch(document.querySelector('#kept [data-what=%s] a').href).then(r => r.arrayBuffer())"
+             ".then(f => [...new Uint8Array(f)].map(v => v.toString(16).padStart(2, '0')).join(''))", kind);
     char *digits = browser_text(b, script);
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
@@ -386,7 +390,8 @@ static void the_exact_picture_is_that_of_the_command_which_the_page_tells(void *
             snprintf(made, sizeof made, "%s/rendered.%s", f->folder, kinds[k]);
             load_kept(f->browser, kinds[k], kept);
             render_as_told(f->browser, made);
-            snprintf(line, sizeof line, "%s compare --identical %s %s >%s/compared 2>&1", program, kept, made, f->folder);
+            snprintf(line, sizeof line, "%s compare --identical %s %s >%s/compared 2>&1", program, kept, made,
+                     f->folder);
             assert_int_equal(system(line), 0);
         }
     }
@@ -451,7 +456,8 @@ static void a_pass_steps_back_through_the_batches_so_far(void **state) {
     run(f->browser, "window.first = seen('big-pass'); document.getElementById('frame').focus()");
     for (int i = 0; i < 4; i++) browser_press(f->browser, KEY_RIGHT);
     wait_until(f->browser, "seen('big-pass') !== first && document.getElementById('past')?.value > 0");
-    run(f->browser, "window.newest = seen('big-pass'); document.getElementById('past').focus(); choose('past', 0)");
+    run(f->browser, "window.newest = seen('big-pass'); document.getElementById('past').focus();"
+                    "choose('past', 0)");
     wait_until(f->browser, "seen('big-pass') !== newest");
     assert_holds(f->browser, "/after batch \\d+/.test(document.querySelector('#pass output').textContent)");
     run(f->browser, "window.oldest = seen('big-pass'); choose('past', document.getElementById('past').max)");
@@ -555,8 +561,8 @@ static void a_screen_of_360_pixels_needs_no_sideways_scrolling(void **state) {
 static void it_is_dark_where_the_desk_is_and_light_elsewhere(void **state) {
     fixture *f = *state;
     need_browser(f);
-    const char brightness[] = "return getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3)"
-                              ".reduce((s, v) => s + Number(v), 0) / 3";
+    const char brightness[] = "return getComputedStyle(document.body).backgroundColor.match(/\\d+/g)"
+                              ".slice(0, 3).reduce((s, v) => s + Number(v), 0) / 3";
     browser_colours(f->browser, true);
     open_page(f);
     assert_true(browser_number(f->browser, brightness) < 60.0);
@@ -568,7 +574,8 @@ static void it_is_dark_where_the_desk_is_and_light_elsewhere(void **state) {
 int main(int argc, char **argv) {
     (void)argc;
     const char *slash = strrchr(argv[0], '/');
-    snprintf(program, sizeof program, "%.*s/../softlux", slash ? (int)(slash - argv[0]) : 1, slash ? argv[0] : ".");
+    snprintf(program, sizeof program, "%.*s/../softlux", slash ? (int)(slash - argv[0]) : 1,
+             slash ? argv[0] : ".");
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_page_opens_with_a_picture_and_hides_its_token),
         cmocka_unit_test(the_picture_follows_mouse_fingers_and_keys),

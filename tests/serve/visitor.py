@@ -1,4 +1,5 @@
-"""A visitor of `softlux serve` without a browser: a WebSocket by Python's standard library, and the server as a child."""
+"""A visitor of `softlux serve` without a browser: a WebSocket by Python's standard library, and the server as
+a child."""
 import base64
 import json
 import os
@@ -89,8 +90,10 @@ class Visitor:
     def send(self, payload, opcode=1):
         head = bytes([0x80 | opcode])
         size = len(payload)
-        head += bytes([0x80 | size]) if size < 126 else bytes([0xFE]) + struct.pack(">H", size) if size < 65536 \
-            else bytes([0xFF]) + struct.pack(">Q", size)
+        if size < 126:
+            head += bytes([0x80 | size])
+        else:
+            head += struct.pack(">BH", 0xFE, size) if size < 65536 else struct.pack(">BQ", 0xFF, size)
         self.socket.sendall(head + b"\0\0\0\0" + payload)  # a mask of nothing
 
     def say(self, **message):

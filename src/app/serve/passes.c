@@ -188,8 +188,8 @@ static void step_overlay(sl_stage *s, sl_passes *p, int side) {
     sl_monitor_leave(&p->meeting);
 }
 
-/* A method with a display is not resolved to be shown, but its last passes are those that this takes: pictures
- * of parts, edges of meshes. */
+/* A method with a display is not resolved to be shown, but its last passes are those that this takes:
+ * pictures of parts, edges of meshes. */
 static void resolve(void *context, sl_method *method) {
     sl_image *unused = NULL;
     (void)context;
@@ -201,7 +201,8 @@ void sl_passes_step(sl_stage *s, sl_passes *p, int side, double now) {
     const sl_side *d = &s->side[side];
     if (now - p->last < pause) return;
     p->last = now;
-    if (d->last.updates != p->resolved && sl_live_visit(d->live, resolve, NULL)) p->resolved = d->last.updates;
+    if (d->last.updates != p->resolved && sl_live_visit(d->live, resolve, NULL))
+        p->resolved = d->last.updates;
     sl_monitor_enter(&p->meeting);
     const size_t count = p->count;
     sl_monitor_leave(&p->meeting);

@@ -1,4 +1,4 @@
-/* The passes of a frame as a strip of pictures with their cost, and what a pass leaves drawn over the picture. */
+/* The passes of a frame as a strip of pictures with their cost, and what one leaves drawn over it. */
 import {send} from "./connection.js";
 import {fill, find, make} from "./make.js";
 import {draw_bitmap, mark} from "./picture.js";
@@ -118,8 +118,8 @@ function show_pass() {
     box.replaceChildren();
     return;
   }
-  const {news, canvas} = entry,
-               big = make("canvas", {class: "big-pass", id: "big-pass", role: "img", "aria-label": news.title || news.name});
+  const {news, canvas} = entry, label = news.title || news.name;
+  const big = make("canvas", {class: "big-pass", id: "big-pass", role: "img", "aria-label": label});
   if (canvas.classList.contains("has-picture")) draw_bitmap(big, canvas);
   box.replaceChildren(...[canvas.classList.contains("has-picture") && big, past_slider(entry, big),
                           explanation(news),
