@@ -14,7 +14,9 @@
 #include "scene/features.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct serve_command {
     sl_stage_options stage;
@@ -104,6 +106,14 @@ static void tell_address(const serve_command *c, const sl_network *network) {
                         "encrypted\n");
 }
 
+/* Threads that wait for each other leave the processor to frames, to the network and to a browser; OpenMP
+ * takes note of that before main() alone. */
+static void wait_quietly(char **words) {
+    if (getenv("OMP_WAIT_POLICY")) return;
+    setenv("OMP_WAIT_POLICY", "passive", 1);
+    execv("/proc/self/exe", words); /* where it fails all goes on, with less grace */
+}
+
 static void run_stage(void *stage) { sl_stage_run(stage); }
 
 static sl_status serve(const serve_command *c, sl_stage *stage, sl_mail *mail, sl_error *error) {
@@ -156,6 +166,7 @@ int sl_command_serve(int argc, char **argv) {
     if (!parse(argc, argv, &c, &exit_status)) return exit_status;
     sl_error error;
     if (c.replay) return replay(&c, &error) == SL_OK ? 0 : sl_complain(&error);
+    wait_quietly(argv - 2); /* "softlux serve" */
     sl_stage *stage = NULL;
     c.stage.token = c.network.token;
     sl_status status = look_at_scene(&c, &error);
