@@ -140,12 +140,11 @@ static sl_status begin(sl_stage *s, int side, const char *what, sl_error *error)
     return SL_OK;
 }
 
-sl_status sl_take_exact(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+sl_status sl_take_exact(sl_stage *s, const cJSON *message, sl_error *error) {
     int side;
     bool on = true;
     sl_status status = sl_take_side(message, &side, error);
     if (status == SL_OK) status = sl_take_flag(message, "on", &on, error);
-    (void)client;
     if (status != SL_OK) return status;
     if (on && !s->side[side].wanted) return sl_fail(error, SL_ERROR_USAGE, "exact: that side shows nothing");
     if (on) return begin(s, side, "exact", error);
@@ -295,11 +294,10 @@ static sl_status keep_exact(sl_stage *s, const char *what, sl_error *error) {
     return begin(s, 0, what, error);
 }
 
-sl_status sl_take_keep(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+sl_status sl_take_keep(sl_stage *s, const cJSON *message, sl_error *error) {
     static const char *const made[] = {"png", "exr", "page"};
     const char *what = "";
     sl_status status = sl_take_text(message, "what", &what, error);
-    (void)client;
     if (status != SL_OK) return status;
     if (strcmp(what, "scene") == 0) return keep_scene(s, error);
     if (strcmp(what, "log") == 0) return keep_log(s, error);

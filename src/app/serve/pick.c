@@ -69,7 +69,7 @@ static void add_light(cJSON *m, const sl_scene *scene, uint32_t light) {
     sl_add_floats(m, "at", (float[]){at.x, at.y, at.z}, 3);
 }
 
-sl_status sl_take_pick(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+sl_status sl_take_pick(sl_stage *s, const cJSON *message, sl_error *error) {
     double column = -1.0, row = -1.0;
     const sl_tracer *tracer;
     sl_status status = sl_take_pixel(message, &s->side[0].settings, &column, &row, error);
@@ -89,6 +89,6 @@ sl_status sl_take_pick(sl_stage *s, unsigned client, const cJSON *message, sl_er
     if (light) add_light(m, s->world.scene, light);
     else if (hit.triangle[0] != SL_NO_INDEX) add_hit(m, s->world.scene, hit.triangle[0], &hit, direction);
     else cJSON_AddStringToObject(m, "what", "sky");
-    sl_say(s, client, m);
+    sl_say(s, s->client, m);
     return SL_OK;
 }

@@ -42,14 +42,13 @@ static sl_status spread(sl_stage *s, unsigned changes, sl_error *error) {
     return status;
 }
 
-static sl_status take_camera(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_camera(sl_stage *s, const cJSON *message, sl_error *error) {
     sl_camera camera;
     unsigned changes;
     sl_status status = sl_take_camera(message, s->world.scene, &camera, error);
     if (status == SL_OK) status = sl_world_look(&s->world, &camera, &changes, error);
     if (status == SL_OK) status = spread(s, changes, error);
     if (status == SL_OK && s->viewers > 1) sl_say(s, 0, sl_describe_camera(s));
-    (void)client;
     return status;
 }
 
@@ -61,10 +60,9 @@ static sl_status look_first(sl_stage *s, sl_error *error) {
     return status;
 }
 
-static sl_status take_view(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_view(sl_stage *s, const cJSON *message, sl_error *error) {
     const char *name = "";
     sl_status status = sl_take_text(message, "name", &name, error);
-    (void)client;
     if (status != SL_OK) return status;
     return strcmp(name, "scene") == 0 ? look_first(s, error)
                                       : sl_fail(error, SL_ERROR_USAGE, "view: the scene has no such camera");
@@ -78,8 +76,8 @@ static sl_status go_to(sl_stage *s, double seconds, sl_error *error) {
     return spread(s, changes, error);
 }
 
-static sl_status take_reset(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
-    (void)client, (void)message;
+static sl_status take_reset(sl_stage *s, const cJSON *message, sl_error *error) {
+    (void)message;
     s->plays = false;
     sl_status status = s->world.duration > 0.0 ? go_to(s, s->world.first_time, error) : SL_OK;
     if (status == SL_OK) status = look_first(s, error);
@@ -87,7 +85,7 @@ static sl_status take_reset(sl_stage *s, unsigned client, const cJSON *message, 
     return status;
 }
 
-static sl_status take_time(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_time(sl_stage *s, const cJSON *message, sl_error *error) {
     double at = 0.0;
     bool there = false;
     sl_status status = sl_take_number(message, "at", -1e6, 1e6, &at, &there, error);
@@ -95,13 +93,11 @@ static sl_status take_time(sl_stage *s, unsigned client, const cJSON *message, s
     if (status == SL_OK) status = go_to(s, at, error);
     s->play_from = at;
     s->play_began = sl_seconds_now();
-    (void)client;
     return status;
 }
 
-static sl_status take_play(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_play(sl_stage *s, const cJSON *message, sl_error *error) {
     sl_status status = sl_take_flag(message, "on", &s->plays, error);
-    (void)client;
     if (status != SL_OK || !s->plays) return status;
     s->play_from = s->world.time < s->world.duration ? s->world.time : 0.0;
     s->play_began = sl_seconds_now();
@@ -115,7 +111,7 @@ static sl_status edited(sl_stage *s, sl_status status, unsigned changes, sl_erro
     return status;
 }
 
-static sl_status take_edit(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_edit(sl_stage *s, const cJSON *message, sl_error *error) {
     sl_item items[SL_ITEMS];
     size_t count;
     bool drag = false;
@@ -123,20 +119,19 @@ static sl_status take_edit(sl_stage *s, unsigned client, const cJSON *message, s
     sl_status status = sl_take_edits(message, &s->world, items, &count, error);
     if (status == SL_OK) status = sl_take_flag(message, "drag", &drag, error);
     if (status == SL_OK) status = sl_world_edit(&s->world, items, count, drag, &changes, error);
-    (void)client;
     if (drag) return status == SL_OK ? spread(s, changes, error) : status;
     return edited(s, status, changes, error);
 }
 
-static sl_status take_undo(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_undo(sl_stage *s, const cJSON *message, sl_error *error) {
     unsigned changes = 0;
-    (void)client, (void)message;
+    (void)message;
     return edited(s, sl_world_undo(&s->world, &changes, error), changes, error);
 }
 
-static sl_status take_redo(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_redo(sl_stage *s, const cJSON *message, sl_error *error) {
     unsigned changes = 0;
-    (void)client, (void)message;
+    (void)message;
     return edited(s, sl_world_redo(&s->world, &changes, error), changes, error);
 }
 
@@ -152,7 +147,7 @@ static sl_status restart(sl_stage *s, int side, sl_error *error) {
     return sl_side_start(s, side, error);
 }
 
-static sl_status take_size(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_size(sl_stage *s, const cJSON *message, sl_error *error) {
     double width = 0.0, height = 0.0;
     bool w = false, h = false;
     sl_status status = sl_take_number(message, "width", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, &width, &w, error);
@@ -160,7 +155,6 @@ static sl_status take_size(sl_stage *s, unsigned client, const cJSON *message, s
         status = sl_take_number(message, "height", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, &height, &h, error);
     if (status == SL_OK && !(w && h))
         status = sl_fail(error, SL_ERROR_INPUT, "size: expected width and height");
-    (void)client;
     for (int i = 0; i < SL_SIDES && status == SL_OK; i++) {
         const bool shown = s->side[i].wanted;
         s->side[i].settings.width = (int)width;
@@ -206,7 +200,7 @@ static void tell_method(sl_stage *s, int side) {
 
 /* The settings begin as the command line has them; those of a method that goes on stay where none are
  * given. */
-static sl_status take_method(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_method(sl_stage *s, const cJSON *message, sl_error *error) {
     int side;
     const char *name = "";
     sl_status status = sl_take_side(message, &side, error);
@@ -215,7 +209,6 @@ static sl_status take_method(sl_stage *s, unsigned client, const cJSON *message,
     sl_side *d = &s->side[side];
     sl_settings settings = s->options.settings;
     settings.width = d->settings.width, settings.height = d->settings.height;
-    (void)client;
     if (!*name && side == 0) return sl_fail(error, SL_ERROR_USAGE, "method: side a shows one");
     if (*name) status = sl_settings_set(&settings, "method", name, error);
     if (status == SL_OK && *name && strcmp(settings.method, "auto") == 0)
@@ -229,14 +222,13 @@ static sl_status take_method(sl_stage *s, unsigned client, const cJSON *message,
     return status == SL_ERROR_INPUT ? SL_ERROR_USAGE : status;
 }
 
-static sl_status take_tone(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_tone(sl_stage *s, const cJSON *message, sl_error *error) {
     const char *curve = s->tone.curve == SL_TONE_CLIP ? "clip" : "reinhard";
     double stops = (double)s->tone.exposure_stops;
     bool automatic = false;
     sl_status status = sl_take_text(message, "curve", &curve, error);
     if (status == SL_OK) status = sl_take_number(message, "exposure", -64, 64, &stops, NULL, error);
     if (status == SL_OK) status = sl_take_flag(message, "auto", &automatic, error);
-    (void)client;
     if (status != SL_OK) return status;
     if (strcmp(curve, "clip") != 0 && strcmp(curve, "reinhard") != 0)
         return sl_fail(error, SL_ERROR_INPUT, "curve: expected clip or reinhard");
@@ -245,23 +237,21 @@ static sl_status take_tone(sl_stage *s, unsigned client, const cJSON *message, s
     return SL_OK;
 }
 
-static sl_status take_passes(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_passes(sl_stage *s, const cJSON *message, sl_error *error) {
     int side;
     bool on = true;
     sl_status status = sl_take_side(message, &side, error);
     if (status == SL_OK) status = sl_take_flag(message, "on", &on, error);
-    (void)client;
     if (status != SL_OK || (!on && !s->side[side].observed)) return status;
     s->side[side].observed = on;
     return s->side[side].wanted ? restart(s, side, error) : SL_OK;
 }
 
-static sl_status take_overlay(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+static sl_status take_overlay(sl_stage *s, const cJSON *message, sl_error *error) {
     int side;
     const char *kind = "";
     sl_status status = sl_take_side(message, &side, error);
     if (status == SL_OK) status = sl_take_text(message, "kind", &kind, error);
-    (void)client;
     if (status != SL_OK) return status;
     if (!s->side[side].passes)
         return sl_fail(error, SL_ERROR_USAGE, "overlay: the side's passes are not shown");
@@ -269,36 +259,23 @@ static sl_status take_overlay(sl_stage *s, unsigned client, const cJSON *message
     return SL_OK;
 }
 
-static sl_status take_switch(sl_stage *s, const cJSON *message, bool *which, sl_error *error) {
+/* "reference", "difference" or "error". */
+static sl_status take_switch(sl_stage *s, const cJSON *message, sl_error *error) {
+    const char what = *cJSON_GetObjectItemCaseSensitive(message, "do")->valuestring;
     bool on = true;
     sl_status status = sl_take_flag(message, "on", &on, error);
     if (status != SL_OK) return status;
-    *which = on;
+    *(what == 'r' ? &s->reference : what == 'd' ? &s->difference : &s->error) = on;
     want(s);
     for (int i = 0; i < SL_SIDES; i++) s->side[i].sent_still = false; /* so that it is looked at */
     return SL_OK;
-}
-
-static sl_status take_reference(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
-    (void)client;
-    return take_switch(s, message, &s->reference, error);
-}
-
-static sl_status take_difference(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
-    (void)client;
-    return take_switch(s, message, &s->difference, error);
-}
-
-static sl_status take_error(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
-    (void)client;
-    return take_switch(s, message, &s->error, error);
 }
 
 /* ---- messages ---- */
 
 static const struct {
     const char *name;
-    sl_status (*take)(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
+    sl_status (*take)(sl_stage *stage, const cJSON *message, sl_error *error);
 } requests[] = {{"camera", take_camera},
                 {"view", take_view},
                 {"reset", take_reset},
@@ -314,33 +291,33 @@ static const struct {
                 {"story", sl_take_story},
                 {"passes", take_passes},
                 {"overlay", take_overlay},
-                {"reference", take_reference},
-                {"difference", take_difference},
-                {"error", take_error},
+                {"reference", take_switch},
+                {"difference", take_switch},
+                {"error", take_switch},
                 {"exact", sl_take_exact},
                 {"keep", sl_take_keep}};
 
 enum { REQUESTS = sizeof requests / sizeof requests[0] };
 
-static void answer(sl_stage *s, unsigned client, const char *what, sl_status status, const sl_error *error) {
+static void answer(sl_stage *s, const char *what, sl_status status, const sl_error *error) {
     cJSON *m = sl_message(status == SL_OK ? "did" : "refused");
     cJSON_AddStringToObject(m, "do", what);
     if (status == SL_OK) cJSON_AddNumberToObject(m, "event", (double)s->world.count);
     else cJSON_AddStringToObject(m, "reason", error->message);
-    sl_say(s, client, m);
+    sl_say(s, s->client, m);
 }
 
-static void take_message(sl_stage *s, unsigned client, const cJSON *message) {
+static void take_message(sl_stage *s, const cJSON *message) {
     const char *what = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(message, "do"));
     sl_error error = {.message = "this is not known here"};
     sl_status status = SL_ERROR_INPUT;
     for (int i = 0; i < REQUESTS && what; i++)
-        if (strcmp(requests[i].name, what) == 0) status = requests[i].take(s, client, message, &error);
+        if (strcmp(requests[i].name, what) == 0) status = requests[i].take(s, message, &error);
     if (status == SL_ERROR_INPUT && error.status != SL_ERROR_INPUT)
         sl_fail(&error, SL_ERROR_INPUT, "do: nothing of that name");
-    if (status == SL_ERROR_INPUT) sl_mail_send(s->mail, sl_packet_end(client, error.message));
+    if (status == SL_ERROR_INPUT) sl_mail_send(s->mail, sl_packet_end(s->client, error.message));
     else if (status != SL_OK || (strcmp(what, "pick") != 0 && strcmp(what, "story") != 0))
-        answer(s, client, what, status, &error);
+        answer(s, what, status, &error);
 }
 
 static void count_viewers(sl_stage *s, int more) {
@@ -360,7 +337,8 @@ void sl_stage_take(sl_stage *s, sl_letter letter) {
         for (int i = 0; i < SL_SIDES; i++) s->side[i].last.versions = 0, s->side[i].sent_still = false;
     }
     if (letter.kind == SL_LETTER_LEFT) count_viewers(s, -1);
-    if (letter.kind == SL_LETTER_MESSAGE) take_message(s, letter.client, letter.message);
+    s->client = letter.client;
+    if (letter.kind == SL_LETTER_MESSAGE) take_message(s, letter.message);
     cJSON_Delete(letter.message);
 }
 

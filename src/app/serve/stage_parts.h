@@ -44,6 +44,7 @@ struct sl_stage {
     sl_tone tone;
     uint32_t frame; /* the newest number */
     unsigned viewers;
+    unsigned client; /* whose message is taken */
     double times[SL_TIMES]; /* when the last events came, by number */
     bool plays;
     double play_began, play_from;
@@ -102,14 +103,14 @@ cJSON *sl_describe_settings(const sl_settings *settings); /* those that are not 
 cJSON *sl_describe_changes(unsigned changes);
 
 /* ---- pick.c ---- */
-sl_status sl_take_pick(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
+sl_status sl_take_pick(sl_stage *stage, const cJSON *message, sl_error *error);
 sl_status sl_stage_tracer(sl_stage *stage, const sl_tracer **tracer, sl_error *error);
 void sl_stage_forget_tracer(sl_stage *stage); /* things have moved */
 sl_mark_view sl_stage_view(const sl_stage *stage);
 
 /* ---- keep.c ---- */
-sl_status sl_take_exact(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
-sl_status sl_take_keep(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
+sl_status sl_take_exact(sl_stage *stage, const cJSON *message, sl_error *error);
+sl_status sl_take_keep(sl_stage *stage, const cJSON *message, sl_error *error);
 /* One more frame of a film; a film that has become too long ends. */
 void sl_film_frame(sl_stage *stage, const sl_image *frame);
 void sl_film_end(sl_stage *stage, bool told);
@@ -122,7 +123,7 @@ void sl_work_step(sl_stage *stage);
 sl_status sl_log_write(sl_stage *stage, const char *path, sl_error *error);
 
 /* ---- story.c ---- */
-sl_status sl_take_story(sl_stage *stage, unsigned client, const cJSON *message, sl_error *error);
+sl_status sl_take_story(sl_stage *stage, const cJSON *message, sl_error *error);
 /* Adds a narrative's entry of a pass (or NULL): "title", "text", "equation", "function". */
 void sl_add_told(cJSON *to, const cJSON *told);
 

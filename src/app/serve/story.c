@@ -143,7 +143,7 @@ static void visit(void *context, sl_method *method) {
     free(y);
 }
 
-sl_status sl_take_story(sl_stage *s, unsigned client, const cJSON *message, sl_error *error) {
+sl_status sl_take_story(sl_stage *s, const cJSON *message, sl_error *error) {
     int side;
     double column = 0.0, row = 0.0;
     sl_status status = sl_take_side(message, &side, error);
@@ -152,7 +152,7 @@ sl_status sl_take_story(sl_stage *s, unsigned client, const cJSON *message, sl_e
     if (!s->side[side].live) return sl_fail(error, SL_ERROR_USAGE, "story: nothing is shown on that side");
     story *y = malloc(sizeof *y);
     if (!y) return sl_fail_memory(error, "a story");
-    *y = (story){s->mail, client, side, (int)column, (int)row, sl_stage_view(s)};
+    *y = (story){s->mail, s->client, side, (int)column, (int)row, sl_stage_view(s)};
     y->view.tracer = NULL;
     if (sl_live_visit(s->side[side].live, visit, y)) return SL_OK;
     free(y);
