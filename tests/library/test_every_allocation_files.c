@@ -4,7 +4,9 @@
 
 #include "unit_test.h"
 #include "allocation_trials.h"
+#include "cache/frame/live.h"
 #include "least_settings.h"
+#include "scene/copy.h"
 #include "scene_files.h"
 
 static long most; /* paths tried in each case; 0: all */
@@ -292,6 +294,39 @@ static void show(const fault_case *c, fault_outcome *o) {
     sl_live_stop(live, NULL);
 }
 
+static sl_status give_scene(void *context, sl_scene **updated, sl_error *error) {
+    (void)context, (void)error;
+    *updated = scene;
+    return SL_OK;
+}
+
+static sl_status move_on(const void *seconds, sl_scene *moved, unsigned *changes, sl_error *error) {
+    return sl_scene_set_time(moved, *(const double *)seconds, changes, error);
+}
+
+/* One that follows changes, and whose method is made by its own thread. */
+static void show_beside(const fault_case *c, fault_outcome *o) {
+    static const double seconds[3] = {0.1, 0.2, 0.3};
+    sl_settings settings = least_settings(c->what, 8, 6);
+    sl_scene *shown = NULL;
+    sl_live *live = NULL;
+    const sl_image *frame;
+    o->status = sl_scene_copy(scene, &shown, &o->error);
+    if (o->status == SL_OK)
+        o->status = sl_live_start_beside(give_scene, NULL, shown, &settings, &live, &o->error);
+    for (int i = 0; i < 12 && o->status == SL_OK; i++) {
+        const sl_live_change change = {move_on, &seconds[i / 4], (uint64_t)i, 0};
+        unsigned changes = 0;
+        rest_a_little();
+        o->status = sl_live_frame(live, &frame, NULL, &o->error);
+        if (i % 4 != 1 || o->status != SL_OK) continue;
+        o->status = move_on(change.what, shown, &changes, &o->error);
+        if (o->status == SL_OK) o->status = sl_live_follow(live, &change, changes, &o->error);
+    }
+    sl_live_stop(live, NULL);
+    sl_scene_copy_destroy(shown);
+}
+
 static void estimate(const fault_case *c, fault_outcome *o) {
     sl_settings settings = least_settings("path", 24, 16);
     sl_error_probe *probe = NULL;
@@ -315,14 +350,16 @@ static void caches_shows_and_estimates_where_memory_ends_say_so(void **state) {
         &(fault_case){.name = "keeping a cache", .prepare = load_for_all, .work = save_and_load}, most);
     faults += try_named(&(fault_case){.name = "estimating errors", .prepare = load_for_all, .work = estimate},
                         most);
-    static const char *const methods[] = {"shading-cache", "splatting", "path"};
-    for (size_t i = 0; i < 3; i++) {
+    static const char *const methods[] = {"shading-cache", "splatting", "path", "multi-mesh"};
+    for (size_t i = 0; i < 8; i++) {
         char name[64];
-        snprintf(name, sizeof name, "a show of %s", methods[i]);
-        faults += try_named(
-            &(fault_case){
-                .name = name, .prepare = load_for_all, .work = show, .what = methods[i], .all_threads = true},
-            most);
+        snprintf(name, sizeof name, "a show %s %s", i < 4 ? "of" : "beside, of", methods[i % 4]);
+        faults += try_named(&(fault_case){.name = name,
+                                          .prepare = load_for_all,
+                                          .work = i < 4 ? show : show_beside,
+                                          .what = methods[i % 4],
+                                          .all_threads = true},
+                            most);
     }
     assert_int_equal(faults, 0);
 }
