@@ -53,15 +53,20 @@ struct sl_worker {
     sl_method *exact_method;
 };
 
+/* Puts a picture in another's place; NULL: none. */
+static void renew(sl_image **picture, sl_image *by) {
+    sl_image_destroy(*picture);
+    *picture = by;
+}
+
 /* ---- the scene ---- */
 
 static void forget(sl_worker *w) {
     sl_method_destroy(w->path);
     sl_error_probe_destroy(w->probe);
-    sl_image_destroy(w->path_picture);
+    renew(&w->path_picture, NULL);
     w->path = NULL;
     w->probe = NULL;
-    w->path_picture = NULL;
 }
 
 static sl_status make_events(sl_worker *w, const sl_event **events, size_t count, sl_error *error) {
@@ -109,14 +114,12 @@ static sl_status step_reference(sl_worker *w, const sl_settings *as, sl_error *e
     const double now = sl_seconds_now();
     if (status != SL_OK || (now - w->shown < showing && !w->path_progress.done)) return status;
     w->shown = now;
-    sl_image_destroy(w->path_picture);
-    w->path_picture = NULL;
+    renew(&w->path_picture, NULL);
     status = sl_method_resolve(w->path, &w->path_picture, error);
     if (status == SL_OK) status = sl_method_resolve(w->path, &copy, error);
     sl_monitor_enter(&w->meeting);
     if (copy) {
-        sl_image_destroy(w->done.reference);
-        w->done.reference = copy;
+        renew(&w->done.reference, copy);
         w->done.samples = w->path_progress.batches;
         w->done.reference_done = w->path_progress.done;
         w->news = true;
@@ -150,16 +153,14 @@ static void publish(sl_worker *w, int side, bool by_reference, double error, dou
                     sl_image *difference, sl_image *map) {
     sl_work_done *d = &w->done;
     sl_monitor_enter(&w->meeting);
-    sl_image *old[2] = {difference ? d->difference[side] : NULL, map ? d->map[side] : NULL};
-    if (difference) d->difference[side] = difference;
-    if (map) d->map[side] = map;
+    if (difference) renew(&d->difference[side], difference);
+    if (map) renew(&d->map[side], map);
     d->judged[side] = true;
     d->by_reference[side] = by_reference;
     d->error[side] = error;
     d->bound[side] = bound;
     w->news = true;
     sl_monitor_leave(&w->meeting);
-    for (int i = 0; i < 2; i++) sl_image_destroy(old[i]);
 }
 
 static sl_status judge_by_reference(sl_worker *w, int side, const seen *s, sl_error *error) {
@@ -258,17 +259,16 @@ static sl_status make_page(const sl_exact_job *j, sl_error *error) {
 static void publish_exact(sl_worker *w, const sl_progress *progress, const sl_error *error,
                           sl_image *picture) {
     sl_monitor_enter(&w->meeting);
-    sl_image *unused = picture;
-    if (!w->leave_off) {
-        unused = w->done.exact;
+    if (w->leave_off) {
+        sl_image_destroy(picture);
+    } else {
+        renew(&w->done.exact, picture);
         w->done.exact_news = w->news = true;
         w->done.exact_done = progress->done;
         w->done.fraction = progress->fraction;
         w->done.exact_error = *error;
-        w->done.exact = picture;
     }
     sl_monitor_leave(&w->meeting);
-    sl_image_destroy(unused);
 }
 
 static void step_exact(sl_worker *w) {
@@ -352,6 +352,11 @@ void sl_work_forget(sl_work_done *d) {
     }
 }
 
+/* What was is of no use any more. */
+static void forget_seen(sl_worker *w) {
+    for (int i = 0; i < SL_WORKER_SIDES; i++) renew(&w->seen[i].picture, NULL);
+}
+
 void sl_worker_stop(sl_worker *w) {
     if (!w) return;
     sl_monitor_enter(&w->meeting);
@@ -362,20 +367,12 @@ void sl_worker_stop(sl_worker *w) {
     leave_exact(w);
     forget(w);
     sl_work_forget(&w->done);
-    for (int i = 0; i < SL_WORKER_SIDES; i++) sl_image_destroy(w->seen[i].picture);
+    forget_seen(w);
     sl_scene_destroy(w->scene);
     sl_free(w->events);
     free(w->job);
     sl_monitor_close(&w->meeting);
     free(w);
-}
-
-/* Pictures and judgements of what was are of no use any more. */
-static void forget_seen(sl_worker *w) {
-    for (int i = 0; i < SL_WORKER_SIDES; i++) {
-        sl_image_destroy(w->seen[i].picture);
-        w->seen[i].picture = NULL;
-    }
 }
 
 void sl_worker_follow(sl_worker *w, const sl_event *event) {
@@ -405,10 +402,7 @@ void sl_worker_see(sl_worker *w, int side, const sl_image *picture, const sl_set
     const bool wanted = w->reference || w->error;
     const bool fits =
         s->picture && s->picture->width == picture->width && s->picture->height == picture->height;
-    if (!fits) {
-        sl_image_destroy(s->picture);
-        s->picture = NULL;
-    }
+    if (!fits) renew(&s->picture, NULL);
     if (wanted && !s->picture) sl_image_create(picture->width, picture->height, 3, NULL, &s->picture, NULL);
     if (wanted && s->picture) memcpy(s->picture->planes, picture->planes, values * sizeof(float));
     s->settings = *settings;
@@ -422,12 +416,10 @@ void sl_worker_exact(sl_worker *w, const sl_exact_job *job) {
     free(w->job);
     w->job = own;
     w->leave_off = true;
-    sl_image *unused = w->done.exact;
-    w->done.exact = NULL;
+    renew(&w->done.exact, NULL);
     w->done.exact_news = false;
     sl_monitor_signal(&w->meeting);
     sl_monitor_leave(&w->meeting);
-    sl_image_destroy(unused);
 }
 
 bool sl_worker_take(sl_worker *w, sl_work_done *done) {
