@@ -8,8 +8,9 @@
  *     which source   in proportion to the terms of that sum
  *     which point    uniform in area, or, of what is near, by solid angle (near_light.h)
  *
- * A sample of an emitter brings its closed form or nothing, so what is seen whole has no noise; that is off
- * where a part of it is hidden and gives much more than the rest, and nowhere else.
+ * A sample of an emitter brings what its point gives. Bringing the closed form or nothing has less noise where
+ * all of an emitter is seen, but is off wherever the part that is hidden gives more or less than the rest:
+ * 3 % of the indirect light of a room whose windows have frames.
  *
  * Samples are sorted by source before their points are chosen and their shadow rays traced: points of one
  * source are then well spread over all hits that chose it. */
@@ -212,56 +213,48 @@ static sl_vec3 hit_normal(const sl_gather_hits *h, size_t k) {
     return sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
 }
 
-/* By solid angle; false: nothing arrives from there. */
-static bool aim_by_angle(const sl_gather_hits *h, const sl_near_light *near, size_t k, float u1, float u2,
-                         sl_vec3 *to_light) {
+/* Aims by solid angle; returns the irradiance of radiance 1, 0 where nothing arrives from there. */
+static float aim_by_angle(const sl_gather_hits *h, const sl_near_light *near, size_t k, float u1, float u2,
+                          sl_vec3 *to_light) {
     double density, distance;
     sl_vec3d direction = sl_near_light_draw(near, (double)u1, (double)u2, &density, &distance);
     *to_light = sl_to_float(sl_scaled(direction, distance));
-    return distance > 0.0 && isfinite(distance) && sl_hit_cosine(h, k, sl_to_float(direction)) > 0.0f;
+    if (!(distance > 0.0 && isfinite(distance))) return 0.0f;
+    return (float)(near->seen.solid_angle / density) * sl_hit_cosine(h, k, sl_to_float(direction));
 }
 
-/* Uniform on the triangle. */
+/* Returns a point uniform on the triangle, seen from p. */
 static sl_vec3 aim_by_area(const sl_polygon_light *light, sl_vec3 p, float u1, float u2) {
     float root = sqrtf(u1), w1 = root * (1.0f - u2), w2 = root * u2;
     sl_vec3 d = sl_mad(sl_sub(light->corner[0], p), w1, sl_sub(light->corner[1], light->corner[0]));
     return sl_mad(d, w2, sl_sub(light->corner[2], light->corner[0]));
 }
 
-/* Returns area cos cos' / d^2 (both cosines times d) of a point of a light that is partly below a horizon. */
+/* Returns area cos cos' / d^2, both cosines times d: the irradiance of radiance 1. */
 static float form_of(const sl_gather_hits *h, const sl_polygon_light *light, size_t k, sl_vec3 d) {
     float squared = sl_dot(d, d), over = 1.0f / (squared > 0.0f ? squared : 1.0f),
           emitted = -sl_dot(light->normal, d), cosine = sl_hit_cosine(h, k, d);
     return squared > 0.0f && emitted > 0.0f ? (light->area * over) * (cosine * over) * emitted : 0.0f;
 }
 
-static bool is_above(const sl_gather_hits *h, const sl_polygon_light *light, size_t k, sl_vec3 p) {
-    for (int c = 0; c < 3; c++) {
-        if (!(sl_hit_cosine(h, k, sl_sub(light->corner[c], p)) > 0.0f)) return false;
-    }
-    return true;
-}
-
-/* Takes the side's unhindered light as known, and lets the point tell whether it is seen. */
 static void light_by_side(const sl_gather_view *view, sl_shadow_queue *q, const sl_hit_sample *sample,
                           float u1, float u2) {
     const sl_gather_hits *h = &view->scratch->hits;
-    const sl_light_scratch *s = view->scratch->light;
     const sl_light_sides *sides = &view->gather->sides;
     const sl_polygon_light *light = &sides->polygon[sample->source];
-    const size_t k = sample->slot, source = sample->source;
+    const size_t k = sample->slot;
     const sl_vec3 p = sl_hit_position(h, k);
-    float form = s->from[source * s->slots + k] / view->gather->strength[source];
     sl_near_light near = {.seen = {.parts = 0}};
     sl_vec3 to_light;
+    float form;
     if (sl_light_is_near(light, p)) sl_near_light_make(light, p, hit_normal(h, k), &near);
     if (near.seen.parts) {
-        if (!aim_by_angle(h, &near, k, u1, u2, &to_light)) return;
+        form = aim_by_angle(h, &near, k, u1, u2, &to_light);
     } else {
         to_light = aim_by_area(light, p, u1, u2);
-        if (!is_above(h, light, k, p)) form = form_of(h, light, k, to_light);
+        form = form_of(h, light, k, to_light);
     }
-    sl_rgb radiance = view->gather->scene->emitters[sides->emitter[source]].radiance,
+    sl_rgb radiance = view->gather->scene->emitters[sides->emitter[sample->source]].radiance,
            irradiance = sl_rgb_scale(radiance, form * sample->share);
     if (form > 0.0f && sl_rgb_is_finite(irradiance)) sl_push_shadow_ray(q, k, to_light, false, irradiance);
 }
