@@ -20,7 +20,7 @@
 /* Whole sub-frames, unless there are no more than these in all: then the first is whole, for frames of things
  * that move; those of edges for which the cache is asked; and into how many light samples are shared out
  * behind the pilot. */
-enum { PILOT = 4, ASKED = 8, LATER_SHARE = 16, EDGE_LEAST = 16 };
+enum { PILOT = 4, ASKED = 8, LATER_SHARE = 8, EDGE_LEAST = 16 };
 
 struct sl_film {
     const sl_scene *scene;
