@@ -74,7 +74,7 @@ typedef struct sl_patch_vertex {
     };
     uint32_t references : 2;     /* SL_REFERENCES_MANY: so many, or more */
     /* the update in which its value came, or SL_VERTEX_NEVER; in multi-mesh an sl_vertex_state (mesh.h) */
-    uint32_t evaluated : 25;
+    uint32_t evaluated : 24;
     uint32_t asked : 1;          /* it is in the list of those that are to be shaded */
     uint32_t halved : 1;         /* some edge that ends in it has a vertex in its middle */
     /* it was evaluated, but has no light of its own (it lies inside other geometry, or no number came): its
@@ -83,6 +83,7 @@ typedef struct sl_patch_vertex {
     /* it is shaded with many points on each light, as leaves of one pixel want it */
     uint32_t dense : 1;
     uint32_t is_dense : 1;       /* ... its value was */
+    uint32_t is_quick : 1;       /* its value was shaded with few points, in passing */
 } sl_patch_vertex;
 
 /* A vertex in the middle of an edge is that of two splits. Where so many ask for one, it is a root's corner,
@@ -183,7 +184,7 @@ static inline uint32_t sl_patch_corner(const sl_patches *p, uint32_t patch, int 
 }
 
 static inline void sl_vertex_mark(sl_patch_vertex *v, uint32_t update) {
-    v->evaluated = update & (UINT32_MAX >> 7);
+    v->evaluated = update & (UINT32_MAX >> 8);
 }
 static inline float *sl_vertex_value(const sl_patches *p, uint32_t vertex) {
     return p->value + (size_t)vertex * (size_t)p->settings.channels;

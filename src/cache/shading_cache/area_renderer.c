@@ -38,6 +38,11 @@ static sl_light_numbers numbers_of(const area_renderer *r, uint64_t stream, uint
     return (sl_light_numbers){&r->sequence, sl_random_key(r->settings.seed, stream), first, count};
 }
 
+static uint32_t points_of(const area_renderer *r, const sl_sample_request *request) {
+    const uint32_t points = (uint32_t)r->settings.cache.area_samples;
+    return request->quick ? (points + SL_QUICK_PART - 1) / SL_QUICK_PART : points;
+}
+
 static void add(sl_rgb *to, sl_rgb colour, double scale) {
     *to = sl_rgb_add(*to, (sl_rgb){(float)((double)colour.r * scale), (float)((double)colour.g * scale),
                                    (float)((double)colour.b * scale)});
@@ -66,7 +71,7 @@ static double mean_variance(const sl_light_sums *s, double n) {
 static uint32_t add_dense_points(const lit *at, size_t l, uint32_t points, sl_light_sums *s) {
     const area_renderer *r = at->renderer;
     bool edge = (s->seen > 0.0 && s->seen < s->all) || r->settings.cache.area == SL_AREA_SAMPLED;
-    if (!at->request->dense || at->request->set > 0 || points >= SL_DENSE_POINTS || !edge) return points;
+    if (!at->request->dense || at->request->quick || at->request->set > 0 || points >= SL_DENSE_POINTS || !edge) return points;
     sl_light_numbers more = numbers_of(r, l, points, SL_DENSE_POINTS - points);
     sl_light_by_points(r->sampling, l, &at->request->point, &more, NULL, s, at->counters);
     return SL_DENSE_POINTS;
@@ -77,7 +82,7 @@ static uint32_t add_dense_points(const lit *at, size_t l, uint32_t points, sl_li
 static void add_area_light(const lit *at, size_t l, sl_sample *sample) {
     const area_renderer *r = at->renderer;
     const sl_sampled_light *light = &r->lights->light[l];
-    uint32_t points = (uint32_t)r->settings.cache.area_samples;
+    const uint32_t points = points_of(r, at->request);
     sl_light_numbers numbers = numbers_of(r, l, at->request->set * points, points);
     sl_light_sums s = {.all = 0.0};
     const sl_lit_lobe *lobe = at->has_lobe ? &at->lobe : NULL;
@@ -129,7 +134,7 @@ static void render_point(const void *state, const sl_sample_request *request, un
                          sl_sample *sample, sl_counters *counters) {
     (void)worker;
     const area_renderer *r = state;
-    int points = r->settings.cache.area_samples;
+    const int points = (int)points_of(r, request);
     lit at = {.renderer = r,
               .request = request,
               .lobe = {.points = (double)points, .draws = (double)((points + 1) / 2)},

@@ -269,9 +269,19 @@ static void allow_more(sl_shading_state *s, unsigned what) {
                          : s->samples + share * (double)c->updates * s->samples_an_update;
 }
 
+/* Light moves where an edit comes soon after another. Means of several sets of samples, and values without
+ * layers, have the same samples always. */
+static void note_move(sl_shading_state *s, unsigned what) {
+    enum { SOON = 8 };
+    if (!(what & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) return;
+    s->moves = s->layers.kept && s->lit > 0 && s->now - s->lit <= SOON;
+    s->lit = s->now;
+}
+
 static void begin_picture(sl_shading_state *s, unsigned what) {
     allow_more(s, what);
     what = as_light(what);
+    note_move(s, what);
     sl_changes_edit(&s->changes, what, s->stale, s->now + 1);
     note_version(&s->layers, what);
     s->may_be_stale = true;

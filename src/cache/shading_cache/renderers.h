@@ -19,6 +19,7 @@ typedef struct sl_sample_request {
     const sl_material *material;
     sl_vec3 eye;               /* for radiance */
     bool dense;                /* shadows' edges want SL_DENSE_POINTS on area lights */
+    bool quick;                /* a quarter of the points on lights do: it will be asked for again */
     bool radiance;             /* exitant radiance of the lobe is wanted too */
     /* which set of samples: 0, 1, ...; the same one gives the same bits for an unchanged scene */
     uint32_t set;
@@ -62,6 +63,8 @@ typedef struct sl_renderer_settings {
  * 64 points leave bands of 1/64 of it in a shadow's edge. They do not show between vertices some pixels
  * apart; the vertices of leaves as small as pixels have so many points there. */
 #define SL_DENSE_POINTS 400
+/* While things move light is not what it is for long: so small a part of the points do, everywhere. */
+#define SL_QUICK_PART 4
 
 /* Glossy surfaces without a diffuse part count as mirrors for caustics from this exponent on: half of the
  * lobe's peak is then within 7 degrees. */

@@ -11,13 +11,14 @@
 
 /* ---- how many ---- */
 
-/* Rays that a sample of a layer takes, about, with what each vertex costs besides. */
+/* Rays that a sample of a layer takes, about, with what each vertex costs besides; while things move, with
+ * few points on lights. */
 static double rays_of(const sl_shading_state *s, unsigned layer) {
-    const double vertex = 8.0;
+    const double vertex = 8.0, part = s->moves && layer == SL_LAYER_CHEAP ? 1.0 / SL_QUICK_PART : 1.0;
     double rays = vertex;
     for (int r = 0; r < s->renderer_count; r++)
         if (s->renderer[r].layer == layer && s->renderer[r].rays)
-            rays += s->renderer[r].rays(s->renderer[r].state);
+            rays += part * s->renderer[r].rays(s->renderer[r].state);
     return rays;
 }
 

@@ -33,6 +33,7 @@ static void make_request(const sl_shading_state *s, uint32_t vertex, sl_sample_r
     *request = (sl_sample_request){.material = material,
                                    .eye = s->scene->camera.eye,
                                    .dense = v->dense,
+                                   .quick = s->moves,
                                    .radiance = sl_material_has_lobe(material),
                                    .set = more ? sets->count : 0,
                                    .layers = request->layers};
@@ -117,7 +118,7 @@ static compared compare_before(const sl_shading_state *s, uint32_t vertex, const
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     bool one_set = request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1);
     compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->extrapolated && one_set &&
-                  v->dense == v->is_dense,
+                  v->dense == v->is_dense && v->is_quick == s->moves,
                   .radiance = v->evaluated >= s->changes.eye_moved};
     if (c.comparable) c.before = exitant_of(s, vertex, c.radiance);
     return c;
@@ -197,6 +198,7 @@ void sl_shading_commit_sample(sl_shading_state *s, size_t i) {
     take_layers(s, i, value);
     v->extrapolated = 0;
     v->is_dense = v->dense;
+    if (request->layers & SL_LAYER_CHEAP) v->is_quick = s->moves;
     float share = share_of(request), from[6];
     bool fades = is_to_fade(s, vertex, object) && sl_vertex_surroundings(s->patches, vertex, from);
     blend(s->patches, vertex, value, share);

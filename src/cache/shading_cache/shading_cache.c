@@ -75,6 +75,7 @@ static void settle_work(sl_shading_state *s) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
     s->view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     s->work = (sl_work_settings){.view = &s->view,
+                                 .moves = s->moves,
                                  .curve = &s->curve,
                                  .split_above = split_slack * (float)c->stop_size,
                                  .levels = LEVELS_AN_UPDATE,
@@ -253,9 +254,18 @@ static sl_status build_display_arrays(sl_shading_state *s, sl_error *error) {
 
 /* ---- one update ---- */
 
+/* Things rest when REST updates have seen no edit: what was sampled quickly is sampled again. */
+static void note_rest(sl_shading_state *s) {
+    enum { REST = 2 };
+    if (!s->moves || s->now - s->lit <= REST) return;
+    s->moves = false;
+    s->may_be_stale = true;
+}
+
 sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {
     size_t choices = 0, vertices = 0;
     s->now++;
+    note_rest(s);
     sl_status status = draw_id_map(s, error);
     if (status != SL_OK) return status;
     make_priority_map(s);

@@ -60,6 +60,8 @@ typedef struct sl_shading_state {
     double samples_an_update;      /* until the first edit; 0: there was none */
     sl_vec3 eye;                   /* as the last edit left it */
     uint32_t edits;                /* ... of a series: frames */
+    uint32_t lit;                  /* the update before the last edit of light or of objects; 0: none */
+    bool moves;                    /* one such edit follows another: direct light is sampled quickly */
     uint32_t edited;               /* the first update after an edit whose change is not found yet; 0: none */
     bool shows_only;               /* the next frame of a series waits for no update */
     double error_levels;           /* of what was seen when the last update began */

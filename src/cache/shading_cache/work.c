@@ -35,7 +35,8 @@ static uint32_t stale_before(const sl_patches *p, const sl_work_settings *settin
 
 bool sl_vertex_is_stale(const sl_patches *p, const sl_work_settings *settings, uint32_t vertex) {
     const sl_patch_vertex *v = &p->vertex[vertex];
-    return v->evaluated != SL_VERTEX_NEVER && v->evaluated < stale_before(p, settings, v->root);
+    if (v->evaluated == SL_VERTEX_NEVER) return false;
+    return v->evaluated < stale_before(p, settings, v->root) || (v->is_quick && !settings->moves);
 }
 
 /* Leaves that will not be split any more: bands of light would show in them. */

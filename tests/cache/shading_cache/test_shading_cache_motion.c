@@ -137,6 +137,39 @@ static sl_image *after_moves(const char *path, unsigned threads) {
     return image;
 }
 
+/* Corners of leaves seen in the last update whose direct light is by few points on lights. */
+static size_t quick_corners(const sl_method *method) {
+    const sl_shading_state *s = method->state;
+    size_t quick = 0;
+    for (size_t i = 0; i < s->leaf_count; i++) {
+        uint32_t leaf = s->leaf[i].patch;
+        if (!sl_patch_is_alive(s->patches, leaf) || !sl_patch_is_leaf(s->patches, leaf)) continue;
+        for (int c = 0; c < sl_patch_corners(s->patches, leaf); c++)
+            quick += s->patches->vertex[sl_patch_corner(s->patches, leaf, c)].is_quick;
+    }
+    return quick;
+}
+
+static void lights_are_sampled_quickly_while_they_move_and_in_full_at_rest(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(light);
+    sl_settings settings = motion_settings(1);
+    sl_method *method = created_method(scene, &settings);
+    for (int i = 0; i < 20; i++) update(method);
+    go_to(scene, method, time_of(1)); /* a single move is sampled in full */
+    update(method);
+    assert_int_equal(quick_corners(method), 0);
+    for (int i = 2; i < 12; i++) {
+        go_to(scene, method, time_of(i));
+        update(method);
+    }
+    assert_true(quick_corners(method) > 0);
+    to_the_end(method);
+    assert_int_equal(quick_corners(method), 0);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 static void motion_has_the_same_bits_at_any_number_of_threads(void **state) {
     (void)state;
     const char *const paths[] = {ball, light};
@@ -264,6 +297,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh_one),
         cmocka_unit_test(while_a_light_moves_its_shadows_are_there),
+        cmocka_unit_test(lights_are_sampled_quickly_while_they_move_and_in_full_at_rest),
         cmocka_unit_test(motion_has_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(an_edited_scene_that_rests_is_as_good_as_a_fresh_one),
         cmocka_unit_test(the_rate_settles_how_fine_patches_are_while_things_change),
