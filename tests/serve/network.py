@@ -21,12 +21,16 @@ def ends(visitor, reason):
     raise AssertionError(f"goes on, without {reason!r}")
 
 
-def refused(*words, **options):
+def let_in(*words, **options):
+    """A visitor, or None."""
     try:
-        Visitor(*words, **options)
+        return Visitor(*words, **options)
     except (Closed, ConnectionError):
-        return
-    raise AssertionError(f"let in: {options}")
+        return None
+
+
+def refused(*words, **options):
+    assert not let_in(*words, **options), f"let in: {options}"
 
 
 def eventually(holds, seconds=20):
@@ -35,13 +39,6 @@ def eventually(holds, seconds=20):
     while not (good := holds()) and time.monotonic() < end:
         time.sleep(0.02)
     return good
-
-
-def is_let_in(server):
-    try:
-        return Visitor(server)
-    except (Closed, ConnectionError):
-        return None
 
 
 def it_listens_at_the_loopback_address_alone(server):
@@ -116,10 +113,10 @@ def too_many_messages_end_the_connection(server):
 
 
 def no_more_than_sixteen_are_let_in_and_those_who_leave_make_room(server):
-    visitors = [eventually(lambda: is_let_in(server)) for _ in range(16)]
+    visitors = [eventually(lambda: let_in(server)) for _ in range(16)]
     refused(server)
     visitors.pop().close()
-    visitors.append(eventually(lambda: is_let_in(server)))
+    visitors.append(eventually(lambda: let_in(server)))
     assert all(visitors)
     for visitor in visitors:
         visitor.close()

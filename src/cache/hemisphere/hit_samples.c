@@ -8,9 +8,9 @@
  *     which source   in proportion to the terms of that sum
  *     which point    uniform in area, or, of what is near, by solid angle (near_light.h)
  *
- * A sample of an emitter brings what its point gives. Bringing the closed form or nothing has less noise where
- * all of an emitter is seen, but is off wherever the part that is hidden gives more or less than the rest:
- * 3 % of the indirect light of a room whose windows have frames.
+ * A sample of an emitter brings what its point gives. The closed form times 0 or 1 would have less noise
+ * where all of an emitter is seen, but be off wherever the part that is hidden gives more or less than the
+ * rest.
  *
  * Samples are sorted by source before their points are chosen and their shadow rays traced: points of one
  * source are then well spread over all hits that chose it. */

@@ -83,7 +83,7 @@ typedef struct sl_patch_vertex {
     /* it is shaded with many points on each light, as leaves of one pixel want it */
     uint32_t dense : 1;
     uint32_t is_dense : 1;       /* ... its value was */
-    uint32_t is_quick : 1;       /* its value was shaded with few points, in passing */
+    uint32_t is_quick : 1;       /* its value was shaded with few points on lights */
 } sl_patch_vertex;
 
 /* A vertex in the middle of an edge is that of two splits. Where so many ask for one, it is a root's corner,

@@ -70,8 +70,9 @@ static double mean_variance(const sl_light_sums *s, double n) {
  * which their densities reckon. Returns how many points there are. */
 static uint32_t add_dense_points(const lit *at, size_t l, uint32_t points, sl_light_sums *s) {
     const area_renderer *r = at->renderer;
-    bool edge = (s->seen > 0.0 && s->seen < s->all) || r->settings.cache.area == SL_AREA_SAMPLED;
-    if (!at->request->dense || at->request->quick || at->request->set > 0 || points >= SL_DENSE_POINTS || !edge) return points;
+    const bool edge = (s->seen > 0.0 && s->seen < s->all) || r->settings.cache.area == SL_AREA_SAMPLED,
+               dense = at->request->dense && !at->request->quick;
+    if (!dense || at->request->set > 0 || points >= SL_DENSE_POINTS || !edge) return points;
     sl_light_numbers more = numbers_of(r, l, points, SL_DENSE_POINTS - points);
     sl_light_by_points(r->sampling, l, &at->request->point, &more, NULL, s, at->counters);
     return SL_DENSE_POINTS;

@@ -36,8 +36,9 @@ typedef struct sl_work_settings {
  * is split elsewhere. */
 enum { SL_SHARP_LEVELS = 32, SL_SHARP_PARTS = 16 };
 
-/* A vertex that has been evaluated, but before its object or the eye moved: it is shaded again from its first
- * set of samples. Others in the list that were evaluated get one more set. */
+/* A vertex that has been evaluated, but before its object or the eye moved, or with few points on lights
+ * while things moved that rest by now: it is shaded again from its first set of samples. Others in the list
+ * that were evaluated get one more set. */
 bool sl_vertex_is_stale(const sl_patches *patches, const sl_work_settings *settings, uint32_t vertex);
 
 /* Tells whether nothing is left to refine in a leaf: its corners were evaluated, and it is too small for a

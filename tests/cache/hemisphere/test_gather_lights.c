@@ -35,26 +35,39 @@ static world *lamps_over_floor(int lamps, int covered, float size, float pitch) 
     return w;
 }
 
-/* Irradiance of a receiver at height h over the floor's middle that looks down, by the lamps' closed form at
- * 256 x 256 places. The plate over the covered ones is far enough aside to take next to nothing of what
- * arrives. */
-static double floor_light(int lamps, float size, float pitch, double h) {
+typedef struct lamp {
+    sl_vec3d corner[4];
+    double radiance;
+} lamp;
+
+/* Irradiance of a receiver over the floor at (x, 0, h) that looks down, by the lamps' closed form at 256 x
+ * 256 places. */
+static double light_from_floor(int lamps, const lamp *lamps_of, double x, double h) {
     enum { N = 256 };
     double sum = 0;
     for (int i = 0; i < N * N; i++) {
-        double x, y;
-        sl_concentric_disc((2.0 * (i % N) + 1.0) / N - 1.0, (2.0 * (i / N) + 1.0) / N - 1.0, &x, &y);
-        double z = sqrt(fmax(1e-12, 1 - x * x - y * y)), e = 0;
-        sl_vec3d p = {h * x / z, -h * y / z, 0};
+        double u, v;
+        sl_concentric_disc((2.0 * (i % N) + 1.0) / N - 1.0, (2.0 * (i / N) + 1.0) / N - 1.0, &u, &v);
+        double z = sqrt(fmax(1e-12, 1 - u * u - v * v)), e = 0;
+        sl_vec3d p = {x + h * u / z, -h * v / z, 0};
         if (fabs(p.x) > 30 || fabs(p.y) > 30) continue;
-        for (int l = 0; l < lamps; l++) {
-            sl_vec3d c[4];
-            for (int k = 0; k < 4; k++) c[3 - k] = sl_to_double(lamp_corner(l, k, 2.0f, size, pitch));
-            e += (2.0 + l % 3) * polygon_irradiance(p, sl_v3d(0, 0, 1), c, 4, NULL);
-        }
-        sum += e * FLOOR_ALBEDO / SL_PI * SL_PI / (N * N);
+        for (int l = 0; l < lamps; l++)
+            e += lamps_of[l].radiance * polygon_irradiance(p, sl_v3d(0, 0, 1), lamps_of[l].corner, 4, NULL);
+        sum += e * FLOOR_ALBEDO / (N * N);
     }
     return sum;
+}
+
+/* Of those over the middle; the plate over the covered ones is far enough aside to take next to nothing of
+ * what arrives. */
+static double floor_light(int lamps, float size, float pitch, double h) {
+    lamp of[140];
+    assert_true(lamps <= 140);
+    for (int l = 0; l < lamps; l++) {
+        of[l].radiance = 2.0 + l % 3;
+        for (int k = 0; k < 4; k++) of[l].corner[3 - k] = sl_to_double(lamp_corner(l, k, 2.0f, size, pitch));
+    }
+    return light_from_floor(lamps, of, 0.0, h);
 }
 
 typedef struct spread {
@@ -101,6 +114,28 @@ static void samples_mean_what_the_closed_form_says(void **state) {
         }
         world_free(w);
     }
+}
+
+/* The half of a lamp that is nearer to the hits, and gives most, is hidden by a plate right beneath it. */
+static void what_is_hidden_of_a_lamp_counts_by_what_it_would_give(void **state) {
+    (void)state;
+    enum { KEYS = 60 };
+    world *w = world_new();
+    uint32_t floor = world_material(w, sl_grey((float)FLOOR_ALBEDO), sl_grey(0)),
+             black = world_material(w, sl_grey(0), sl_grey(0)),
+             bright = world_material(w, sl_grey(0), sl_grey(2));
+    world_quad(w, sl_v3(-30, -30, 0), sl_v3(30, -30, 0), sl_v3(30, 30, 0), sl_v3(-30, 30, 0), floor);
+    world_quad(w, sl_v3(-1, -0.5f, 2), sl_v3(-1, 0.5f, 2), sl_v3(1, 0.5f, 2), sl_v3(1, -0.5f, 2), bright);
+    world_quad(w, sl_v3(0, -2, 1.99f), sl_v3(0, 2, 1.99f), sl_v3(2, 2, 1.99f), sl_v3(2, -2, 1.99f), black);
+    world_build(w);
+    const lamp seen = {{{-1, -0.5, 2}, {-1, 0.5, 2}, {0, 0.5, 2}, {0, -0.5, 2}}, 2.0};
+    double truth = light_from_floor(1, &seen, 3.0, 0.25);
+    sl_gather_settings s = rays_of(24);
+    s.hit_samples = 4;
+    spread e = many_keys(w, &s, sl_v3(3, 0, 0.25f), sl_v3(0, 0, -1), KEYS);
+    print_message("half hidden: %.6f, truth %.6f\n", e.mean, truth);
+    assert_true(fabs(e.mean / truth - 1) < 0.04);
+    world_free(w);
 }
 
 /* An open floor under an even sky: every hit gets pi L whatever direction is drawn. */
@@ -167,6 +202,7 @@ static void more_rays_are_as_many_as_asked_for_at_most(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_mean_what_the_closed_form_says),
+        cmocka_unit_test(what_is_hidden_of_a_lamp_counts_by_what_it_would_give),
         cmocka_unit_test(open_floor_under_an_even_sky_has_no_noise),
         cmocka_unit_test(more_rays_keep_the_mean_and_scatter_less),
         cmocka_unit_test(more_rays_are_as_many_as_asked_for_at_most),

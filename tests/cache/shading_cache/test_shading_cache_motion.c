@@ -76,13 +76,17 @@ static uint64_t splits_of(const sl_method *method) {
     return sl_method_counters(method)->value[SL_COUNT_SPLITS];
 }
 
+static bool is_seen_leaf(const sl_shading_state *s, uint32_t patch) {
+    return sl_patch_is_alive(s->patches, patch) && sl_patch_is_leaf(s->patches, patch);
+}
+
 /* Leaves that were seen in the last update, have all their corners, and are larger than the stop size. */
 static size_t coarse_leaves(const sl_method *method) {
     const sl_shading_state *s = method->state;
     size_t coarse = 0;
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t leaf = s->leaf[i].patch;
-        if (!sl_patch_is_alive(s->patches, leaf) || !sl_patch_is_leaf(s->patches, leaf)) continue;
+        if (!is_seen_leaf(s, leaf)) continue;
         coarse += sl_patch_error(s->patches, &s->curve, leaf) > 0.0f &&
                   !sl_patch_is_finished(s->patches, &s->work, leaf);
     }
@@ -143,7 +147,7 @@ static size_t quick_corners(const sl_method *method) {
     size_t quick = 0;
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t leaf = s->leaf[i].patch;
-        if (!sl_patch_is_alive(s->patches, leaf) || !sl_patch_is_leaf(s->patches, leaf)) continue;
+        if (!is_seen_leaf(s, leaf)) continue;
         for (int c = 0; c < sl_patch_corners(s->patches, leaf); c++)
             quick += s->patches->vertex[sl_patch_corner(s->patches, leaf, c)].is_quick;
     }
