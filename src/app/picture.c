@@ -170,9 +170,9 @@ void sl_picture_add_tone(const sl_render_options *o, double stops, cJSON *json) 
 }
 
 static void tell_bounces(const sl_render_options *o) {
-    if (!(o->next_bounce > 0.0)) return;
-    fprintf(stderr, "softlux: --bounces %u: one more would add %.1f %% of the light\n", o->settings.bounces,
-            100.0 * o->next_bounce);
+    if (!(o->light_left > 0.0)) return;
+    fprintf(stderr, "softlux: --bounces %u: all others would add %.1f %% of the light\n", o->settings.bounces,
+            100.0 * o->light_left);
 }
 
 /* Tells by how much the method's own light paths are fewer, or more, than there are. */

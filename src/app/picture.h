@@ -20,7 +20,7 @@ typedef struct sl_render_options {
     double frames_per_second;  /* of the scene's time */
     int tone;                  /* as sl_tone_curve */
     double exposure;
-    double next_bounce;        /* the share of the light that one more bounce would add; 0: not measured */
+    double light_left;         /* the share of the light that further bounces would add; 0: not measured */
     bool exposure_given, json, quiet;
     sl_reading reading;
 } sl_render_options;

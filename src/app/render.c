@@ -124,7 +124,7 @@ static sl_status choose_bounces(sl_render_options *o, const sl_scene *scene, sl_
     sl_status status = sl_measure_bounces(scene, &o->settings, &found, error);
     if (status != SL_OK) return status;
     o->settings.bounces = found.bounces;
-    o->next_bounce = found.next;
+    o->light_left = found.left;
     return SL_OK;
 }
 

@@ -64,28 +64,43 @@ static sl_status measure(measuring *m, const sl_transport *transport, double *li
     return status;
 }
 
+/* Bounces beyond the last that was measured fall off as a geometric series: by the ratio of what the later half
+ * of those measured brought. */
+static sl_bounces_measured go_on(const double *light, uint32_t measured, uint32_t most) {
+    const uint32_t half = measured > 3 ? measured / 2 : 1;
+    const double later = light[measured] - light[half + 1], earlier = light[measured - 1] - light[half],
+                 ratio = earlier > 0.0 ? fmin(fmax(later / earlier, 0.0), 0.99) : 0.0;
+    double left = fmax(light[measured] - light[measured - 1], 0.0) / (1.0 - ratio);
+    const double all = light[measured - 1] + left;
+    sl_bounces_measured found = {.bounces = measured - 1};
+    while (found.bounces < most && left >= that_matters * all) {
+        left *= ratio;
+        found.bounces++;
+    }
+    found.left = all > 0.0 ? left / all : 0.0;
+    return found;
+}
+
 sl_status sl_measure_bounces(const sl_scene *scene, const sl_settings *settings, sl_bounces_measured *found,
                              sl_error *error) {
     sl_settings asked = *settings;
     sl_transport transport;
     measuring m;
-    double light = 0.0, with_next = 0.0;
     *found = (sl_bounces_measured){0};
     asked.bounces = MOST_BOUNCES;
     sl_status status = sl_method_transport(&asked, &transport, error);
     const uint32_t most = transport.bounces; /* that the method can count */
     if (status == SL_OK) status = begin(&m, scene, settings, FEW_SAMPLES, error);
     if (status != SL_OK) return status;
-    for (uint32_t n = 1; n <= most + 1 && status == SL_OK; n++) {
-        transport.bounces = n;
-        light = with_next;
-        status = measure(&m, &transport, &with_next, error);
-        if (n == 1) continue;
-        found->bounces = n - 1;
-        found->next = with_next > light ? (with_next - light) / with_next : 0.0;
-        if (found->next < that_matters) break;
+    double light[MOST_BOUNCES + 2] = {0.0}; /* of so many bounces */
+    uint32_t n = 0;
+    while (n <= most && status == SL_OK) {
+        transport.bounces = ++n;
+        status = measure(&m, &transport, &light[n], error);
+        if (n > 1 && !(light[n] - light[n - 1] >= that_matters * light[n])) break;
     }
     sl_tracer_destroy(m.tracer);
+    if (status == SL_OK) *found = go_on(light, n, most);
     return status;
 }
 

@@ -11,8 +11,8 @@
 bool sl_has_bounces(const sl_settings *settings);
 
 typedef struct sl_bounces_measured {
-    uint32_t bounces; /* so many that one more adds less than half a per cent; 64 at most */
-    double next;      /* the share that one more adds */
+    uint32_t bounces; /* so many that all further ones together add less than half a per cent; 64 at most */
+    double left;      /* the share of all light that they would add */
 } sl_bounces_measured;
 
 /* settings->bounces is not looked at. The same numbers at any number of threads. */

@@ -554,8 +554,8 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
                      completed.sub_samples);
     if (found.bounces)
         sl_plan_pass(&writer, true, "bounces",
-                     "%u: one more would add %.1f %% of the light, as a few paths tell", found.bounces,
-                     100.0 * found.next);
+                     "%u: all others would add %.1f %% of the light, as a few paths tell", found.bounces,
+                     100.0 * found.left);
     if (reduced[0]) sl_plan_pass(&writer, true, "with less memory", "%s", reduced);
     if (writer.failed) {
         free(writer.text);
