@@ -118,14 +118,21 @@ static sl_status make_records(sl_second_cache *cache, const sl_raster *raster, s
                               sl_error *error) {
     const bool again = cache->list.count > 0;
     cache->shines = false;
-    sl_status status =
-        sl_record_gathers_create(cache->scene, raster, cache->tracer, &cache->settings.gather,
-                                 cache->settings.threads, &cache->gathers, counters, error);
+    sl_status status = sl_second_open_gathers(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
     if (status == SL_OK && again) status = sl_second_gather_first(cache, counters, error);
     if (status == SL_OK) status = sl_let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
     sl_record_gathers_destroy(&cache->gathers);
+    return status;
+}
+
+/* What is new gathers the light of all bounces at once, from the others. */
+static sl_status add_places(sl_second_cache *cache, const sl_raster *raster, float missed,
+                            sl_counters *counters, sl_error *error) {
+    sl_status status = sl_second_open_gathers(cache, raster, counters, error);
+    if (status == SL_OK) status = find_places(cache, counters, error);
+    cache->report.missed = missed;
     return status;
 }
 
@@ -155,11 +162,13 @@ sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster
     float missed = 0.0f;
     sl_status status = check_points(cache, &missed, counters, error);
     if (status != SL_OK || missed <= cache->report.missed + MANY_MISSED) return status;
+    if (cache->moved) return add_places(cache, raster, missed, counters, error);
     return make_records(cache, raster, counters, error);
 }
 
 void sl_second_cache_destroy(sl_second_cache *cache) {
     if (!cache) return;
+    sl_record_gathers_destroy(&cache->gathers);
     sl_second_list_free(&cache->list);
     sl_record_octree_free(&cache->octree);
     sl_free(cache);

@@ -17,6 +17,7 @@
  *   record_octree.c   which records lie around a point
  *   look_up_kernels.c irradiance at points, from the records around them
  *   interreflection.c one bounce after the other
+ *   renewal.c         records while objects and lights move
  *   bounces.c         all of it, and cameras that move */
 #ifndef SL_CACHE_BOUNCES_H
 #define SL_CACHE_BOUNCES_H
@@ -44,9 +45,18 @@ sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster,
                                  const sl_second_settings *settings, sl_second_cache **cache,
                                  sl_counters *counters, sl_error *error);
 /* The camera has moved: if gathers will now look where there are no records, such are made, and the light
- * bounces once more. */
+ * bounces once more; not so where things have moved, whose light is renewed in turns. */
 sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                                  sl_error *error);
+/* Objects or lights have changed, and transport was made anew: records go along with what they lie on, and
+ * keep the light that they had until it is renewed. motion: by object. */
+sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, const sl_object_motion *motion,
+                               sl_error *error);
+/* The next so many records, in turns, gather all bounces anew from the others as they are. */
+sl_status sl_second_cache_renew(sl_second_cache *cache, const sl_raster *raster, size_t count,
+                                sl_counters *counters, sl_error *error);
+/* Tells whether all have done so since things last moved. */
+bool sl_second_cache_is_renewed(const sl_second_cache *cache);
 void sl_second_cache_destroy(sl_second_cache *cache);
 /* E^(bounces - 1), for sl_gather_settings.second; lives as long as the cache. */
 const sl_second_light *sl_second_cache_light(const sl_second_cache *cache);

@@ -12,7 +12,7 @@
 /* More bounces would not change anything worth telling. */
 #define SMALL_CHANGE 1e-4f
 
-static void set_light(sl_record *r, const sl_irradiance *e) {
+void sl_second_set_light(sl_record *r, const sl_irradiance *e) {
     r->irradiance = e->value;
     for (int channel = 0; channel < 3; channel++) {
         r->rotational[channel] = e->rotational[channel];
@@ -33,7 +33,7 @@ static void gather_first(void *context, size_t index, unsigned worker, void *res
     sl_record *r = result;
     sl_gather_irradiance(g->gather, &cache->list.points[index], g->scratch[worker], &e, counters);
     *r = cache->list.records[index];
-    set_light(r, &e);
+    sl_second_set_light(r, &e);
 }
 
 sl_status sl_second_gather_first(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
@@ -174,7 +174,7 @@ static void add_to_record(const row *r, const float all[3], sl_record *record) {
         e.rotational[c] = sl_mad(record->rotational[c], scale, r->light.rotational[c]);
         e.translational[c] = sl_mad(record->translational[c], scale, r->light.translational[c]);
     }
-    set_light(record, &e);
+    sl_second_set_light(record, &e);
 }
 
 static void let_bounce(bouncing *b, sl_second_cache *cache, sl_counters *counters) {

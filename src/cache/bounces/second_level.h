@@ -105,6 +105,8 @@ typedef struct sl_link_sums {
 SL_KERNELS(void, sl_second_links,
            (const sl_second_cache *cache, const sl_gather_hits_seen *seen, sl_link_sums *sums));
 
+/* Gives a record other light than it had; its reach stays. */
+void sl_second_set_light(sl_record *record, const sl_irradiance *irradiance);
 /* All records gather direct light, their first bounce. */
 sl_status sl_second_gather_first(sl_second_cache *cache, sl_counters *counters, sl_error *error);
 /* Of records that have gathered it: the bounces that follow. */
@@ -124,8 +126,14 @@ struct sl_second_cache {
     sl_isa isa;
     sl_second_light light;
     bool shines;              /* before the first bounce is done there is no indirect light */
+    bool moved;               /* things have: its light is renewed in turns */
+    size_t next, renewed;     /* record whose turn it is; how many have had it since things last moved */
     sl_second_report report;
 };
+
+/* Makes gathers ready, if they are not. */
+sl_status sl_second_open_gathers(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
+                                 sl_error *error);
 
 /* ---- places (probe.c, cover.c) ---- */
 

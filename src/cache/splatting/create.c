@@ -7,9 +7,13 @@
 
 /* ---- the caches ---- */
 
+void sl_splat_close_gathers(sl_splat_state *s) {
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) sl_record_gathers_destroy(&s->cache[c].gathers);
+}
+
 static void close_caches(sl_splat_state *s) {
+    sl_splat_close_gathers(s);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
-        sl_record_gathers_destroy(&s->cache[c].gathers);
         sl_glossy_destroy(s->cache[c].glossy);
         s->cache[c].glossy = NULL;
     }
@@ -98,11 +102,18 @@ sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_erro
     return status;
 }
 
+/* A quarter of the rays, an even number a side. */
+static int quick_size(int size) {
+    const int quick = size / 4 * 2;
+    return quick >= 8 ? quick : size < 8 ? size : 8;
+}
+
 sl_status sl_splat_open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
     if (cache->gathers.gather) return SL_OK;
     sl_status status = open_second(s, error);
     sl_gather_settings settings = s->plan.gather;
     settings.harmonics_order = cache->class == SL_RECEIVES_RADIANCE ? s->plan.harmonics_order : 0;
+    if (sl_splat_is_quick(s)) settings.size = quick_size(settings.size);
     settings.second = s->second ? sl_second_cache_light(s->second) : NULL;
     if (status == SL_OK)
         status = sl_record_gathers_create(s->scene, s->raster, s->tracer, &settings, s->settings.threads,
@@ -113,20 +124,24 @@ sl_status sl_splat_open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_er
 
 /* ---- light and hierarchy ---- */
 
-static void destroy_transport(sl_splat_state *s) {
+static void destroy_lights(sl_splat_state *s) {
     close_caches(s);
-    sl_second_cache_destroy(s->second);
     sl_direct_destroy(s->direct);
     sl_shadow_maps_destroy(s->maps);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     sl_environment_release(&s->sky);
     sl_environment_release(&s->sun);
-    s->second = NULL;
     s->direct = NULL;
     s->maps = NULL;
     s->tracer = NULL;
     s->raster = NULL;
+}
+
+void sl_splat_destroy_transport(sl_splat_state *s) {
+    destroy_lights(s);
+    sl_second_cache_destroy(s->second);
+    s->second = NULL;
 }
 
 static const sl_environment *present_or_null(const sl_environment *e) { return e->present ? e : NULL; }
@@ -138,6 +153,19 @@ static sl_status create_maps(sl_splat_state *s, sl_error *error) {
     return sl_shadow_maps_create(s->scene, s->raster, &maps, &s->maps, &s->counters, error);
 }
 
+/* Two tell what differs, and are filtered; one is noise. */
+static uint32_t light_samples(const sl_splat_state *s) {
+    return sl_splat_is_quick(s) && s->settings.spp > 2 ? 2 : s->settings.spp;
+}
+
+sl_status sl_splat_renew_direct(sl_splat_state *s, sl_error *error) {
+    const sl_direct_settings direct = {light_samples(s), s->settings.seed, s->settings.threads,
+                                       s->maps, present_or_null(&s->sun)};
+    sl_direct_destroy(s->direct);
+    s->direct = NULL;
+    return sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
+}
+
 static sl_status create_transport(sl_splat_state *s, sl_error *error) {
     unsigned threads = s->settings.threads;
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
@@ -147,11 +175,8 @@ static sl_status create_transport(sl_splat_state *s, sl_error *error) {
         status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
     if (status == SL_OK && s->plan.direct && s->settings.direct == SL_DIRECT_SHADOW_MAPS)
         status = create_maps(s, error);
-    if (status == SL_OK && s->plan.direct) {
-        sl_direct_settings direct = {s->settings.spp, s->settings.seed, threads, s->maps,
-                                     present_or_null(&s->sun)};
-        status = sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
-    }
+    if (status == SL_OK && s->plan.direct) status = sl_splat_renew_direct(s, error);
+    if (status == SL_OK) status = sl_splat_note_places(s, error);
     s->plan.gather.background = present_or_null(&s->sky);
     s->plan.gather.maps = s->maps;
     return status;
@@ -159,13 +184,21 @@ static sl_status create_transport(sl_splat_state *s, sl_error *error) {
 
 sl_status sl_splat_renew_transport(sl_splat_state *s, sl_error *error) {
     s->full = false;
+    sl_splat_settle(s);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         sl_record_list_clear(&s->cache[c].list);
         s->cache[c].clamped = 0;
     }
-    destroy_transport(s);
+    sl_splat_destroy_transport(s);
     sl_status status = create_transport(s, error);
-    if (status != SL_OK) destroy_transport(s);
+    if (status != SL_OK) sl_splat_destroy_transport(s);
+    return status;
+}
+
+sl_status sl_splat_renew_lights(sl_splat_state *s, sl_error *error) {
+    destroy_lights(s);
+    sl_status status = create_transport(s, error);
+    if (status != SL_OK) sl_splat_destroy_transport(s);
     return status;
 }
 
@@ -215,7 +248,8 @@ sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, co
 void sl_splat_destroy(void *state) {
     sl_splat_state *s = state;
     if (!s) return;
-    destroy_transport(s);
+    sl_splat_destroy_transport(s);
+    sl_splat_ages_free(&s->ages);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         sl_free(s->cache[c].receives);
         sl_record_list_free(&s->cache[c].list);
@@ -227,6 +261,11 @@ void sl_splat_destroy(void *state) {
     sl_free(s);
 }
 
+static size_t list_bytes(const sl_record_list *list, size_t coefficients) {
+    return list->capacity * (sizeof(sl_record) + coefficients * sizeof(float)) +
+           list->reaches.capacity * sizeof(sl_reach_node);
+}
+
 size_t sl_splat_memory_bytes(const void *state) {
     const sl_splat_state *s = state;
     size_t pixels = sl_splat_pixels(s), planes = s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3;
@@ -234,14 +273,14 @@ size_t sl_splat_memory_bytes(const void *state) {
     size_t bytes = sizeof *s + pixels * (planes * sizeof(float) + 1) + gbuffer;
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         const sl_record_cache *cache = &s->cache[c];
-        bytes += cache->list.capacity *
-                 (sizeof(sl_record) + cache->pass.coefficient_count * sizeof(float));
-        bytes += cache->list.reaches.capacity * sizeof(sl_reach_node);
+        bytes += list_bytes(&cache->list, cache->pass.coefficient_count) +
+                 list_bytes(&s->ages.kept[c], cache->pass.coefficient_count);
         if (cache->receives) bytes += pixels * sizeof *cache->receives;
         if (cache->gathers.gather) bytes += sl_gather_memory_bytes(cache->gathers.gather);
         if (cache->glossy) bytes += sl_glossy_bytes(cache->glossy);
     }
     if (s->second) bytes += sl_second_cache_bytes(s->second);
+    if (s->ages.kept_second) bytes += sl_second_cache_bytes(s->ages.kept_second);
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);

@@ -150,7 +150,7 @@ void sl_splat_classify(sl_splat_state *s) {
 
 double sl_splat_fraction(const sl_splat_state *s) {
     double all = 0.0, done = 0.0;
-    if (s->phase == SL_PHASE_GBUFFER) return 0.0;
+    if (s->phase <= SL_PHASE_GBUFFER) return 0.0;
     if (s->phase == SL_PHASE_DIRECT) return 0.2 * (double)s->direct_row / (double)s->settings.height;
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         const sl_traversal *t = &s->cache[c].traversal;

@@ -62,7 +62,7 @@ double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *r
 sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance,
                          const sl_radius_rules *rules, float footprint) {
     sl_record r = {.position = point->position, .normal = point->normal, .irradiance = irradiance->value,
-                   .triangle = point->triangle,
+                   .triangle = point->triangle, .key = point->key,
                    .stretch = rules->metric == SL_METRIC_HESSIAN ? (float)(1.0 / rules->accuracy) : 1.0f};
     for (int c = 0; c < 3; c++) {
         r.rotational[c] = irradiance->rotational[c];
@@ -107,4 +107,24 @@ float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *re
     /* division and multiplication round */
     radius = radius < record->own_radius ? radius : record->own_radius;
     return radius > record->minimum_radius ? radius : record->minimum_radius;
+}
+
+/* ---- along with what moves ---- */
+
+static sl_vec3 moved(const sl_object_motion *motion, sl_vec3 p) {
+    return sl_to_float(sl_affine_point(&motion->places, sl_to_double(p)));
+}
+
+void sl_gather_point_carry(sl_gather_point *point, const sl_object_motion *motion) {
+    point->position = moved(motion, point->position);
+    point->geometric_normal = sl_affine_unit(&motion->turns, point->geometric_normal);
+    point->normal = sl_affine_unit(&motion->turns, point->normal);
+}
+
+/* Its light falls off in the directions that it did. */
+void sl_record_carry(sl_record *r, const sl_object_motion *motion) {
+    r->position = moved(motion, r->position);
+    r->normal = sl_affine_unit(&motion->turns, r->normal);
+    for (int w = 0; w < SL_RECORD_WALLS; w++)
+        r->walls[w].normal = sl_affine_unit(&motion->turns, r->walls[w].normal);
 }

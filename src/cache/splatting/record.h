@@ -6,6 +6,7 @@
 
 #include "base/isa.h"
 #include "cache/hemisphere/gather.h"
+#include "scene/object_motion.h"
 
 /* Returns by how much a point lies outside a box, axis by axis. */
 static inline sl_vec3 sl_outside_box(sl_vec3 low, sl_vec3 high, sl_vec3 p) {
@@ -16,7 +17,7 @@ static inline sl_vec3 sl_outside_box(sl_vec3 low, sl_vec3 high, sl_vec3 p) {
 
 /* Neighbour clamping asks of every record for the least R_j + |p - p_j| over all others (rule 5 below). An
  * octree whose nodes hold one record each, and know the least R_j below, answers by looking at a few
- * (reach_tree.c). */
+ * (record_list.c). */
 typedef struct sl_reach_node {
     sl_vec3 position;
     float radius, least; /* of the node's own record; of all at and below it */
@@ -56,6 +57,8 @@ typedef struct sl_record {
     float stretch;
     sl_record_wall walls[SL_RECORD_WALLS];
     uint32_t triangle;
+    uint32_t renewed;          /* with which edit of the scene it has gathered last (ages.c) */
+    uint64_t key;              /* of the gather: the same again meets the same, where nothing has moved */
 } sl_record;
 
 typedef struct sl_radius_rules {
@@ -105,6 +108,9 @@ void sl_record_find_walls(const sl_scene *scene, const sl_tracer *tracer, const 
                           double accuracy, double guard, sl_record *record, sl_counters *counters);
 /* Returns R by rule 5; the tree holds R / sigma of all records, by rules 1 to 4. */
 float sl_record_clamped_radius(const sl_reach_tree *reaches, const sl_record *record);
+/* Moves what lies on an object along with it. */
+void sl_gather_point_carry(sl_gather_point *point, const sl_object_motion *motion);
+void sl_record_carry(sl_record *record, const sl_object_motion *motion);
 /* Sets R and scales the translational gradient as rule 3 does, so that the linear extrapolation stays
  * positive within R / sigma. */
 void sl_record_set_radius(sl_record *record, float radius);

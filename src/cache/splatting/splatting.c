@@ -12,7 +12,8 @@
  *     step 6   normalise, times albedo / pi, add the rest   resolve
  *
  * Steps 4 and 4b run for diffuse receivers (irradiance records), then for glossy ones (radiance records).
- * With a budget of records a frame ends in the midst of them; the next goes on where it stopped. */
+ * With a budget of records a frame ends in the midst of them; the next goes on where it stopped. So it does
+ * while things move: records are kept then, and renewed in turns (ages.c). */
 #include "cache/splatting/splatting.h"
 
 #include "base/error.h"
@@ -123,6 +124,7 @@ static sl_status new_records(sl_splat_state *s, sl_error *error) {
         status = sl_traversal_gather(&cache->traversal, &cache->pass, pixels, count, &cache->list,
                                      &s->counters, error);
     s->frame_records += cache->list.count - before;
+    for (size_t i = before; i < cache->list.count; i++) cache->list.records[i].renewed = s->ages.edits;
     if (status != SL_OK || cache->traversal.stride) return status;
     announce(s, "coverage: sum of w", "Algorithm 2, step 4", 1, s->coverage, true);
     /* A view that needed nothing new leaves the records as they are: seen again from the same place, a
@@ -173,7 +175,7 @@ static sl_status clamp_to_neighbours(sl_splat_state *s, sl_error *error) {
 /* With the earlier ones the sums are those of one pass over all, bit for bit. */
 static sl_status splat_new_records(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
     /* before its G-buffer a new view has nothing to splat on */
-    bool ready = cache->receivers && s->phase != SL_PHASE_GBUFFER;
+    bool ready = cache->receivers && s->phase > SL_PHASE_GBUFFER;
     if (!ready || cache->splatted == cache->list.count) return SL_OK;
     sl_status status =
         sl_splat_records(&cache->pass, &cache->list, cache->splatted, &s->splats, &s->counters, error);
@@ -201,7 +203,7 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
     if (!*image)
         status =
             sl_image_create(s->settings.width, s->settings.height, layers, sl_layer_names, image, error);
-    if (status != SL_OK || s->phase == SL_PHASE_GBUFFER) return status; /* nothing is drawn yet */
+    if (status != SL_OK || s->phase <= SL_PHASE_GBUFFER) return status; /* nothing is drawn yet */
     status = sl_splat_compose(s, *image, error);
     if (status != SL_OK) return status;
     announce(s, "indirect light", "Algorithm 2, step 6", 3, sl_image_channel(*image, "indirect.R"), false);
@@ -222,23 +224,26 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
     sl_status status = SL_OK;
     if (!is_on_film(s) && is_budget_spent(s)) s->frame_records = 0;
     switch (s->phase) {
+    case SL_PHASE_RENEW: status = sl_splat_renew_records(s, error); break;
     case SL_PHASE_GBUFFER: status = draw_gbuffer(s, error); break;
     case SL_PHASE_DIRECT: status = light_rows(s, error); break;
     case SL_PHASE_RECORDS:
     case SL_PHASE_SECOND: status = new_records(s, error); break;
     case SL_PHASE_CLAMP: status = clamp_to_neighbours(s, error); break;
-    case SL_PHASE_DONE: break;
+    case SL_PHASE_DONE: status = s->ages.aged ? sl_splat_rest(s, error) : SL_OK; break;
     }
+    const bool drawn = s->phase == SL_PHASE_DONE;
+    if (drawn && s->ages.anew) sl_splat_settle(s);
     progress->fraction = sl_splat_fraction(s);
-    progress->done = s->phase == SL_PHASE_DONE;
-    progress->frame_done = progress->done || is_budget_spent(s);
+    progress->done = drawn && !s->ages.aged;
+    progress->frame_done = drawn || (is_budget_spent(s) && !s->ages.anew);
     return status;
 }
 
-/* ---- edits: records live in the world, so a new camera keeps them; new geometry or light drops them ---- */
+/* ---- edits: records live in the world, so a new camera keeps them; new geometry or light drops them, or
+ * ages them where frames follow each other ---- */
 
-static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
-    sl_splat_state *s = state;
+void sl_splat_begin_view(sl_splat_state *s) {
     size_t pixels = sl_splat_pixels(s);
     const size_t planes = s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3;
     const sl_sub_frame *at = &s->scene->sub_frame;
@@ -247,19 +252,29 @@ static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
         for (size_t k = 0; k < planes; k++)
             memset(s->planes + k * pixels + r.first, 0, (r.end - r.first) * sizeof *s->planes);
     memset(s->owned, 0, pixels);
-    s->phase = SL_PHASE_GBUFFER;
-    sl_status status = SL_OK;
-    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) status = sl_splat_renew_transport(s, error);
+    s->phase = sl_splat_is_quick(s) ? SL_PHASE_RENEW : SL_PHASE_GBUFFER;
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         s->cache[c].splatted = 0;
         s->cache[c].receivers = 0;
     }
+}
+
+static sl_status splat_edit(void *state, unsigned changes, sl_error *error) {
+    sl_splat_state *s = state;
+    sl_status status = SL_OK;
+    sl_splat_stir(s);
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))
+        status = sl_splat_keeps_records(s) ? sl_splat_age_records(s, error)
+                                           : sl_splat_renew_transport(s, error);
+    sl_splat_begin_view(s);
     return status;
 }
 
 /* The records of another run, as if they had been made for an earlier view. */
 static sl_status splat_load(void *state, const char *path, sl_error *error) {
+    sl_splat_stir(state);
     sl_status status = sl_splat_load(state, path, error);
+    if (status == SL_OK) sl_splat_settle(state);
     return status == SL_OK ? splat_edit(state, SL_CHANGED_CAMERA, error) : status;
 }
 

@@ -10,6 +10,7 @@
  *   record_weight.h  its weight and what it says: equations (2), (3) and (8)
  *   record_walls.c   walls that stand within its reach
  *   record_batch.c   records for many points at once
+ *   ages.c           records while objects and lights move
  *   ../bounces/      more than one bounce: the light that falls on what gathers see
  *   splat.c          steps 4 and 5: records onto the screen, and onto what is seen in mirrors (../reflect/)
  *   splat_kernels.c  Algorithm 1: one record's contribution to a pixel, its weight and irradiance

@@ -6,6 +6,7 @@
 #include "cache/bounces/bounces.h"
 #include "cache/splatting/glossy.h"
 #include "cache/splatting/splatting.h"
+#include "scene/object_places.h"
 
 /* ---- plan.c: what it will do with a scene ---- */
 
@@ -51,6 +52,7 @@ typedef struct sl_record_cache {
 
 /* Records are made for one class after the other. */
 typedef enum sl_splat_phase {
+    SL_PHASE_RENEW,
     SL_PHASE_GBUFFER,
     SL_PHASE_DIRECT,
     SL_PHASE_RECORDS,
@@ -58,6 +60,20 @@ typedef enum sl_splat_phase {
     SL_PHASE_SECOND,
     SL_PHASE_DONE
 } sl_splat_phase;
+
+/* While objects and lights move (ages.c). */
+typedef struct sl_splat_ages {
+    bool aged;                  /* they have: records have the light of other times */
+    bool anew;                  /* all are being made anew, behind the picture that is shown */
+    uint32_t edits;             /* of objects and lights */
+    sl_affine *placements;      /* of objects, as transport was made */
+    sl_object_places *places;
+    size_t moved_count;
+    sl_box *moved;              /* what has moved by the last edit, where it was and is */
+    /* aged ones, while others are made anew */
+    sl_record_list kept[SL_RECEIVER_CLASSES];
+    sl_second_cache *kept_second;
+} sl_splat_ages;
 
 enum { SL_SPLAT_PLANES = 12 };
 
@@ -83,6 +99,7 @@ typedef struct sl_splat_state {
     uint8_t *owned;
     sl_record_cache cache[SL_RECEIVER_CLASSES];
 
+    sl_splat_ages ages;
     sl_splat_phase phase;
     int class;                  /* whose records are being made */
     int direct_row;
@@ -112,11 +129,43 @@ sl_status sl_splat_create(const sl_scene *scene, const sl_settings *settings, co
 void sl_splat_destroy(void *state);
 /* Everything that depends on geometry and lights, and not on the camera: made anew. Records are dropped. */
 sl_status sl_splat_renew_transport(sl_splat_state *state, sl_error *error);
+/* Leaves nothing of it, nor of second-level records. */
+void sl_splat_destroy_transport(sl_splat_state *state);
+/* The same, and records stay. */
+sl_status sl_splat_renew_lights(sl_splat_state *state, sl_error *error);
+/* Tells whether light is sampled sparsely, since things move. */
+static inline bool sl_splat_is_quick(const sl_splat_state *s) { return s->ages.aged && !s->ages.anew; }
+/* Makes what lights pixels anew. */
+sl_status sl_splat_renew_direct(sl_splat_state *state, sl_error *error);
+void sl_splat_close_gathers(sl_splat_state *state);
 /* Makes ready for this view what the records of a class need to be splatted. */
 sl_status sl_splat_open_cache(sl_splat_state *state, sl_record_cache *cache, sl_error *error);
 /* Makes what new records of the class take, if it is not there: not before a pixel asks for one. */
 sl_status sl_splat_open_gathers(sl_splat_state *state, sl_record_cache *cache, sl_error *error);
 size_t sl_splat_memory_bytes(const void *state);
+
+/* ---- ages.c ---- */
+
+/* Tells whether records outlive an edit of objects or lights. */
+bool sl_splat_keeps_records(const sl_splat_state *state);
+/* After such an edit: makes transport anew, and moves records along with what they lie on. */
+sl_status sl_splat_age_records(sl_splat_state *state, sl_error *error);
+/* Where things are, as transport is made. */
+sl_status sl_splat_note_places(sl_splat_state *state, sl_error *error);
+/* Some records gather anew: a frame's share. */
+sl_status sl_splat_renew_records(sl_splat_state *state, sl_error *error);
+/* A picture was shown and nothing has moved since: goes on with a further share; or makes all records anew. */
+sl_status sl_splat_rest(sl_splat_state *state, sl_error *error);
+/* Something has changed: records that were not made to the end give way to those that are shown. */
+void sl_splat_stir(sl_splat_state *state);
+/* All records are as for a scene that has always been so. */
+void sl_splat_settle(sl_splat_state *state);
+void sl_splat_ages_free(sl_splat_ages *ages);
+
+/* ---- splatting.c ---- */
+
+/* Starts the picture again, as the camera sees the scene now. */
+void sl_splat_begin_view(sl_splat_state *state);
 
 /* ---- memory.c ---- */
 
