@@ -518,9 +518,11 @@ class SceneEdit:
         self._call(lib.sl_edit_light, light, *vectors)
 
     def transform(self, thing, transform):
-        """Moves an object from where it was built, by a matrix of 4 x 4 for columns of coordinates."""
+        """Moves an object from where it was built, by a matrix of 4 x 4 for columns of coordinates; None: it is
+        where its keyframes have it, or where it was built."""
         number = self._scene._found(lib.sl_scene_find_object, "object", thing)
-        self._call(lib.sl_edit_transform, number, ffi.from_buffer("double[]", _columns(transform)))
+        columns = ffi.NULL if transform is None else ffi.from_buffer("double[]", _columns(transform))
+        self._call(lib.sl_edit_transform, number, columns)
 
     def vertices(self, thing, positions, normals=None):
         """Deforms an object: all vertices that Scene.vertices() tells, elsewhere."""

@@ -171,6 +171,17 @@ def room(colour=(0.75, 0.25, 0.125), power=9, sky=(0.5, 0.5, 1), eye=(0, 2, 6), 
     return builder.build()
 
 
+def test_an_object_goes_back_to_where_it_was_built():
+    scene = room()
+    built = scene.hash
+    with scene.edit() as edit:
+        edit.transform("box", numpy.diag([2, 1, 1, 1]))
+    assert scene.hash != built
+    with scene.edit() as edit:
+        edit.transform("box", None)
+    assert scene.hash == built
+
+
 def test_an_edited_scene_is_the_one_that_is_built_so():
     scene, options = room(), {**SMALL, "method": "direct-radiance"}
     assert scene.lights == 1 and scene.find_object("box") == scene.find_material("red") == 1
