@@ -50,8 +50,8 @@ sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster
                                  sl_error *error);
 /* Objects or lights have changed, and transport was made anew: records go along with what they lie on, and
  * keep the light that they had until it is renewed. motion: by object. */
-sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, const sl_object_motion *motion,
-                               sl_error *error);
+sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, const sl_shadow_maps *maps,
+                               const sl_object_motion *motion, sl_error *error);
 /* The next so many records, in turns, gather all bounces anew from the others as they are. */
 sl_status sl_second_cache_renew(sl_second_cache *cache, const sl_raster *raster, size_t count,
                                 sl_counters *counters, sl_error *error);

@@ -16,11 +16,12 @@ sl_status sl_second_open_gathers(sl_second_cache *cache, const sl_raster *raster
 
 /* ---- along with what moves ---- */
 
-sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, const sl_object_motion *motion,
-                               sl_error *error) {
+sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, const sl_shadow_maps *maps,
+                               const sl_object_motion *motion, sl_error *error) {
     sl_second_list *list = &cache->list;
     sl_status status = SL_OK;
     cache->tracer = tracer;
+    cache->settings.gather.maps = maps;
     cache->moved = true;
     cache->renewed = 0;
     sl_record_gathers_destroy(&cache->gathers);

@@ -64,8 +64,8 @@ static sl_status measure(measuring *m, const sl_transport *transport, double *li
     return status;
 }
 
-/* Bounces beyond the last that was measured fall off as a geometric series: by the ratio of what the later half
- * of those measured brought. */
+/* Bounces beyond the last that was measured fall off as a geometric series: by the ratio of what the later
+ * half of those measured brought. */
 static sl_bounces_measured go_on(const double *light, uint32_t measured, uint32_t most) {
     const uint32_t half = measured > 3 ? measured / 2 : 1;
     const double later = light[measured] - light[half + 1], earlier = light[measured - 1] - light[half],

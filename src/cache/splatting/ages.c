@@ -62,7 +62,8 @@ static sl_status carry(sl_splat_state *s, const sl_affine *before, sl_error *err
     sl_status status = SL_OK;
     for (int c = 0; c < SL_RECEIVER_CLASSES && status == SL_OK; c++)
         status = carry_list(s, motion, &s->cache[c].list, error);
-    if (status == SL_OK && s->second) status = sl_second_cache_move(s->second, s->tracer, motion, error);
+    if (status == SL_OK && s->second)
+        status = sl_second_cache_move(s->second, s->tracer, s->maps, motion, error);
     sl_free(motion);
     return status;
 }

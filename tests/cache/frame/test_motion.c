@@ -7,22 +7,25 @@
 #include "rendering.h"
 
 enum { SIZE = 24, WINDOW = 10, MOVES = SL_SANITIZED ? 50 : 400 };
+enum { RAYS = SL_DIRECT_AUTO, MAPS = SL_DIRECT_SHADOW_MAPS };
 
 typedef struct motion {
     const char *method, *scene;
     int moves;
     double most; /* relative RMS error of a window's last frame, against the picture of what stands still */
     uint32_t records; /* that splatting may make in a frame; others take one update a frame */
+    int direct;
 } motion;
 
 /* Photons that are other ones make 0.06 of the octree's. Direct radiance mapping does all of a frame anew.
  * Splatting's records gather in turns, with few rays. */
-static const motion motions[] = {{"light-octree", "scenes/moving-ball.json", MOVES, 0.12, 0},
-                                 {"light-octree", "scenes/moving-light.json", 50, 0.12, 0},
-                                 {"direct-radiance", "scenes/moving-ball.json", MOVES, 1e-6, 0},
-                                 {"direct-radiance", "scenes/moving-light.json", 100, 1e-6, 0},
-                                 {"splatting", "scenes/moving-ball.json", MOVES, 0.12, 32},
-                                 {"splatting", "scenes/moving-light.json", 100, 0.12, 32}};
+static const motion motions[] = {{"light-octree", "scenes/moving-ball.json", MOVES, 0.12, 0, RAYS},
+                                 {"light-octree", "scenes/moving-light.json", 50, 0.12, 0, RAYS},
+                                 {"direct-radiance", "scenes/moving-ball.json", MOVES, 1e-6, 0, RAYS},
+                                 {"direct-radiance", "scenes/moving-light.json", 100, 1e-6, 0, RAYS},
+                                 {"splatting", "scenes/moving-ball.json", MOVES, 0.12, 32, RAYS},
+                                 {"splatting", "scenes/moving-light.json", 100, 0.12, 32, RAYS},
+                                 {"splatting", "scenes/moving-light.json", 20, 0.12, 32, MAPS}};
 
 static sl_settings settings_of(const motion *m, unsigned threads) {
     sl_settings s = small_settings(m->method, SIZE, SIZE);
@@ -33,6 +36,7 @@ static sl_settings settings_of(const motion *m, unsigned threads) {
     s.light_octree.photons = 32768;
     s.light_octree.neighbours = 120;
     s.records_per_frame = m->records;
+    s.direct = (sl_direct_kind)m->direct;
     return s;
 }
 
