@@ -74,7 +74,7 @@ sources = $(foreach depth,* */* */*/* */*/*/*,$(wildcard $(1)/$(depth).c))
 objects = $(patsubst %.c,$(BUILD)/o/%.o,$(filter-out %_kernels.c,$(1))) \
           $(foreach isa,$(ISAS),$(patsubst %.c,$(BUILD)/o/%.$(isa).o,$(filter %_kernels.c,$(1))))
 
-SOURCES := $(filter-out $(if $(WEBSOCKETS),,src/app/serve/network.c),$(call sources,src))
+SOURCES := $(filter-out src/mpi/% $(if $(WEBSOCKETS),,src/app/serve/network.c),$(call sources,src))
 APP_FILES := $(foreach kind,html css js svg json trials,$(wildcard src/app/*/*.$(kind) src/app/serve/page/*.$(kind)))
 APP_OBJECTS := $(call objects,$(filter src/app/%,$(SOURCES))) $(APP_FILES:%=$(BUILD)/o/%.o) \
                $(BUILD)/o/src/app/serve/sources.json.o
@@ -102,10 +102,20 @@ link = $(call run,LD,$@) mkdir -p $(@D) && \
 compile = $(call run,CC,$<) mkdir -p $(@D) && $(CC) $(ALL_CFLAGS)
 archive = $(call run,AR,$@) rm -f $@ && $(AR) rcs $@ $^
 
-all: $(BUILD)/softlux $(BUILD)/softlux-import $(BUILD)/libsoftlux.a $(BUILD)/libsoftlux.so
+# The same program on many ranks, with MPI=1 (Open MPI's libopenmpi-dev).
+MPI_OBJECTS := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard src/mpi/*.c))
+
+all: $(if $(MPI),$(BUILD)/softlux-mpi) $(BUILD)/softlux $(BUILD)/softlux-import $(BUILD)/libsoftlux.a $(BUILD)/libsoftlux.so
 
 $(BUILD)/softlux: $(APP_OBJECTS) $(BUILD)/libsoftlux.a
 	$(link) $(LIBS) $(SERVE_LIBS)
+
+$(MPI_OBJECTS): override CFLAGS += $(shell pkg-config --cflags ompi-c)
+$(BUILD)/o/src/mpi/program.o: src/app/main.c
+	$(compile) -Dmain=sl_program_main -c $< -o $@
+$(BUILD)/softlux-mpi: $(MPI_OBJECTS) $(BUILD)/o/src/mpi/program.o $(filter-out %/app/main.o,$(APP_OBJECTS)) \
+                      $(filter-out %/ranks_alone.o,$(LIBRARY_OBJECTS))
+	$(link) $(LIBS) $(SERVE_LIBS) $(shell pkg-config --libs ompi-c)
 
 $(BUILD)/softlux-import: $(IMPORT_OBJECTS) $(BUILD)/libsoftlux.a
 	$(link) -Wl,--as-needed $(LIBS) $(IMPORT_LIBS)

@@ -9,6 +9,8 @@ wanted="$wanted libwebsockets-dev libjpeg62-turbo-dev"
 # The tests compare compilers, sanitize with clang, compare the rasterizer with Mesa's, build the public header's pages, and open pages of steps
 # in a browser; one makes a locale with a decimal comma; and the library is used from Python and CMake, and packed.
 tests='clang libomp-dev libclang-rt-dev libosmesa6-dev doxygen chromium chromium-driver locales cmake debhelper'
+# Several processes as one, by MPI.
+tests="$tests libopenmpi-dev openmpi-bin"
 tests="$tests python3-cffi python3-numpy python3-pytest python3-pip python3-setuptools"
 [ "${1:-}" = --build-only ] || wanted="$wanted $tests"
 
@@ -30,6 +32,8 @@ proof() {
     libwebsockets-dev) ls /usr/include/libwebsockets.h ;;
     libjpeg62-turbo-dev) ls /usr/include/jpeglib.h ;;
     libcmocka-dev) ls /usr/include/cmocka.h ;;
+    libopenmpi-dev) pkg-config --exists ompi-c ;;
+    openmpi-bin) command -v mpirun ;;
     libosmesa6-dev) ls /usr/include/GL/osmesa.h /usr/include/EGL/eglext.h 2>/dev/null | grep . ;;
     libomp-dev) echo 'int main(void){return 0;}' | clang -fopenmp -x c - -o /dev/null ;;
     libclang-rt-dev) echo 'int main(void){return 0;}' | clang -fsanitize=thread -x c - -o /dev/null ;;

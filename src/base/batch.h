@@ -4,6 +4,8 @@
 #ifndef SL_BASE_BATCH_H
 #define SL_BASE_BATCH_H
 
+#include <stdbool.h>
+
 #include "base/counters.h"
 
 /* Computes item `index`. worker chooses scratch memory and nothing else; counters are the worker's own. */
@@ -16,6 +18,11 @@ typedef struct sl_batch {
     /* count of them, item i's at i * result_bytes; NULL: items write to places of the context */
     void *results;
     size_t result_bytes;
+    /* Items write nothing but their results, which hold no pointers, and what they write to more (NULL: none)
+     * in the same way: ranks share them out (ranks.h). */
+    bool shared;
+    void *more;
+    size_t more_bytes;
 } sl_batch;
 
 /* Computes all items on up to `threads` workers (>= 1, worker < threads) and adds what they have counted.

@@ -13,6 +13,7 @@
 
 #include "base/batch.h"
 #include "base/memory.h"
+#include "base/ranks.h"
 #include "base/thread.h"
 
 enum { THREADS_MAX = 256 };
@@ -169,23 +170,44 @@ void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *contex
 typedef struct {
     const sl_batch *batch;
     sl_counters *counters; /* by worker */
+    size_t first, step;    /* items of this rank */
 } batch_run;
 
-static void run_item(void *context, size_t index, unsigned worker) {
+static void run_item(void *context, size_t turn, unsigned worker) {
     const batch_run *run = context;
     const sl_batch *batch = run->batch;
+    const size_t index = run->first + turn * run->step;
     void *result = batch->results ? (char *)batch->results + index * batch->result_bytes : NULL;
     batch->work(batch->context, index, worker, result, &run->counters[worker]);
 }
 
 /* Counters are whole numbers: their sum does not depend on the order. */
-void sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters) {
-    unsigned workers = batch->count < threads ? (unsigned)batch->count : threads;
+static void run_share(const sl_batch *batch, sl_ranks here, unsigned threads, sl_counters *counters) {
+    const size_t count = batch->count / here.count + (here.rank < batch->count % here.count);
+    unsigned workers = count < threads ? (unsigned)count : threads;
     sl_counters *by_worker = workers > 1 ? sl_allocate(workers, sizeof *by_worker) : NULL;
-    batch_run run = {batch, by_worker ? by_worker : counters};
-    sl_parallel_for(by_worker ? workers : 1, batch->count, run_item, &run);
+    batch_run run = {batch, by_worker ? by_worker : counters, here.rank, here.count};
+    sl_parallel_for(by_worker ? workers : 1, count, run_item, &run);
     for (unsigned w = 0; by_worker && w < workers; w++) sl_counters_add(counters, &by_worker[w]);
     sl_free(by_worker);
+}
+
+/* Loops within loops are not in the same order on all ranks. */
+static bool is_shared(const sl_batch *batch, sl_ranks here) {
+    return here.count > 1 && batch->shared && !inside_another();
+}
+
+void sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters) {
+    const sl_ranks here = sl_ranks_here();
+    if (!is_shared(batch, here)) {
+        run_share(batch, (sl_ranks){0, 1}, threads, counters);
+        return;
+    }
+    sl_counters counted = {{0}}, none = {{0}};
+    run_share(batch, here, threads, &counted);
+    sl_ranks_exchange(batch->results, batch->count, batch->result_bytes, &counted);
+    if (batch->more) sl_ranks_exchange(batch->more, batch->count, batch->more_bytes, &none);
+    sl_counters_add(counters, &counted);
 }
 
 /* ---- a thread beside the caller's ------------------------------------------------------------ */

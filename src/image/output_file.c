@@ -2,6 +2,7 @@
 #include "image/output_file.h"
 
 #include "base/error.h"
+#include "base/ranks.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -195,7 +196,7 @@ void sl_output_discard(sl_output_file *file) {
 }
 
 sl_status sl_output_close(sl_output_file *file, sl_status written, sl_error *error) {
-    if (written == SL_OK) return commit(file, error);
+    if (written == SL_OK && sl_ranks_here().rank == 0) return commit(file, error);
     sl_output_discard(file);
     return written;
 }

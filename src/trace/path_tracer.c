@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-enum { TILE = 4, TILES_A_TASK = 16 };
+enum { TILE = 4, TILES_A_TASK = 16, TASKS_AT_ONCE = 1024 };
 
 struct sl_path_tracer {
     const sl_scene *scene;
@@ -84,6 +84,11 @@ typedef struct sample_pass {
     sl_path_lens lens;
 } sample_pass;
 
+/* What a task brings: the light of its tiles' pixels, row by row. */
+typedef struct task_light {
+    sl_rgb light[TILES_A_TASK][TILE * TILE];
+} task_light;
+
 static size_t tile_count(const sl_path_tracer *path) {
     size_t across = ((size_t)path->settings.width + TILE - 1) / TILE,
            down = ((size_t)path->settings.height + TILE - 1) / TILE;
@@ -141,8 +146,9 @@ static sl_status find_rims(sl_path_tracer *path, const sl_path_lens *lens, sl_co
     if (!some) return SL_OK;
     sl_path_lamp_view *views = sl_allocate_unset(tiles, sizeof *views);
     if (!views) return sl_fail_memory(error, "the path tracer");
-    sl_batch_run(&(sl_batch){tiles, look_at_tile, &search, views, sizeof *views}, path->settings.threads,
-                 counters);
+    sl_batch_run(&(sl_batch){.count = tiles, .work = look_at_tile, .context = &search, .results = views,
+                             .result_bytes = sizeof *views, .shared = true},
+                 path->settings.threads, counters);
     double sum = 0.0;
     for (size_t i = 0; i < tiles; i++) sum += (double)sl_luminance(views[i].mean);
     for (size_t i = 0; i < tiles; i++)
@@ -167,45 +173,67 @@ static void find_radiance(const sample_pass *pass, size_t task, unsigned worker,
                           radiance, counters);
 }
 
-static void sample_tile(const sample_pass *pass, size_t task, unsigned worker, size_t tile,
-                        sl_counters *counters) {
-    sl_path_tracer *path = pass->path;
+/* Lists the pixels of a tile that the picture has; returns how many. */
+static unsigned tile_pixels(const sl_path_tracer *path, size_t tile, size_t pixels[TILE * TILE]) {
     const int width = path->settings.width, left = tile_left(path, tile), top = tile_top(path, tile);
+    unsigned count = 0;
+    for (int i = 0; i < TILE * TILE; i++) {
+        const int x = left + i % TILE, y = top + i / TILE;
+        if (x < width && y < path->settings.height)
+            pixels[count++] = (size_t)y * (size_t)width + (size_t)x;
+    }
+    return count;
+}
+
+static void sample_tile(const sample_pass *pass, size_t task, unsigned worker, size_t tile,
+                        sl_rgb sum[TILE * TILE], sl_counters *counters) {
+    sl_path_tracer *path = pass->path;
+    const size_t width = (size_t)path->settings.width;
     const bool rim = path->rims[tile];
     uint64_t keys[SL_PACKET];
     size_t pixels[SL_PACKET];
     sl_path_place places[SL_PACKET];
-    unsigned count = 0;
-    for (int i = 0; i < SL_PACKET; i++) {
-        int x = left + i % TILE, y = top + i / TILE;
-        if (x >= width || y >= path->settings.height) continue;
-        pixels[count] = (size_t)y * (size_t)width + (size_t)x;
-        keys[count] = stream_key(path, pass->half, pixels[count]);
-        places[count] = sl_path_place_in(&path->walk, x, y, keys[count], pass->index);
-        count++;
+    const unsigned count = tile_pixels(path, tile, pixels);
+    for (unsigned i = 0; i < count; i++) {
+        keys[i] = stream_key(path, pass->half, pixels[i]);
+        places[i] = sl_path_place_in(&path->walk, (int)(pixels[i] % width), (int)(pixels[i] / width), keys[i],
+                                     pass->index);
     }
     sl_rgb radiance[SL_PACKET];
     find_radiance(pass, task, worker, rim, count, places, keys, radiance, counters);
     sl_count(counters, SL_COUNT_SAMPLES, count);
     for (unsigned i = 0; i < count; i++) {
-        const int x = (int)(pixels[i] % (size_t)width), y = (int)(pixels[i] / (size_t)width);
+        const int x = (int)(pixels[i] % width), y = (int)(pixels[i] / width);
         sl_rgb light = sl_path_finite_or_black(radiance[i], counters);
         if (rim) {
             const sl_path_lamp_view lamps = sl_path_see_lamps(&path->lamps.lamps, &pass->lens, x, y, 1.0f,
                                                               keys[i], pass->index, counters);
             light = sl_rgb_add(light, lamps.mean);
         }
-        sl_halves_add(&path->halves, pass->half, pixels[i], light);
+        sum[i] = light;
     }
 }
 
 static void sample_tiles(void *context, size_t task, unsigned worker, void *result, sl_counters *counters) {
-    (void)result;
     const sample_pass *pass = context;
+    task_light *light = result;
     size_t first = (pass->first_task + task) * TILES_A_TASK, end = first + TILES_A_TASK,
            tiles = tile_count(pass->path);
     for (size_t tile = first; tile < end && tile < tiles; tile++)
-        sample_tile(pass, task, worker, tile, counters);
+        sample_tile(pass, task, worker, tile, light->light[tile - first], counters);
+}
+
+/* Adds what tasks have brought, in their order. */
+static void commit(const sample_pass *pass, const task_light *light, size_t tasks) {
+    const size_t tiles = tile_count(pass->path);
+    size_t pixels[SL_PACKET];
+    for (size_t k = 0; k < tasks * TILES_A_TASK; k++) {
+        const size_t tile = pass->first_task * TILES_A_TASK + k;
+        const unsigned count = tile < tiles ? tile_pixels(pass->path, tile, pixels) : 0;
+        for (unsigned i = 0; i < count; i++)
+            sl_halves_add(&pass->path->halves, pass->half, pixels[i],
+                          light[k / TILES_A_TASK].light[k % TILES_A_TASK][i]);
+    }
 }
 
 sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counters *counters,
@@ -216,16 +244,20 @@ sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counte
     sl_status status = path->rims ? SL_OK : find_rims(path, &pass.lens, counters, error);
     if (status != SL_OK) return status;
     const size_t tasks = (tile_count(path) + TILES_A_TASK - 1) / TILES_A_TASK,
-                 at_once = path->pairs ? SL_PAIR_LISTS : tasks;
-    for (; pass.first_task < tasks; pass.first_task += at_once) {
-        size_t left = tasks - pass.first_task;
-        sl_batch_run(&(sl_batch){.count = left < at_once ? left : at_once,
-                                 .work = sample_tiles,
-                                 .context = &pass},
+                 at_once = path->pairs ? SL_PAIR_LISTS : TASKS_AT_ONCE;
+    task_light *light = sl_allocate_unset(tasks < at_once ? tasks : at_once, sizeof *light);
+    if (!light) return sl_fail_memory(error, "the path tracer");
+    for (; status == SL_OK && pass.first_task < tasks; pass.first_task += at_once) {
+        const size_t left = tasks - pass.first_task, count = left < at_once ? left : at_once;
+        sl_batch_run(&(sl_batch){.count = count, .work = sample_tiles, .context = &pass, .results = light,
+                                 .result_bytes = sizeof *light, .shared = !path->pairs},
                      path->settings.threads, counters);
+        commit(&pass, light, count);
         if (path->pairs && !sl_path_pairs_commit(path->pairs, &path->halves, pass.half))
-            return sl_fail_memory(error, "what light subpaths leave on the film");
+            status = sl_fail_memory(error, "what light subpaths leave on the film");
     }
+    sl_free(light);
+    if (status != SL_OK) return status;
     path->halves.samples[pass.half]++;
     return SL_OK;
 }

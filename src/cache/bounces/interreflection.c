@@ -40,7 +40,8 @@ sl_status sl_second_gather_first(sl_second_cache *cache, sl_counters *counters, 
     const size_t count = cache->list.count;
     sl_record *first = sl_allocate(count, sizeof *first);
     if (!first) return sl_fail_memory(error, "a bounce of second-level records");
-    const sl_batch batch = {count, gather_first, cache, first, sizeof *first};
+    const sl_batch batch = {.count = count, .work = gather_first, .context = cache, .results = first,
+                            .result_bytes = sizeof *first, .shared = true};
     sl_batch_run(&batch, cache->settings.threads, counters);
     for (size_t i = 0; i < count; i++) {
         cache->list.records[i] = first[i];
@@ -180,7 +181,8 @@ static void add_to_record(const row *r, const float all[3], sl_record *record) {
 static void let_bounce(bouncing *b, sl_second_cache *cache, sl_counters *counters) {
     sl_second_report *report = &cache->report;
     const size_t count = cache->list.count;
-    const sl_batch batch = {count, gather_second, b, b->rows, sizeof *b->rows};
+    const sl_batch batch = {.count = count, .work = gather_second, .context = b, .results = b->rows,
+                            .result_bytes = sizeof *b->rows};
     sl_batch_run(&batch, cache->gathers.threads, counters);
     for (size_t i = 0; i < count; i++) {
         const sl_rgb d = b->rows[i].light.value;

@@ -92,7 +92,8 @@ sl_status sl_probe_from(const sl_scene *scene, const sl_tracer *tracer, const sl
     if (status != SL_OK) return status;
     uint64_t key = sl_random_key(settings->seed, 0x73636f7574u + generation);
     probe_context context = {scene, tracer, origins, count, used, key};
-    const sl_batch batch = {used, probe_one, &context, seen->points, RAYS * sizeof *seen->points};
+    const sl_batch batch = {.count = used, .work = probe_one, .context = &context, .results = seen->points,
+                            .result_bytes = RAYS * sizeof *seen->points, .shared = true};
     sl_batch_run(&batch, settings->threads, counters);
     return SL_OK;
 }

@@ -65,7 +65,8 @@ sl_status sl_second_cache_renew(sl_second_cache *cache, const sl_raster *raster,
     sl_status status = again ? sl_second_open_gathers(cache, raster, counters, error)
                              : sl_fail_memory(error, "second-level records");
     if (status == SL_OK) {
-        const sl_batch batch = {count, gather_again, cache, again, sizeof *again};
+        const sl_batch batch = {.count = count, .work = gather_again, .context = cache, .results = again,
+                                .result_bytes = sizeof *again, .shared = true};
         sl_batch_run(&batch, cache->settings.threads, counters);
         for (size_t k = 0; k < count; k++) {
             const size_t i = in_turn(cache, k);

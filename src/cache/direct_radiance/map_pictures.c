@@ -161,7 +161,8 @@ sl_status sl_map_pictures_draw(const sl_map_drawing *d, sl_error *error) {
     sl_status *status = sl_allocate(faces, sizeof *status);
     bool failed = !status;
     if (status) {
-        const sl_batch batch = {faces, draw_face, (void *)(uintptr_t)d, status, sizeof *status};
+        const sl_batch batch = {.count = faces, .work = draw_face, .context = (void *)(uintptr_t)d,
+                                .results = status, .result_bytes = sizeof *status};
         sl_batch_run(&batch, sl_thread_count(d->options->threads), d->counters);
     }
     for (size_t f = 0; f < faces && !failed; f++) failed = status[f] != SL_OK;

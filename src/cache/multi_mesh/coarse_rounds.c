@@ -127,7 +127,8 @@ sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds,
     sl_status status = sl_multi_mesh_ready_eye(s, rounds, detail, error);
     if (status != SL_OK) return status;
     gathering g = {s, eye, points};
-    const sl_batch batch = {count, gather_one, &g, irradiance, sizeof *irradiance};
+    const sl_batch batch = {.count = count, .work = gather_one, .context = &g, .results = irradiance,
+                            .result_bytes = sizeof *irradiance, .shared = true};
     sl_batch_run(&batch, s->settings.threads, &s->counters);
     return SL_OK;
 }

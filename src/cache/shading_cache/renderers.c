@@ -29,7 +29,7 @@ void sl_render_each(sl_render_point *render, const void *state, size_t count,
                     sl_sample *samples, sl_counters *counters) {
     point_batch points = {render, state, requests};
     sl_batch batch = {.count = count, .work = render_one, .context = &points, .results = samples,
-                      .result_bytes = sizeof *samples};
+                      .result_bytes = sizeof *samples, .shared = true};
     sl_batch_run(&batch, threads, counters);
 }
 

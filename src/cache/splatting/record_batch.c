@@ -65,6 +65,9 @@ static void gather_one(void *context, size_t index, unsigned worker, void *resul
 }
 
 void sl_record_batch_gather(sl_record_batch *b, sl_counters *counters) {
-    const sl_batch batch = {b->count, gather_one, b, b->record, sizeof *b->record};
+    const sl_batch batch = {.count = b->count, .work = gather_one, .context = b, .results = b->record,
+                            .result_bytes = sizeof *b->record, .shared = true,
+                            .more = b->coefficient_count ? b->coefficients : NULL,
+                            .more_bytes = b->coefficient_count * sizeof *b->coefficients};
     sl_batch_run(&batch, b->gathers->threads, counters);
 }

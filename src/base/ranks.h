@@ -1,0 +1,29 @@
+/* Ranks: processes that compute one picture together. Each runs all of the program, in the same order, but for
+ * batches (batch.h), whose items they share out and whose results they give each other. So no method knows of
+ * them, and a picture has the same bits with any number of ranks.
+ *
+ * ranks_alone.c is a process by itself, without MPI; ../mpi/ranks.c those that mpirun starts (make MPI=1). */
+#ifndef SL_BASE_RANKS_H
+#define SL_BASE_RANKS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/counters.h"
+
+typedef struct sl_ranks {
+    unsigned rank, count; /* rank < count */
+} sl_ranks;
+
+sl_ranks sl_ranks_here(void);
+
+/* Tells whether all ranks have the same number here. */
+bool sl_ranks_agree(uint64_t number);
+
+/* Item i of `count` is rank i % ranks' work. Gives every rank all items, `bytes` each, and adds up what all
+ * have counted. All ranks call it in the same order; a rank whose items are others than the rest's ends the
+ * job. Without memory for a copy it ends the job, too: others would wait. */
+void sl_ranks_exchange(void *items, size_t count, size_t bytes, sl_counters *counted);
+
+#endif

@@ -1,0 +1,60 @@
+/* softlux-mpi: `softlux render` on as many ranks as mpirun starts, of which the first writes and tells. */
+#include <mpi.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/ranks.h"
+#include "softlux.h"
+
+/* main() of ../app/main.c */
+int sl_program_main(int argc, char **argv);
+
+/* What the clock decides is not the same on all ranks. */
+static const char *refused(int argc, char **argv) {
+    if (argc < 2 || strcmp(argv[1], "render") != 0)
+        return "usage: mpirun -n RANKS softlux-mpi render SCENE ...";
+    for (int i = 2; i < argc; i++)
+        if (strncmp(argv[i], "--time", 6) == 0) return "--time: not on several ranks, whose clocks differ";
+    return NULL;
+}
+
+/* Ranks behind the first are silent, but for the line that says why one has failed. */
+static FILE *hold_tongue(int *out) {
+    FILE *told = tmpfile();
+    *out = dup(STDERR_FILENO);
+    if (!freopen("/dev/null", "w", stdout) || !told || *out < 0) return NULL;
+    return dup2(fileno(told), STDERR_FILENO) < 0 ? NULL : told;
+}
+
+static void tell_last_line(FILE *told, int out, unsigned rank) {
+    char line[2048], last[2048] = "";
+    fflush(stderr);
+    rewind(told);
+    while (fgets(line, sizeof line, told))
+        if (line[0] && line[0] != '\n') memcpy(last, line, sizeof last);
+    dprintf(out, "softlux-mpi: rank %u: %s", rank, last);
+}
+
+static int run(int argc, char **argv) {
+    const sl_ranks here = sl_ranks_here();
+    int out = -1;
+    FILE *told = here.rank ? hold_tongue(&out) : NULL;
+    if (here.rank && !told) return SL_ERROR_RESOURCES;
+    const int status = sl_program_main(argc, argv);
+    if (told && status) tell_last_line(told, out, here.rank);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    int level;
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
+    const char *why = refused(argc, argv);
+    if (why && sl_ranks_here().rank == 0) fprintf(stderr, "softlux-mpi: %s\n", why);
+    const int status = why ? SL_ERROR_USAGE : run(argc, argv);
+    /* Others may wait for a rank that has failed by itself. */
+    if (status && !why) MPI_Abort(MPI_COMM_WORLD, status);
+    MPI_Finalize();
+    return status;
+}

@@ -1,0 +1,95 @@
+/* Ranks by MPI, which starts, places and connects them. */
+#include "base/ranks.h"
+
+#include <limits.h>
+#include <mpi.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+sl_ranks sl_ranks_here(void) {
+    int rank, count;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &count);
+    return (sl_ranks){(unsigned)rank, (unsigned)count};
+}
+
+bool sl_ranks_agree(uint64_t number) {
+    uint64_t ends[2] = {number, ~number}, least[2]; /* the least of ~n is that of the largest n */
+    MPI_Allreduce(ends, least, 2, MPI_UINT64_T, MPI_MIN, MPI_COMM_WORLD);
+    return least[0] == ~least[1];
+}
+
+static void end_all(const char *why) {
+    fprintf(stderr, "softlux-mpi: rank %u: %s\n", sl_ranks_here().rank, why);
+    MPI_Abort(MPI_COMM_WORLD, 5);
+}
+
+/* ---- what each rank is about to give ---- */
+
+typedef struct head {
+    uint64_t count, bytes;
+    sl_counters counted;
+} head;
+
+static bool are_alike(const head *a, const head *b) { return a->count == b->count && a->bytes == b->bytes; }
+
+/* Whole numbers: their sum does not depend on the order. */
+static void exchange_heads(sl_ranks here, size_t count, size_t bytes, sl_counters *counted) {
+    const head own = {count, bytes, *counted};
+    head *all = malloc(here.count * sizeof *all);
+    if (!all) end_all("out of memory");
+    MPI_Allgather(&own, sizeof own, MPI_BYTE, all, sizeof own, MPI_BYTE, MPI_COMM_WORLD);
+    *counted = (sl_counters){{0}};
+    for (unsigned r = 0; r < here.count; r++) {
+        if (!are_alike(&all[r], &own))
+            end_all("another rank is at other work: do all have the same scene, files and options?");
+        sl_counters_add(counted, &all[r].counted);
+    }
+    free(all);
+}
+
+/* ---- items ---- */
+
+static size_t items_of(size_t count, sl_ranks here, unsigned rank) {
+    return count / here.count + (rank < count % here.count);
+}
+
+/* Puts a rank's items side by side, or back into their places. */
+static void move_items(char *items, char *side, size_t count, size_t bytes, sl_ranks here, unsigned rank,
+                       bool back) {
+    for (size_t i = rank; i < count; i += here.count, side += bytes)
+        memcpy(back ? items + i * bytes : side, back ? side : items + i * bytes, bytes);
+}
+
+static void exchange_items(sl_ranks here, char *items, size_t count, size_t bytes) {
+    char *all = malloc(count * bytes);
+    int *sizes = malloc(2 * here.count * sizeof *sizes), *places = sizes + here.count;
+    if (!all || !sizes) end_all("out of memory");
+    size_t place = 0;
+    for (unsigned r = 0; r < here.count; r++) {
+        sizes[r] = (int)(items_of(count, here, r) * bytes);
+        places[r] = (int)place;
+        place += (size_t)sizes[r];
+    }
+    move_items(items, all + places[here.rank], count, bytes, here, here.rank, false);
+    MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, sizes, places, MPI_BYTE, MPI_COMM_WORLD);
+    for (unsigned r = 0; r < here.count; r++)
+        if (r != here.rank) move_items(items, all + places[r], count, bytes, here, r, true);
+    free(sizes);
+    free(all);
+}
+
+void sl_ranks_exchange(void *items, size_t count, size_t bytes, sl_counters *counted) {
+    const sl_ranks here = sl_ranks_here();
+    if (here.count == 1) return;
+    exchange_heads(here, count, bytes, counted);
+    if (!bytes) return;
+    /* MPI counts in int: whole rounds of all ranks at a time */
+    const size_t rounds = (size_t)INT_MAX / 2 / bytes / here.count;
+    const size_t most = (rounds ? rounds : 1) * here.count;
+    for (size_t first = 0; first < count; first += most)
+        exchange_items(here, (char *)items + first * bytes, count - first < most ? count - first : most,
+                       bytes);
+}

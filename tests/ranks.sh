@@ -1,0 +1,70 @@
+#!/bin/sh
+# tests/ranks.sh BUILD: pictures by several processes have the bits of one; what ends a rank ends them all, and says so.
+set -u
+cd "$(dirname "$0")/.."
+build=$1 bad=0 compared=0
+if ! command -v mpirun >/dev/null 2>&1 || ! pkg-config --exists ompi-c 2>/dev/null; then
+    echo "skip: no Open MPI (Debian: libopenmpi-dev)"
+    exit 0
+fi
+make -s -j"$(nproc)" MPI=1 BUILD="$build" "$build/softlux-mpi" || exit 1
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+# All ranks are here, however few processors there are, and nothing is started elsewhere.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_plm=isolated
+export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl=self,vader
+
+fail() {
+    echo "$1"
+    bad=1
+}
+
+same() { # same ARGUMENTS...: 2, 3 and 5 ranks, one of them with two threads each
+    "$build/softlux" render "$@" --quiet -o "$folder/one.exr" || fail "cannot render $*"
+    for ranks in 2 3 5; do
+        rm -f "$folder/many.exr"
+        mpirun -n $ranks "$build/softlux-mpi" render "$@" --quiet -t $((ranks == 3 ? 2 : 1)) -o "$folder/many.exr" ||
+            fail "cannot render with $ranks ranks: $*"
+        compared=$((compared + 1))
+        cmp -s "$folder/one.exr" "$folder/many.exr" || fail "other bits with $ranks ranks: $*"
+    done
+}
+
+same scenes/cornell.json -m splatting -q draft -s 48x48
+same scenes/cornell-glossy.json -m splatting -q draft -s 48x48 --filter centre
+same scenes/cornell-glossy.json -m multi-mesh -q draft -s 48x48
+same scenes/cornell.json -m shading-cache -q draft --updates 6 -s 48x48
+same scenes/cornell-glossy.json -m light-octree -q draft --stored-photons 20000 -s 48x48
+same scenes/mirror-balls.json -m direct-radiance -q draft -s 48x48
+same scenes/cornell-mirror.json -m path --spp 4 -s 49x47
+same scenes/cornell.json -m bidirectional --spp 2 -s 48x48
+
+# One rank cannot read its scene: one line says which and why, and there is no picture.
+cp scenes/cornell-point.json scenes/cornell.obj scenes/cornell.mtl "$folder"
+rm -f "$folder/many.exr"
+mpirun -n 1 "$build/softlux-mpi" render "$folder/cornell-point.json" -s 32x32 --quiet -o "$folder/many.exr" : \
+    -n 1 "$build/softlux-mpi" render "$folder/missing.json" -s 32x32 --quiet -o "$folder/many.exr" >"$folder/told" 2>&1 &&
+    fail "a rank without a scene was no failure"
+grep -q 'softlux-mpi: rank 1: .*missing.json' "$folder/told" || fail "it is not told which rank had no scene"
+[ ! -e "$folder/many.exr" ] || fail "there is a picture although a rank has failed"
+# Or another one.
+sed 's/"film"/"film" /; s/"fov_deg": *[0-9.]*/"fov_deg": 20/' scenes/cornell-point.json >"$folder/other.json"
+mpirun -n 1 "$build/softlux-mpi" render "$folder/cornell-point.json" -s 32x32 --quiet -o "$folder/many.exr" : \
+    -n 1 "$build/softlux-mpi" render "$folder/other.json" -s 32x32 --quiet -o "$folder/many.exr" >"$folder/told" 2>&1 &&
+    fail "ranks with different scenes were no failure"
+grep -q 'ranks have read different scenes' "$folder/told" || fail "it is not told that scenes differ"
+
+# A rank that is killed takes the others along within ten seconds.
+mpirun -n 3 "$build/softlux-mpi" render scenes/cornell.json -m path --spp 100000 -s 256x256 -t 1 --quiet \
+    -o "$folder/many.exr" >"$folder/told" 2>&1 &
+job=$!
+sleep 3
+begin=$(date +%s)
+pkill -KILL -n -f "softlux-mpi render scenes/cornell.json -m path --spp 100000" || fail "no rank to kill"
+wait $job && fail "a killed rank was no failure"
+[ $(($(date +%s) - begin)) -le 10 ] || fail "others went on for more than ten seconds"
+[ ! -e "$folder/many.exr" ] || fail "there is a picture although a rank was killed"
+"$build/softlux-mpi" render scenes/cornell.json --time 1 -o "$folder/many.exr" 2>"$folder/told" && fail "--time was taken"
+grep -q 'clocks differ' "$folder/told" || fail "--time is not refused in a line"
+echo "$compared pictures compared"
+exit $bad
