@@ -97,7 +97,7 @@ sl_status sl_measure_bounces(const sl_scene *scene, const sl_settings *settings,
     while (n <= most && status == SL_OK) {
         transport.bounces = ++n;
         status = measure(&m, &transport, &light[n], error);
-        if (n > 1 && !(light[n] - light[n - 1] >= that_matters * light[n])) break;
+        if (n > 1 && !(light[n] - light[n - 1] > that_matters * light[n])) break;
     }
     sl_tracer_destroy(m.tracer);
     if (status == SL_OK) *found = go_on(light, n, most);
