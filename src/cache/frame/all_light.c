@@ -73,7 +73,7 @@ static sl_bounces_measured go_on(const double *light, uint32_t measured, uint32_
     double left = fmax(light[measured] - light[measured - 1], 0.0) / (1.0 - ratio);
     const double all = light[measured - 1] + left;
     sl_bounces_measured found = {.bounces = measured - 1};
-    while (found.bounces < most && left >= that_matters * all) {
+    while (found.bounces < most && left > that_matters * all) {
         left *= ratio;
         found.bounces++;
     }
