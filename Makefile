@@ -4,10 +4,25 @@
 #   CONFIG=tsan               thread sanitizer (clang)
 #   CONFIG=baseline           without the multiversioned loops
 #   CONFIG=fuzz               for the fuzzer: sanitizers and coverage (clang)
+#   CONFIG=arm64              for 64-bit Arm, by a cross compiler; `make sysroot-arm64` gets the libraries
 # Each configuration and compiler has its own folder: build/ for the default, build/CONFIG[-clang] otherwise.
 CONFIG ?= release
+# What is before a cross compiler's tools' names, and the folder that stands for / of the other machine.
+ifeq ($(CONFIG),arm64)
+CROSS ?= aarch64-linux-gnu-
+SYSROOT ?= build/sysroot-arm64
+endif
 ifeq ($(origin CC),default)
-CC := gcc
+CC := $(CROSS)gcc
+endif
+ifneq ($(CROSS),)
+LD := $(CROSS)ld
+AR := $(CROSS)ar
+endif
+ifneq ($(SYSROOT),)
+override CC += $(if $(findstring clang,$(CC)),--target=$(CROSS:-=)) --sysroot=$(abspath $(SYSROOT))
+export PKG_CONFIG_SYSROOT_DIR := $(abspath $(SYSROOT))
+export PKG_CONFIG_LIBDIR := $(SYSROOT)/usr/lib/$(CROSS:-=)/pkgconfig:$(SYSROOT)/usr/share/pkgconfig
 endif
 COMPILER := $(if $(findstring clang,$(CC)),clang,gcc)
 CONFIGURED := $(CONFIG)$(if $(filter clang,$(COMPILER)),-clang)
@@ -28,12 +43,13 @@ ISAS := baseline avx2 avx512
 
 SANITIZE := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined
 OPTIMISE_release := -O3 -g
+OPTIMISE_arm64 := -O3 -g
 OPTIMISE_baseline := -O2 -g
 OPTIMISE_debug := $(SANITIZE) -fno-sanitize-recover=undefined
 OPTIMISE_tsan := -O1 -g -fsanitize=thread
 OPTIMISE_fuzz := $(SANITIZE),fuzzer-no-link,float-cast-overflow -fno-sanitize-recover=all
-OPTIMISE := $(or $(OPTIMISE_$(CONFIG)),$(error CONFIG=$(CONFIG): release, debug, tsan, baseline or fuzz))
-ifneq ($(filter baseline fuzz,$(CONFIG)),)
+OPTIMISE := $(or $(OPTIMISE_$(CONFIG)),$(error CONFIG=$(CONFIG): release, debug, tsan, baseline, fuzz or arm64))
+ifneq ($(filter baseline fuzz,$(CONFIG))$(filter-out x86_64-%,$(shell $(CC) -dumpmachine)),)
 ISAS := baseline
 DEFINES += -DSL_BASELINE_ONLY
 endif
@@ -46,9 +62,9 @@ FLAGS_baseline := -DSL_ISA_SUFFIX=baseline
 FLAGS_avx2 := -DSL_ISA_SUFFIX=avx2 -march=x86-64-v3
 FLAGS_avx512 := -DSL_ISA_SUFFIX=avx512 -march=x86-64-v4 -mprefer-vector-width=512
 # Vectors are passed to inlined functions alone, so that their passing does not matter.
-KERNEL_OPTIMISE := $(if $(filter release baseline,$(CONFIG)),-O3) -Wno-psabi
+KERNEL_OPTIMISE := $(if $(filter release baseline arm64,$(CONFIG)),-O3) -Wno-psabi
 
-header = $(wildcard /usr/include/$(1) /usr/local/include/$(1))
+header = $(wildcard $(SYSROOT)/usr/include/$(1) $(SYSROOT)/usr/local/include/$(1))
 PACKAGE_CFLAGS = $(shell pkg-config --cflags OpenEXR assimp libcjson libpng 2>/dev/null)
 LIBS = $(shell pkg-config --libs-only-L libcjson libpng 2>/dev/null) \
        -lOpenEXRCore -lcjson -lpng -l$(EMBREE) -lm -lpthread
@@ -92,7 +108,7 @@ SHARED_SOURCES := $(filter-out $(TEST_SOURCES) $(BENCH_SOURCES) tests/fuzz/%,\
 PARTS := $(BUILD)/libparts.a
 PARTS_OBJECTS := $(call objects,$(SHARED_SOURCES)) $(filter-out %/main.o,$(APP_OBJECTS) $(IMPORT_OBJECTS))
 
-.PHONY: all setup demo check check-all test conformance fuzz-targets fuzz golden lessons scenes bench report \
+.PHONY: all setup sysroot-arm64 demo check check-all test conformance fuzz-targets fuzz golden lessons scenes bench report \
         clean help
 .DELETE_ON_ERROR .SECONDARY:
 
@@ -185,6 +201,8 @@ $(BUILD)/generate: $(call objects,scenes/generate.c $(wildcard scenes/generate/*
 
 setup: ## install what is missing
 	@./setup.sh
+sysroot-arm64: ## get the libraries for CONFIG=arm64 into build/sysroot-arm64 (Debian; nothing is installed)
+	@packaging/sysroot.sh build/sysroot-arm64 arm64
 demo: ## install what is missing, build, render a scene and print its error
 	@./setup.sh --build-only && $(MAKE) --no-print-directory -j$$(nproc) all && ./demo.sh $(BUILD)
 check: setup ## install what is missing, build, run all tests
@@ -217,5 +235,5 @@ help:
 	@echo 'make            both programs and both libraries, in build/'
 	@sed -n 's/^\([a-z%-]*\):[^#]*## \(.*\)/make \1@\2/p' Makefile packaging/install.mk | \
 	  while IFS=@ read -r target text; do printf '%-15s %s\n' "$$target" "$$text"; done
-	@echo 'CONFIG=release|debug|tsan|baseline|fuzz, CC=gcc|clang; CFLAGS, LDFLAGS are added last; V=1 shows all.'
+	@echo 'CONFIG=release|debug|tsan|baseline|fuzz|arm64, CC=gcc|clang; CFLAGS, LDFLAGS are added last; V=1 shows all.'
 include packaging/install.mk

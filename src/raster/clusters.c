@@ -137,7 +137,8 @@ void sl_bound_cluster(sl_raster *r, size_t cluster, const float *x, const float 
     double radius_squared = 0.0;
     for (size_t i = 0; i < count; i++) {
         sl_vec3d d = sl_v3d((double)axis[0][i] - c[0], (double)axis[1][i] - c[1], (double)axis[2][i] - c[2]);
-        radius_squared = fmax(radius_squared, sl_dotd(d, d));
+        double squared = sl_dotd(d, d); /* no fmax(): gcc 12 for Arm fails at it in a loop over floats */
+        if (squared > radius_squared) radius_squared = squared;
     }
     r->radius[cluster] = (float)(sqrt(radius_squared) * (1.0 + 1e-6));
 }

@@ -1,10 +1,10 @@
-/* See raster_soup.h. */
+/* See raster_soup.h. The elementary functions are the library's own: the triangles are the same everywhere. */
 #include "unit_test.h"
 #include "raster_soup.h"
 
-#include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/random.h"
 #include "base/sanitized.h"
 
@@ -21,10 +21,31 @@ static float between(dice *d, float low, float high) {
     return low + (high - low) * sl_random_unit(d->key, d->next++);
 }
 
-/* Of either sign, every magnitude from small to large as likely. */
-static float any_magnitude(dice *d, float small, float large) {
-    float exponent = between(d, log2f(small), log2f(large));
-    return (sl_random_bits(d->key, d->next++) & 1 ? -1.0f : 1.0f) * exp2f(exponent);
+/* Two numbers, or three. One after the other: compilers choose in which order a call's arguments are made. */
+typedef struct pair {
+    float x, y;
+} pair;
+
+static pair pair_between(dice *d, float low, float high) {
+    float x = between(d, low, high), y = between(d, low, high);
+    return (pair){x, y};
+}
+
+static sl_vec3 point_between(dice *d, sl_vec3 low, sl_vec3 high) {
+    float x = between(d, low.x, high.x), y = between(d, low.y, high.y), z = between(d, low.z, high.z);
+    return sl_v3(x, y, z);
+}
+
+static float log_2(float x) { return (float)(sl_log((double)x) / sl_log(2.0)); }
+
+/* Every magnitude from small to large as likely. */
+static float magnitude(dice *d, float small, float large) {
+    return sl_exp2f(between(d, log_2(small), log_2(large)));
+}
+
+static float of_either_sign(dice *d, float small, float large) {
+    float size = magnitude(d, small, large);
+    return sl_random_bits(d->key, d->next++) & 1 ? -size : size;
 }
 
 static void set_vertex(soup *s, size_t v, float x, float y, float z) {
@@ -46,8 +67,10 @@ static void set_pixel(soup *s, size_t v, float px, float py, float z) {
 static void small_triangle(soup *s, size_t t, dice *d, float size, const float z[3]) {
     float x = between(d, -0.5f * size, (float)s->view.width),
           y = between(d, -0.5f * size, (float)s->view.height);
-    for (size_t k = 0; k < 3; k++)
-        set_pixel(s, 3 * t + k, x + between(d, 0, size), y + between(d, 0, size), z[k]);
+    for (size_t k = 0; k < 3; k++) {
+        pair by = pair_between(d, 0, size);
+        set_pixel(s, 3 * t + k, x + by.x, y + by.y, z[k]);
+    }
 }
 
 /* Corners on a grid of `steps` a pixel, moved by `offset` of a step. */
@@ -71,8 +94,8 @@ static void sliver(soup *s, size_t t, dice *d, const float z[3]) {
     float along = between(d, -0.2f, 1.2f), aside = t % 3 ? 0.3f : 0.02f;
     set_pixel(s, 3 * t, x[0], y[0], z[0]);
     set_pixel(s, 3 * t + 1, x[1], y[1], z[1]);
-    set_pixel(s, 3 * t + 2, x[0] + along * (x[1] - x[0]) + between(d, -aside, aside),
-              y[0] + along * (y[1] - y[0]) + between(d, -aside, aside), z[2]);
+    pair by = pair_between(d, -aside, aside);
+    set_pixel(s, 3 * t + 2, x[0] + along * (x[1] - x[0]) + by.x, y[0] + along * (y[1] - y[0]) + by.y, z[2]);
 }
 
 static void flat_triangle(soup *s, soup_kind kind, size_t t, dice *d) {
@@ -87,8 +110,8 @@ static void flat_triangle(soup *s, soup_kind kind, size_t t, dice *d) {
     else {
         for (size_t k = 0; k < 3; k++) {
             float reach = kind == SOUP_BIG ? 1 : 3;
-            float x = kind == SOUP_FAR_OFF ? any_magnitude(d, 0.1f, 5000) : between(d, -reach, reach);
-            float y = kind == SOUP_FAR_OFF ? any_magnitude(d, 0.1f, 5000) : between(d, -reach, reach);
+            float x = kind == SOUP_FAR_OFF ? of_either_sign(d, 0.1f, 5000) : between(d, -reach, reach);
+            float y = kind == SOUP_FAR_OFF ? of_either_sign(d, 0.1f, 5000) : between(d, -reach, reach);
             set_vertex(s, 3 * t + k, x, y, kind == SOUP_BIG ? z[k] : 1.6f * z[k]);
         }
     }
@@ -136,8 +159,8 @@ static size_t mesh_size(size_t triangles, int width, int height, int *nx, int *n
 
 /* A corner at distance `w` before (or behind) the camera, within a little more than what it sees. */
 static void perspective_vertex(soup *s, size_t v, const sl_camera *camera, float sx, float sy, float w) {
-    float tangent = tanf(0.5f * camera->vertical_fov), aspect = (float)s->view.width / (float)s->view.height,
-          reach = fabsf(w);
+    float tangent = (float)sl_tan(0.5 * (double)camera->vertical_fov),
+          aspect = (float)s->view.width / (float)s->view.height, reach = fabsf(w);
     sl_vec3 p = sl_mad(camera->eye, -w, camera->back);
     p = sl_mad(p, sx * reach * tangent * aspect, camera->right);
     p = sl_mad(p, sy * reach * tangent, camera->up);
@@ -150,20 +173,20 @@ static void perspective_triangle(soup *s, soup_kind kind, size_t t, dice *d, con
           size = clipped ? 1.0f
                  : t % 2 ? 0.2f
                          : 0.02f;
-    float w = exp2f(between(d, log2f(0.2f), log2f(20.0f)));
+    float w = magnitude(d, 0.2f, 20.0f);
     for (size_t k = 0; k < 3; k++) {
         float corner_w = w * between(d, 0.7f, 1.4f);
         if (clipped) corner_w = between(d, -1.5f, 2.5f);
-        else if (t % 16 == 1) corner_w = exp2f(between(d, log2f(0.2f), log2f(20.0f))); /* steep ones */
-        perspective_vertex(s, 3 * t + k, camera, x + between(d, -size, size), y + between(d, -size, size),
-                           fminf(corner_w, 20.0f));
+        else if (t % 16 == 1) corner_w = magnitude(d, 0.2f, 20.0f); /* steep ones */
+        pair by = pair_between(d, -size, size);
+        perspective_vertex(s, 3 * t + k, camera, x + by.x, y + by.y, fminf(corner_w, 20.0f));
     }
 }
 
 static sl_camera random_camera(dice *d) {
     sl_camera camera;
-    sl_vec3 eye = sl_v3(between(d, -3, 3), between(d, -3, 3), between(d, -3, 3));
-    sl_vec3 towards = sl_v3(between(d, -1, 1), between(d, -0.9f, 0.9f), between(d, 0.2f, 1));
+    sl_vec3 eye = point_between(d, sl_v3(-3, -3, -3), sl_v3(3, 3, 3));
+    sl_vec3 towards = point_between(d, sl_v3(-1, -0.9f, 0.2f), sl_v3(1, 0.9f, 1));
     if (!sl_camera_look_at(&camera, eye, sl_add(eye, towards), sl_v3(0, 1, 0), between(d, 0.5f, 1.8f)))
         fail_msg("no camera");
     return camera;

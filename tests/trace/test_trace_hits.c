@@ -77,10 +77,16 @@ static void trace_all(const sl_tracer *tracer, const ray *rays, size_t count, un
     assert_int_equal(counters.value[SL_COUNT_RAYS], count);
 }
 
-/* Returns what Embree is told: in place of AVX-512 nothing, its own choice, where the processor has none. */
+/* Returns what Embree is told: nothing, its own choice, in place of AVX-512 where the processor has none, and
+ * where it is no x86. */
 static const char *embree_for(const char *config) {
+#ifdef __x86_64__
     bool wide = config && strcmp(config, "isa=avx512") == 0;
     return wide && !__builtin_cpu_supports("avx512vl") ? NULL : config;
+#else
+    (void)config;
+    return NULL;
+#endif
 }
 
 static sl_tracer *make_tracer(const sl_scene *scene, const char *config) {

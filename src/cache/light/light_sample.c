@@ -42,15 +42,18 @@ static bool is_convex(const sl_sampled_light *light, double size) {
     return true;
 }
 
+/* As fmax(a, b), where a is no NaN: gcc 12 for Arm fails at fmax() itself in loops over floats. */
+static double larger(double a, double b) { return b > a ? b : a; }
+
 static void measure(const sl_sampled_light *light, sl_light_shape_info *shape) {
     double coordinates = 0.0, off = 0.0;
     sl_vec3d origin = corner_of(light, 0), normal = sl_to_double(light->normal),
              middle = sl_to_double(light->position);
     for (size_t k = 0; k < 3 * light->triangles; k++) {
         sl_vec3 c = light->corner[k];
-        coordinates = fmax(coordinates, (double)fmaxf(fabsf(c.x), fmaxf(fabsf(c.y), fabsf(c.z))));
-        off = fmax(off, fabs(sl_dotd(sl_subd(sl_to_double(c), origin), normal)));
-        shape->size = fmax(shape->size, 2.0 * sl_lengthd(sl_subd(sl_to_double(c), middle)));
+        coordinates = larger(coordinates, (double)fmaxf(fabsf(c.x), fmaxf(fabsf(c.y), fabsf(c.z))));
+        off = larger(off, fabs(sl_dotd(sl_subd(sl_to_double(c), origin), normal)));
+        shape->size = larger(shape->size, 2.0 * sl_lengthd(sl_subd(sl_to_double(c), middle)));
     }
     shape->flatness = off + 6e-7 * coordinates;
     shape->closed_form = light->kind == SL_SAMPLED_AREA || is_convex(light, shape->size);
