@@ -20,7 +20,7 @@ LD := $(CROSS)ld
 AR := $(CROSS)ar
 endif
 ifneq ($(SYSROOT),)
-override CC += $(if $(findstring clang,$(CC)),--target=$(CROSS:-=)) --sysroot=$(abspath $(SYSROOT))
+override CC := $(CC) $(if $(findstring clang,$(CC)),--target=$(CROSS:-=)) --sysroot=$(abspath $(SYSROOT))
 export PKG_CONFIG_SYSROOT_DIR := $(abspath $(SYSROOT))
 export PKG_CONFIG_LIBDIR := $(SYSROOT)/usr/lib/$(CROSS:-=)/pkgconfig:$(SYSROOT)/usr/share/pkgconfig
 endif
@@ -49,7 +49,8 @@ OPTIMISE_debug := $(SANITIZE) -fno-sanitize-recover=undefined
 OPTIMISE_tsan := -O1 -g -fsanitize=thread
 OPTIMISE_fuzz := $(SANITIZE),fuzzer-no-link,float-cast-overflow -fno-sanitize-recover=all
 OPTIMISE := $(or $(OPTIMISE_$(CONFIG)),$(error CONFIG=$(CONFIG): release, debug, tsan, baseline, fuzz or arm64))
-ifneq ($(filter baseline fuzz,$(CONFIG))$(filter-out x86_64-%,$(shell $(CC) -dumpmachine)),)
+TARGET := $(shell $(CC) -dumpversion)-$(shell $(CC) -dumpmachine)
+ifneq ($(filter baseline fuzz,$(CONFIG))$(if $(findstring -x86_64-,$(TARGET)),,other),)
 ISAS := baseline
 DEFINES += -DSL_BASELINE_ONLY
 endif
@@ -173,7 +174,9 @@ $(BUILD)/o/src/app/serve/sources.json.o: $(BUILD)/sources.json
 $(BUILD)/o/src/scene/importer_path.o: override DEFINES += -DSL_IMPORTER='"$(abspath $(BUILD))/softlux-import"'
 # stb_image's integers overflow in damaged JPEGs; this makes that defined.
 $(BUILD)/o/src/image/stb_image.o: override CFLAGS += -fwrapv -fno-sanitize=shift
-$(BUILD)/o/tests/% $(BUILD)/o/bench/%: override DEFINES += -I. -Itests/support
+# gcc 12 for Arm fails at fmax() in loops over floats: tests may have them, sources do without.
+$(BUILD)/o/tests/% $(BUILD)/o/bench/%: override DEFINES += -I. -Itests/support \
+  $(if $(filter gcc-12-aarch64-%,$(COMPILER)-$(TARGET)),-fno-tree-loop-vectorize)
 $(BUILD)/o/tests/support/osmesa.o: override DEFINES += -DSL_HAVE_$(OSMESA)
 
 $(foreach s,$(TEST_SOURCES),$(eval $(BUILD)/tests/$(basename $(notdir $(s))): $(s:%.c=$(BUILD)/o/%.o)))

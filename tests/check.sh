@@ -24,6 +24,7 @@ step 'release, clang: builds without warnings' make -s -j"$jobs" CC=clang CFLAGS
 step 'baseline, gcc: builds' make -s -j"$jobs" CONFIG=baseline all
 step 'same bits: threads, compilers, instruction sets' tests/same_bits.sh
 step 'same bits on several ranks' tests/ranks.sh build
+step 'same bits on other processors, by an emulator: short form' tests/hard/other_processors.sh build --brief
 step 'address and undefined-behaviour sanitizers' build_and_test build/debug CONFIG=debug \
     $(find tests -name 'test_*.c' | sort | sed 's|.*/||;s|\.c$||' | grep -v '_reference$\|_truth$\|_gradients$\|_draw_lists$')
 step 'inputs that fuzzing found or began with' sh -c 'make -s -j"$1" CONFIG=debug BUILD=build/debug fuzz-targets && tests/fuzz/replay.sh build/debug' sh "$jobs"

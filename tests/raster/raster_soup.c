@@ -1,4 +1,4 @@
-/* See raster_soup.h. The elementary functions are the library's own: the triangles are the same everywhere. */
+/* See raster_soup.h. Elementary functions are the library's own: the triangles are the same everywhere. */
 #include "unit_test.h"
 #include "raster_soup.h"
 
