@@ -2,7 +2,7 @@
  * suffix SL_ISA_SUFFIX on every symbol, and are chosen at run time. All variants give
  * the same bits: no contraction, element-wise loops, reductions in fixed lanes. The environment variable
  * SOFTLUX_ISA=baseline|avx2|avx512 lowers the choice (tests use it to compare); a build with SL_BASELINE_ONLY
- * has the baseline variant alone. */
+ * has the baseline variant alone, as have processors other than x86-64. */
 #ifndef SL_BASE_ISA_H
 #define SL_BASE_ISA_H
 

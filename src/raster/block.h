@@ -104,9 +104,9 @@ static inline void sl_part_write(sl_part_ints outside, sl_part_floats z, sl_part
 #endif
 }
 
-/* Four blocks side by side, as four rows of sixteen pixels. */
+/* Four blocks side by side, as four rows of sixteen pixels. (gcc 11 knows no __builtin_shufflevector().) */
 static inline void sl_block_rows(const uint32_t *blocks, uint32_t *to, size_t stride) {
-#if defined __AVX512DQ__
+#if defined __AVX512DQ__ && __has_builtin(__builtin_shufflevector)
     sl_part_ints b0 = sl_part_load_ints(blocks), b1 = sl_part_load_ints(blocks + 16),
                  b2 = sl_part_load_ints(blocks + 32), b3 = sl_part_load_ints(blocks + 48);
     sl_part_ints low01 =
