@@ -1,6 +1,6 @@
-/* Ranks: processes that compute one picture together. Each runs all of the program, in the same order, but for
- * batches (batch.h), whose items they share out and whose results they give each other. So no method knows of
- * them, and a picture has the same bits with any number of ranks.
+/* Ranks: processes that compute one picture together. Each runs all of the program, in the same order, but
+ * for batches (batch.h), whose items they share out and whose results they give each other. So no method
+ * knows of them, and a picture has the same bits with any number of ranks.
  *
  * ranks_alone.c is a process by itself, without MPI; ../mpi/ranks.c those that mpirun starts (make MPI=1). */
 #ifndef SL_BASE_RANKS_H

@@ -1,4 +1,5 @@
-/* How many bounces matter: as many as a scene that reflects nearly all needs, and no more where walls are dark. */
+/* How many bounces matter: as many as a scene that reflects nearly all needs, and no more where walls are
+ * dark. */
 #include <math.h>
 
 #include "unit_test.h"
