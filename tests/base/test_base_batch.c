@@ -21,7 +21,8 @@ static void hash_item(void *context, size_t index, unsigned worker, void *result
 
 static void run(unsigned threads, size_t count, uint32_t *results, sl_counters *counters) {
     hashes h = {.key = 5};
-    const sl_batch batch = {count, hash_item, &h, results, sizeof *results};
+    const sl_batch batch = {.count = count, .work = hash_item, .context = &h, .results = results,
+                            .result_bytes = sizeof *results};
     sl_batch_run(&batch, threads, counters);
     unsigned calls = 0;
     for (int w = 0; w < WORKERS; w++) calls += h.calls[w];
