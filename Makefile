@@ -7,23 +7,8 @@
 #   CONFIG=arm64              for 64-bit Arm, by a cross compiler; `make sysroot-arm64` gets the libraries
 # Each configuration and compiler has its own folder: build/ for the default, build/CONFIG[-clang] otherwise.
 CONFIG ?= release
-# What is before a cross compiler's tools' names, and the folder that stands for / of the other machine.
-ifeq ($(CONFIG),arm64)
-CROSS ?= aarch64-linux-gnu-
-SYSROOT ?= build/sysroot-arm64
-endif
-ifeq ($(origin CC),default)
-CC := $(CROSS)gcc
-endif
-ifneq ($(CROSS),)
-LD := $(CROSS)ld
-AR := $(CROSS)ar
-endif
-ifneq ($(SYSROOT),)
-override CC := $(CC) $(if $(findstring clang,$(CC)),--target=$(CROSS:-=)) --sysroot=$(abspath $(SYSROOT))
-export PKG_CONFIG_SYSROOT_DIR := $(abspath $(SYSROOT))
-export PKG_CONFIG_LIBDIR := $(SYSROOT)/usr/lib/$(CROSS:-=)/pkgconfig:$(SYSROOT)/usr/share/pkgconfig
-endif
+.DEFAULT_GOAL := all
+include packaging/cross.mk
 COMPILER := $(if $(findstring clang,$(CC)),clang,gcc)
 CONFIGURED := $(CONFIG)$(if $(filter clang,$(COMPILER)),-clang)
 BUILD ?= build$(if $(filter-out release,$(CONFIGURED)),/$(CONFIGURED))
@@ -119,20 +104,10 @@ link = $(call run,LD,$@) mkdir -p $(@D) && \
 compile = $(call run,CC,$<) mkdir -p $(@D) && $(CC) $(ALL_CFLAGS)
 archive = $(call run,AR,$@) rm -f $@ && $(AR) rcs $@ $^
 
-# The same program on many ranks, with MPI=1 (Open MPI's libopenmpi-dev).
-MPI_OBJECTS := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard src/mpi/*.c))
-
 all: $(if $(MPI),$(BUILD)/softlux-mpi) $(BUILD)/softlux $(BUILD)/softlux-import $(BUILD)/libsoftlux.a $(BUILD)/libsoftlux.so
 
 $(BUILD)/softlux: $(APP_OBJECTS) $(BUILD)/libsoftlux.a
 	$(link) $(LIBS) $(SERVE_LIBS)
-
-$(MPI_OBJECTS): override CFLAGS += $(shell pkg-config --cflags ompi-c)
-$(BUILD)/o/src/mpi/program.o: src/app/main.c
-	$(compile) -Dmain=sl_program_main -c $< -o $@
-$(BUILD)/softlux-mpi: $(MPI_OBJECTS) $(BUILD)/o/src/mpi/program.o $(filter-out %/app/main.o,$(APP_OBJECTS)) \
-                      $(filter-out %/ranks_alone.o,$(LIBRARY_OBJECTS))
-	$(link) $(LIBS) $(SERVE_LIBS) $(shell pkg-config --libs ompi-c)
 
 $(BUILD)/softlux-import: $(IMPORT_OBJECTS) $(BUILD)/libsoftlux.a
 	$(link) -Wl,--as-needed $(LIBS) $(IMPORT_LIBS)
@@ -174,25 +149,7 @@ $(BUILD)/o/src/app/serve/sources.json.o: $(BUILD)/sources.json
 $(BUILD)/o/src/scene/importer_path.o: override DEFINES += -DSL_IMPORTER='"$(abspath $(BUILD))/softlux-import"'
 # stb_image's integers overflow in damaged JPEGs; this makes that defined.
 $(BUILD)/o/src/image/stb_image.o: override CFLAGS += -fwrapv -fno-sanitize=shift
-# gcc 12 for Arm fails at fmax() in loops over floats: tests may have them, sources do without.
-$(BUILD)/o/tests/% $(BUILD)/o/bench/%: override DEFINES += -I. -Itests/support \
-  $(if $(filter gcc-12-aarch64-%,$(COMPILER)-$(TARGET)),-fno-tree-loop-vectorize)
-$(BUILD)/o/tests/support/osmesa.o: override DEFINES += -DSL_HAVE_$(OSMESA)
-
-$(foreach s,$(TEST_SOURCES),$(eval $(BUILD)/tests/$(basename $(notdir $(s))): $(s:%.c=$(BUILD)/o/%.o)))
-$(TESTS) $(BENCHES) $(FUZZERS): $(PARTS) $(BUILD)/libsoftlux.a | $(BUILD)/softlux-import
-$(BENCHES): $(BUILD)/bench/%: $(BUILD)/o/bench/%.o
-$(FUZZERS): $(BUILD)/fuzz/%: $(BUILD)/o/tests/fuzz/target_%.o $(BUILD)/o/tests/fuzz/support.o
-# Fuzzing's targets have libFuzzer where CONFIG=fuzz, else a main() that replays files.
-ifeq ($(CONFIG),fuzz)
-$(FUZZERS): override OPTIMISE := $(subst fuzzer-no-link,fuzzer,$(OPTIMISE_fuzz))
-$(BUILD)/fuzz/scene_file: $(BUILD)/o/tests/fuzz/json_mutator.o
-else
-$(FUZZERS): $(BUILD)/o/tests/fuzz/replay.o
-endif
-
-$(TESTS) $(BENCHES) $(FUZZERS):
-	$(link) -Wl,--as-needed -lcmocka $(LIBS) $(IMPORT_LIBS) $(SERVE_LIBS) $(OSMESA_LIBS)
+include packaging/mpi.mk tests/build.mk
 
 # Takes only the elementary functions of the library, so that its files are the same everywhere.
 $(BUILD)/generate: $(call objects,scenes/generate.c $(wildcard scenes/generate/*.c) src/base/math.c)
@@ -204,8 +161,6 @@ $(BUILD)/generate: $(call objects,scenes/generate.c $(wildcard scenes/generate/*
 
 setup: ## install what is missing
 	@./setup.sh
-sysroot-arm64: ## get the libraries for CONFIG=arm64 into build/sysroot-arm64 (Debian; nothing is installed)
-	@packaging/sysroot.sh build/sysroot-arm64 arm64
 demo: ## install what is missing, build, render a scene and print its error
 	@./setup.sh --build-only && $(MAKE) --no-print-directory -j$$(nproc) all && ./demo.sh $(BUILD)
 check: setup ## install what is missing, build, run all tests
@@ -236,7 +191,7 @@ clean: ## remove what was built and generated
 	rm -rf build scenes/generated
 help:
 	@echo 'make            both programs and both libraries, in build/'
-	@sed -n 's/^\([a-z%-]*\):[^#]*## \(.*\)/make \1@\2/p' Makefile packaging/install.mk | \
+	@sed -n 's/^\([a-z0-9%-]*\):[^#]*## \(.*\)/make \1@\2/p' Makefile packaging/*.mk | \
 	  while IFS=@ read -r target text; do printf '%-15s %s\n' "$$target" "$$text"; done
 	@echo 'CONFIG=release|debug|tsan|baseline|fuzz|arm64, CC=gcc|clang; CFLAGS, LDFLAGS are added last; V=1 shows all.'
 include packaging/install.mk

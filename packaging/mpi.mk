@@ -1,0 +1,8 @@
+# The same program on many ranks, with MPI=1 (Open MPI's libopenmpi-dev).
+MPI_OBJECTS := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard src/mpi/*.c))
+$(MPI_OBJECTS): override CFLAGS += $(shell pkg-config --cflags ompi-c)
+$(BUILD)/o/src/mpi/program.o: src/app/main.c
+	$(compile) -Dmain=sl_program_main -c $< -o $@
+$(BUILD)/softlux-mpi: $(MPI_OBJECTS) $(BUILD)/o/src/mpi/program.o $(filter-out %/app/main.o,$(APP_OBJECTS)) \
+                      $(filter-out %/ranks_alone.o,$(LIBRARY_OBJECTS))
+	$(link) $(LIBS) $(SERVE_LIBS) $(shell pkg-config --libs ompi-c)
