@@ -125,6 +125,8 @@ def check_pictures(server, visitor, folder):
     log = os.path.join(folder, kept["name"])
     subprocess.run([PROGRAM, "serve", SCENE, "--replay", log, "-o", folder], check=True)
     compare(log.replace(".json", "-a.exr"), os.path.join(folder, "replay-1.exr"))
+    visitor = Visitor(server)  # who has read nothing for minutes is let go
+    visitor.wait_for(lambda m: m.get("is") == "hello", wait)
     visitor.say(do="method", name="direct-radiance")
     visitor.say(do="exact")
     told = visitor.wait_for(lambda m: m.get("is") == "exact" and m["done"], wait)
