@@ -1,7 +1,8 @@
 /* Records while objects and lights move (not in the paper, whose records are of one state of a scene). With
  * a budget of records a frame they are kept: each goes along with what it lies on, shows the light that it
  * last gathered, and gathers anew in turns, those first that have waited longest and that have things moving
- * near them. When nothing moves any more and all have had their turn, records are made anew as for a scene
+ * near them. They reach further then, and those that others cover go: so few are left that most can gather
+ * for each picture, and none looks older than its neighbours. When nothing moves any more and all have had their turn, records are made anew as for a scene
  * that has always been so, behind the picture that is shown; what has become of it has the bits that it has
  * without all this. */
 #include <stdlib.h>
@@ -53,6 +54,65 @@ static sl_status carry_list(const sl_splat_state *s, const sl_object_motion *mot
     return status;
 }
 
+/* ---- few of them ---- */
+
+/* Records' own places, as pixels are to those of others. */
+static sl_splat_receivers places_of(const sl_record_list *list, float *planes[6], uint32_t *receives) {
+    for (size_t i = 0; i < list->count; i++) {
+        const sl_record *r = &list->records[i];
+        const float at[6] = {r->position.x, r->position.y, r->position.z,
+                             r->normal.x,   r->normal.y,   r->normal.z};
+        for (int k = 0; k < 6; k++) planes[k][i] = at[k];
+        receives[i] = 1;
+    }
+    return (sl_splat_receivers){(int)list->count, 1, planes[0], planes[1], planes[2], planes[3], planes[4],
+                                planes[5], receives};
+}
+
+static bool is_covered(const sl_record_list *list, const sl_weight_rules *rules,
+                       const sl_splat_receivers *places, size_t record, size_t kept, sl_isa isa) {
+    float sum = 0.0f;
+    for (size_t k = 0; k < kept && sum < 1.0f / (9.0f * rules->accuracy); k++)
+        sum += SL_KERNEL_OF(isa, sl_splat_weight)(&list->records[k], rules, places, record);
+    return sum >= 1.0f / (9.0f * rules->accuracy);
+}
+
+/* Keeps, in their order, those that the ones before do not cover: coarse ones come first. */
+static sl_status thin_out(const sl_splat_state *s, sl_receiver_class class, sl_record_list *list,
+                          sl_error *error) {
+    const float a = (float)sl_splat_accuracy(s, class);
+    const sl_weight_rules rules = {a, 1.0f / a, 1e-5f * s->scene->scale};
+    const size_t count = list->count, floats = sl_splat_coefficients(s, class);
+    float *block = sl_allocate(6 * count, sizeof *block), *planes[6];
+    uint32_t *receives = sl_allocate(count, sizeof *receives);
+    const bool room = block && receives;
+    for (int k = 0; k < 6; k++) planes[k] = block + (size_t)k * count;
+    if (room) {
+        const sl_splat_receivers places = places_of(list, planes, receives);
+        const sl_isa isa = sl_isa_best();
+        list->count = 0;
+        for (size_t i = 0; i < count; i++) {
+            if (is_covered(list, &rules, &places, i, list->count, isa)) continue;
+            list->records[list->count] = list->records[i];
+            if (floats)
+                memmove(list->coefficients + list->count * floats, list->coefficients + i * floats,
+                        floats * sizeof(float));
+            list->count++;
+        }
+    }
+    sl_free(receives);
+    sl_free(block);
+    return room ? SL_OK : sl_fail_memory(error, "records of what moves");
+}
+
+static sl_status thin_all(sl_splat_state *s, sl_error *error) {
+    sl_status status = SL_OK;
+    for (int c = 0; c < SL_RECEIVER_CLASSES && status == SL_OK; c++)
+        if (s->cache[c].list.count)
+            status = thin_out(s, (sl_receiver_class)c, &s->cache[c].list, error);
+    return status;
+}
+
 static sl_status carry(sl_splat_state *s, const sl_affine *before, sl_error *error) {
     const size_t objects = s->scene->object_count;
     sl_object_motion *motion = sl_allocate(objects, sizeof *motion);
@@ -80,11 +140,13 @@ sl_status sl_splat_age_records(sl_splat_state *s, sl_error *error) {
     sl_affine *placements = s->ages.placements;
     s->ages.places = NULL;
     s->ages.placements = NULL;
+    const bool begins = !s->ages.aged;
     s->ages.aged = true;
     s->ages.edits++;
     sl_status status = sl_splat_renew_lights(s, error);
     if (status == SL_OK && !note_boxes(&s->ages, places))
         status = sl_fail_memory(error, "what has moved");
+    if (status == SL_OK && begins) status = thin_all(s, error);
     if (status == SL_OK) status = carry(s, placements, error);
     if (status != SL_OK) sl_splat_destroy_transport(s); /* the next edit makes all anew */
     sl_object_places_destroy(places);
@@ -205,7 +267,7 @@ static sl_status renew_class(sl_splat_state *s, sl_record_cache *cache, size_t b
 }
 
 sl_status sl_splat_renew_records(sl_splat_state *s, sl_error *error) {
-    const size_t budget = s->settings.records_per_frame;
+    const size_t budget = 2 * (size_t)s->settings.records_per_frame; /* they take a part of a new one's rays */
     sl_status status =
         s->second ? sl_second_cache_renew(s->second, s->raster, budget, &s->counters, error) : SL_OK;
     for (int c = 0; c < SL_RECEIVER_CLASSES && status == SL_OK; c++)

@@ -19,8 +19,14 @@ static void close_caches(sl_splat_state *s) {
     }
 }
 
-static double accuracy_of(const sl_splat_state *s, const sl_record_cache *cache) {
-    return cache->class == SL_RECEIVES_RADIANCE ? s->settings.glossy_accuracy : s->settings.accuracy;
+/* While things move, at whatever quality: few records with few rays, of which most gather anew for each
+ * picture. */
+static const double quick_accuracy = 0.6, quick_pixels = 6.0;
+enum { QUICK_SIZE = 10 };
+
+double sl_splat_accuracy(const sl_splat_state *s, sl_receiver_class class) {
+    const double a = class == SL_RECEIVES_RADIANCE ? s->settings.glossy_accuracy : s->settings.accuracy;
+    return sl_splat_is_quick(s) && a < quick_accuracy ? quick_accuracy : a;
 }
 
 /* Second-level records stay as long as geometry and lights do; where the camera goes to other places, there
@@ -41,7 +47,9 @@ static sl_status open_second(sl_splat_state *s, sl_error *error) {
  * it would be a quarter of the scene away from the eye, and at least a thousandth of the scene. */
 static double minimum_reach(const sl_splat_state *s, double footprint_per_depth) {
     double size = (double)sl_scene_central_diagonal(s->scene);
-    double reach = s->plan.minimum_pixels * footprint_per_depth * 0.25 * size;
+    double pixels = s->plan.minimum_pixels;
+    if (sl_splat_is_quick(s) && pixels < quick_pixels) pixels = quick_pixels;
+    double reach = pixels * footprint_per_depth * 0.25 * size;
     return reach > 1e-3 * size ? reach : 1e-3 * size;
 }
 
@@ -55,7 +63,7 @@ static float covered_weight(const sl_splat_state *s, float accuracy) {
 
 static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
-    float a = (float)accuracy_of(s, cache), scale = s->scene->scale;
+    float a = (float)sl_splat_accuracy(s, cache->class), scale = s->scene->scale;
     const sl_camera *camera = &s->scene->camera;
     /* Pictures of more than 400 rows show more, but not in proportion: there what is told in pixels goes with
      * the root of the rows. */
@@ -102,18 +110,12 @@ sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_erro
     return status;
 }
 
-/* A quarter of the rays, an even number a side. */
-static int quick_size(int size) {
-    const int quick = size / 4 * 2;
-    return quick >= 8 ? quick : size < 8 ? size : 8;
-}
-
 sl_status sl_splat_open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
     if (cache->gathers.gather) return SL_OK;
     sl_status status = open_second(s, error);
     sl_gather_settings settings = s->plan.gather;
     settings.harmonics_order = cache->class == SL_RECEIVES_RADIANCE ? s->plan.harmonics_order : 0;
-    if (sl_splat_is_quick(s)) settings.size = quick_size(settings.size);
+    if (sl_splat_is_quick(s) && settings.size > QUICK_SIZE) settings.size = QUICK_SIZE;
     settings.second = s->second ? sl_second_cache_light(s->second) : NULL;
     if (status == SL_OK)
         status = sl_record_gathers_create(s->scene, s->raster, s->tracer, &settings, s->settings.threads,

@@ -137,6 +137,8 @@ sl_status sl_splat_renew_lights(sl_splat_state *state, sl_error *error);
 static inline bool sl_splat_is_quick(const sl_splat_state *s) { return s->ages.aged && !s->ages.anew; }
 /* Makes what lights pixels anew. */
 sl_status sl_splat_renew_direct(sl_splat_state *state, sl_error *error);
+/* Returns a, of records of a class. */
+double sl_splat_accuracy(const sl_splat_state *state, sl_receiver_class class);
 void sl_splat_close_gathers(sl_splat_state *state);
 /* Makes ready for this view what the records of a class need to be splatted. */
 sl_status sl_splat_open_cache(sl_splat_state *state, sl_record_cache *cache, sl_error *error);
