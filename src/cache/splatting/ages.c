@@ -209,7 +209,8 @@ static bool is_renewed(const sl_splat_state *s) {
 static sl_gather_point point_of(const sl_splat_state *s, const sl_record *r) {
     sl_vec3 geometric = sl_scene_geometric_normal(s->scene, r->triangle);
     if (sl_dot(geometric, r->normal) < 0.0f) geometric = sl_neg(geometric);
-    return (sl_gather_point){r->position, geometric, r->normal, r->triangle, r->key};
+    return (sl_gather_point){r->position, geometric, r->normal, r->triangle,
+                             (uint64_t)r->key[1] << 32 | r->key[0]};
 }
 
 /* It reaches as far as it did: few rays tell light well, and distances badly. */
@@ -267,9 +268,9 @@ static sl_status renew_class(sl_splat_state *s, sl_record_cache *cache, size_t b
 }
 
 sl_status sl_splat_renew_records(sl_splat_state *s, sl_error *error) {
-    const size_t budget = 2 * (size_t)s->settings.records_per_frame; /* they take a part of a new one's rays */
+    const size_t budget = s->settings.records_per_frame, second = (budget + 1) / 2;
     sl_status status =
-        s->second ? sl_second_cache_renew(s->second, s->raster, budget, &s->counters, error) : SL_OK;
+        s->second ? sl_second_cache_renew(s->second, s->raster, second, &s->counters, error) : SL_OK;
     for (int c = 0; c < SL_RECEIVER_CLASSES && status == SL_OK; c++)
         if (s->cache[c].list.count) status = renew_class(s, &s->cache[c], budget, error);
     s->phase = SL_PHASE_GBUFFER;

@@ -62,7 +62,8 @@ double sl_record_guard(const sl_irradiance *irradiance, const sl_radius_rules *r
 sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irradiance,
                          const sl_radius_rules *rules, float footprint) {
     sl_record r = {.position = point->position, .normal = point->normal, .irradiance = irradiance->value,
-                   .triangle = point->triangle, .key = point->key,
+                   .triangle = point->triangle,
+                   .key = {(uint32_t)point->key, (uint32_t)(point->key >> 32)},
                    .stretch = rules->metric == SL_METRIC_HESSIAN ? (float)(1.0 / rules->accuracy) : 1.0f};
     for (int c = 0; c < 3; c++) {
         r.rotational[c] = irradiance->rotational[c];

@@ -58,7 +58,8 @@ typedef struct sl_record {
     sl_record_wall walls[SL_RECORD_WALLS];
     uint32_t triangle;
     uint32_t renewed;          /* with which edit of the scene it has gathered last (ages.c) */
-    uint64_t key;              /* of the gather: the same again meets the same, where nothing has moved */
+    /* of the gather, its low half first: the same again meets the same, where nothing has moved */
+    uint32_t key[2];
 } sl_record;
 
 typedef struct sl_radius_rules {
