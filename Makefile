@@ -94,8 +94,8 @@ SHARED_SOURCES := $(filter-out $(TEST_SOURCES) $(BENCH_SOURCES) tests/fuzz/%,\
 PARTS := $(BUILD)/libparts.a
 PARTS_OBJECTS := $(call objects,$(SHARED_SOURCES)) $(filter-out %/main.o,$(APP_OBJECTS) $(IMPORT_OBJECTS))
 
-.PHONY: all setup sysroot-arm64 demo check check-all test conformance fuzz-targets fuzz golden lessons scenes bench report \
-        clean help
+.PHONY: all setup demo check check-all test conformance fuzz-targets fuzz golden lessons scenes bench report \
+        clean help sysroot-arm64
 .DELETE_ON_ERROR .SECONDARY:
 
 # ---- what is built ---------------------------------------------------------------------------------------
@@ -104,7 +104,8 @@ link = $(call run,LD,$@) mkdir -p $(@D) && \
 compile = $(call run,CC,$<) mkdir -p $(@D) && $(CC) $(ALL_CFLAGS)
 archive = $(call run,AR,$@) rm -f $@ && $(AR) rcs $@ $^
 
-all: $(if $(MPI),$(BUILD)/softlux-mpi) $(BUILD)/softlux $(BUILD)/softlux-import $(BUILD)/libsoftlux.a $(BUILD)/libsoftlux.so
+all: $(if $(MPI),$(BUILD)/softlux-mpi) $(BUILD)/softlux $(BUILD)/softlux-import $(BUILD)/libsoftlux.a \
+     $(BUILD)/libsoftlux.so
 
 $(BUILD)/softlux: $(APP_OBJECTS) $(BUILD)/libsoftlux.a
 	$(link) $(LIBS) $(SERVE_LIBS)

@@ -48,3 +48,15 @@ void sl_object_places_destroy(sl_object_places *p) {
     sl_free(p->box);
     sl_free(p);
 }
+
+size_t sl_object_moves(const sl_object_places *before, const sl_object_places *now, bool *moved, sl_box *box) {
+    size_t count = 0;
+    for (size_t i = 0; i < now->count; i++) {
+        const bool moves = sl_object_has_moved(before, now, i);
+        if (moved) moved[i] = moves;
+        if (!moves) continue;
+        box[count++] = before->box[i];
+        box[count++] = now->box[i];
+    }
+    return count;
+}

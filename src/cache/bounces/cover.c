@@ -44,7 +44,7 @@ float sl_second_weight(const sl_second_cache *cache, const sl_gather_point *p) {
 }
 
 static bool is_covered(const sl_second_cache *cache, const sl_gather_point *point) {
-    return sl_second_weight(cache, point) >= 1.0f / (9.0f * cache->rules.accuracy);
+    return sl_second_weight(cache, point) >= sl_covered_weight(cache->rules.accuracy);
 }
 
 static sl_status commit(sl_record_batch *b, sl_second_cache *cache, sl_counters *counters, sl_error *error) {

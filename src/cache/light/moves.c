@@ -36,15 +36,6 @@ static void note_lights(sl_light_moves *m, const sl_sampled_lights *before) {
     }
 }
 
-static void note_objects(sl_light_moves *m, const sl_object_places *before, const sl_object_places *now) {
-    for (size_t i = 0; i < now->count; i++) {
-        m->object_moved[i] = sl_object_has_moved(before, now, i);
-        if (!m->object_moved[i]) continue;
-        m->box[m->box_count++] = before->box[i];
-        m->box[m->box_count++] = now->box[i];
-    }
-}
-
 sl_status sl_light_places_take(const sl_scene *scene, sl_sampled_lights **lights, sl_error *error) {
     sl_status status = sl_sampled_lights_find(scene, lights, error);
     if (status != SL_OK) return status;
@@ -70,7 +61,7 @@ sl_status sl_light_moves_find(const sl_scene *scene, const sl_object_places *pla
         return sl_fail_memory(error, "what has moved");
     }
     note_lights(m, lights_before);
-    note_objects(m, places_before, places);
+    m->box_count = sl_object_moves(places_before, places, m->object_moved, m->box);
     *moves = m;
     return SL_OK;
 }

@@ -2,9 +2,9 @@
  * a budget of records a frame they are kept: each goes along with what it lies on, shows the light that it
  * last gathered, and gathers anew in turns, those first that have waited longest and that have things moving
  * near them. They reach further then, and those that others cover go: so few are left that most can gather
- * for each picture, and none looks older than its neighbours. When nothing moves any more and all have had their turn, records are made anew as for a scene
- * that has always been so, behind the picture that is shown; what has become of it has the bits that it has
- * without all this. */
+ * for each picture, and none looks older than its neighbours. When nothing moves any more and all have had
+ * their turn, records are made anew behind the picture that is shown: the last picture has the bits of a scene
+ * in which nothing has ever moved. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,22 +21,19 @@ static void forget_places(sl_splat_ages *a) {
     a->placements = NULL;
 }
 
-static sl_status take_places(sl_splat_state *s, sl_error *error) {
-    sl_status status = sl_object_places_take(s->scene, &s->ages.places, error);
-    return status == SL_OK ? sl_object_placements_take(s->scene, &s->ages.placements, error) : status;
+sl_status sl_splat_note_places(sl_splat_state *s, sl_error *error) {
+    sl_splat_ages *a = &s->ages;
+    forget_places(a);
+    if (!s->settings.records_per_frame) return SL_OK;
+    sl_status status = sl_object_places_take(s->scene, &a->places, error);
+    return status == SL_OK ? sl_object_placements_take(s->scene, &a->placements, error) : status;
 }
 
-/* The boxes of objects that have moved, where they were and where they are. */
-static bool note_boxes(sl_splat_ages *a, const sl_object_places *before) {
+static sl_status note_moved(sl_splat_ages *a, const sl_object_places *before, sl_error *error) {
     sl_free(a->moved);
-    a->moved_count = 0;
-    a->moved = sl_allocate(2 * before->count + 1, sizeof *a->moved);
-    for (size_t i = 0; a->moved && i < before->count; i++) {
-        if (!sl_object_has_moved(before, a->places, i)) continue;
-        a->moved[a->moved_count++] = before->box[i];
-        a->moved[a->moved_count++] = a->places->box[i];
-    }
-    return a->moved != NULL;
+    a->moved = sl_allocate(2 * before->count, sizeof *a->moved);
+    a->moved_count = a->moved ? sl_object_moves(before, a->places, NULL, a->moved) : 0;
+    return a->moved ? SL_OK : sl_fail_memory(error, "what has moved");
 }
 
 /* ---- records go along ---- */
@@ -69,12 +66,21 @@ static sl_splat_receivers places_of(const sl_record_list *list, float *planes[6]
                                 planes[5], receives};
 }
 
-static bool is_covered(const sl_record_list *list, const sl_weight_rules *rules,
-                       const sl_splat_receivers *places, size_t record, size_t kept, sl_isa isa) {
+static bool is_covered(const sl_record_list *kept, const sl_weight_rules *rules,
+                       const sl_splat_receivers *places, size_t record, sl_isa isa) {
+    const float enough = sl_covered_weight(rules->accuracy);
     float sum = 0.0f;
-    for (size_t k = 0; k < kept && sum < 1.0f / (9.0f * rules->accuracy); k++)
-        sum += SL_KERNEL_OF(isa, sl_splat_weight)(&list->records[k], rules, places, record);
-    return sum >= 1.0f / (9.0f * rules->accuracy);
+    for (size_t k = 0; k < kept->count && sum < enough; k++)
+        sum += SL_KERNEL_OF(isa, sl_splat_weight)(&kept->records[k], rules, places, record);
+    return sum >= enough;
+}
+
+static void keep_in_front(sl_record_list *list, size_t record, size_t floats) {
+    list->records[list->count] = list->records[record];
+    if (floats)
+        memmove(list->coefficients + list->count * floats, list->coefficients + record * floats,
+                floats * sizeof(float));
+    list->count++;
 }
 
 /* Keeps, in their order, those that the ones before do not cover: coarse ones come first. */
@@ -86,18 +92,13 @@ static sl_status thin_out(const sl_splat_state *s, sl_receiver_class class, sl_r
     float *block = sl_allocate(6 * count, sizeof *block), *planes[6];
     uint32_t *receives = sl_allocate(count, sizeof *receives);
     const bool room = block && receives;
-    for (int k = 0; k < 6; k++) planes[k] = block + (size_t)k * count;
     if (room) {
+        for (int k = 0; k < 6; k++) planes[k] = block + (size_t)k * count;
         const sl_splat_receivers places = places_of(list, planes, receives);
         const sl_isa isa = sl_isa_best();
         list->count = 0;
         for (size_t i = 0; i < count; i++) {
-            if (is_covered(list, &rules, &places, i, list->count, isa)) continue;
-            list->records[list->count] = list->records[i];
-            if (floats)
-                memmove(list->coefficients + list->count * floats, list->coefficients + i * floats,
-                        floats * sizeof(float));
-            list->count++;
+            if (!is_covered(list, &rules, &places, i, isa)) keep_in_front(list, i, floats);
         }
     }
     sl_free(receives);
@@ -129,10 +130,8 @@ static sl_status carry(sl_splat_state *s, const sl_affine *before, sl_error *err
 }
 
 bool sl_splat_keeps_records(const sl_splat_state *s) {
-    const sl_splat_ages *a = &s->ages;
     const bool some = s->cache[0].list.count + s->cache[1].list.count > 0;
-    return s->settings.records_per_frame && !s->scene->sub_frame.share && s->raster && some && a->places &&
-           a->places->count == s->scene->object_count;
+    return s->settings.records_per_frame && !s->scene->sub_frame.share && s->raster && some;
 }
 
 sl_status sl_splat_age_records(sl_splat_state *s, sl_error *error) {
@@ -144,19 +143,13 @@ sl_status sl_splat_age_records(sl_splat_state *s, sl_error *error) {
     s->ages.aged = true;
     s->ages.edits++;
     sl_status status = sl_splat_renew_lights(s, error);
-    if (status == SL_OK && !note_boxes(&s->ages, places))
-        status = sl_fail_memory(error, "what has moved");
+    if (status == SL_OK) status = note_moved(&s->ages, places, error);
     if (status == SL_OK && begins) status = thin_all(s, error);
     if (status == SL_OK) status = carry(s, placements, error);
     if (status != SL_OK) sl_splat_destroy_transport(s); /* the next edit makes all anew */
     sl_object_places_destroy(places);
     sl_free(placements);
     return status;
-}
-
-sl_status sl_splat_note_places(sl_splat_state *s, sl_error *error) {
-    forget_places(&s->ages);
-    return s->settings.records_per_frame ? take_places(s, error) : SL_OK;
 }
 
 /* ---- in turns ---- */

@@ -53,12 +53,11 @@ static double minimum_reach(const sl_splat_state *s, double footprint_per_depth)
     return reach > 1e-3 * size ? reach : 1e-3 * size;
 }
 
-/* Smooth weights: a pixel counts as covered by one record at D <= 0.9 a, so that none hangs on a vanishing
- * weight. What sub-frames behind the first see is near to what has been covered so, and a part of a pixel:
- * there a tenth of that is enough. */
+/* What sub-frames behind the first see is near to what has been covered, and a part of a pixel: there a tenth
+ * is enough. */
 static float covered_weight(const sl_splat_state *s, float accuracy) {
     const bool asks_again = s->scene->sub_frame.purpose == SL_SUB_FRAME_ASKS;
-    return 1.0f / ((asks_again ? 90.0f : 9.0f) * accuracy);
+    return asks_again ? 1.0f / (90.0f * accuracy) : sl_covered_weight(accuracy);
 }
 
 static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {

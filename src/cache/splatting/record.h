@@ -132,6 +132,10 @@ typedef struct sl_weight_rules {
     float front_tolerance;    /* 1e-5 of the scene's scale */
 } sl_weight_rules;
 
+/* w_min: smooth weights count a point as covered by one record at D <= 0.9 a, so that none hangs on a
+ * vanishing weight. */
+static inline float sl_covered_weight(float accuracy) { return 1.0f / (9.0f * accuracy); }
+
 typedef struct sl_splat_buffer {
     float *r, *g, *b;         /* sum of w E' */
     float *weight;            /* sum of w */
