@@ -60,11 +60,12 @@ static double apply_curve(sl_tone_curve curve, double x) {
 
 /* borders[i]: the linear value at which the encoded value passes from code i to code i + 1, so that rounding
  * to the nearest code is a search for the number of borders at or below a value. */
-static void find_code_borders(double borders[255]) {
+static void find_code_borders(double borders[256]) {
     for (int i = 0; i < 255; i++) borders[i] = (double)sl_srgb_decode(((float)i + 0.5f) / 255.0f);
+    borders[255] = INFINITY;
 }
 
-static uint8_t nearest_code(const double borders[255], double x) {
+static uint8_t nearest_code(const double borders[256], double x) {
     unsigned code = 0;
     for (unsigned step = 128; step > 0; step /= 2) {
         if (code + step <= 255 && x >= borders[code + step - 1]) code += step; /* NaN passes no border */
@@ -73,10 +74,11 @@ static uint8_t nearest_code(const double borders[255], double x) {
 }
 
 /* The code at the low end of each of 128 steps of a doubling, from OCTAVES of them below 1 on: from there to
- * the code of a value it is a border or two. A value's step stands in its bits. */
+ * the code of a value it is at most one border, since a doubling holds 68 of them. A value's step stands in
+ * its bits. */
 enum { OCTAVES = 13, STEP_BITS = 45, STEPS = OCTAVES * 128, FIRST_STEP = (1023 - OCTAVES) << 7 };
 
-static void find_first_codes(const double borders[255], uint8_t first[STEPS]) {
+static void find_first_codes(const double borders[256], uint8_t first[STEPS]) {
     for (uint64_t i = 0; i < STEPS; i++) {
         const uint64_t bits = (FIRST_STEP + i) << STEP_BITS;
         double low;
@@ -86,19 +88,18 @@ static void find_first_codes(const double borders[255], uint8_t first[STEPS]) {
 }
 
 /* Of a value above 0, or of NaN. */
-static uint8_t code_of(const double borders[255], const uint8_t first[STEPS], double x) {
+static uint8_t code_of(const double borders[256], const uint8_t first[STEPS], double x) {
     uint64_t bits;
     if (!(x >= 0x1p-13)) return 0; /* below the first border */
     if (x >= 1.0) return 255;
     memcpy(&bits, &x, sizeof bits);
-    unsigned code = first[(bits >> STEP_BITS) - FIRST_STEP];
-    while (code < 255 && x >= borders[code]) code++;
-    return (uint8_t)code;
+    const unsigned code = first[(bits >> STEP_BITS) - FIRST_STEP];
+    return (uint8_t)(code + (x >= borders[code]));
 }
 
 static void map_planes(const float *const planes[3], size_t pixels, double exposure, sl_tone_curve curve,
                        uint8_t *mapped) {
-    double borders[255];
+    double borders[256];
     uint8_t first[STEPS];
     find_code_borders(borders);
     find_first_codes(borders, first);

@@ -22,7 +22,8 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
                            sl_direct **direct, sl_error *error);
 void sl_direct_destroy(sl_direct *direct);
 /* Direct light of the next `rows` rows of a G-buffer from *row on, which moves on: diffuse and glossy lobes,
- * radiance into three planes (bottom row first). */
+ * radiance into three planes (bottom row first). The same bits whatever the strips; with maps, if they are
+ * multiples of 8 rows. */
 enum { SL_DIRECT_ROWS = 64 }; /* enough of them for many threads */
 sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
                          float *const radiance[3], sl_counters *counters, sl_error *error);

@@ -3,7 +3,8 @@
  *     direct.c          what is made once; what each pixel is
  *     direct_rays.c     the passes over a strip
  *     direct_exact.c    emitters: closed forms for all of their light, rays for the visible share
- *     direct_sampled.c  lights without extent; all by shadow maps; what is too much for closed forms
+ *     direct_sampled.c  lights without extent; what is too much for closed forms
+ *     direct_mapped.c   all lights by shadow maps, where there are any: none of the passes above
  *     direct_glossy.c   glossy lobes
  *     direct_lamps.c    emitters as a glossy lobe sees them
  *     direct_filter.c   the visible share, smoothed where it is noise
@@ -108,8 +109,12 @@ void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_samp
                      sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters);
 void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block,
                      sl_direct_sums *sums, sl_counters *counters);
-void sl_direct_mapped(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block,
-                      sl_direct_sums *sums, sl_counters *counters);
+/* Rows [row, end), all light. */
+sl_status sl_direct_mapped_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int row, int end,
+                                float *const radiance[3], sl_counters *counters, sl_error *error);
+/* Adds what a pixel's glossy lobe reflects, if it has one, to glossy[c][p]. */
+void sl_direct_add_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, sl_vec3 to_light,
+                        sl_rgb irradiance, float *const glossy[3], size_t p);
 /* Of the sun, or of emitters. */
 void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, bool sun, sl_direct_sums *sums,
                        sl_counters *counters);

@@ -6,8 +6,7 @@
  *   3  the visible share   smoothed where it is noise (direct_filter.c)
  *   4  radiance
  *
- * Every pass reads a few rows around those of the next one. By shadow maps there are the first and the last
- * alone. */
+ * Every pass reads a few rows around those of the next one. */
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -73,6 +72,7 @@ void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *g, size_t p, sl
     b->geometric_x[i] = g->geometric_x[p], b->geometric_y[i] = g->geometric_y[p],
     b->geometric_z[i] = g->geometric_z[p];
     b->normal_x[i] = g->normal_x[p], b->normal_y[i] = g->normal_y[p], b->normal_z[i] = g->normal_z[p];
+    if (direct->settings.maps) return; /* where nothing is random */
     b->rank[i] = z_order(x % SL_SAMPLE_TILE, y % SL_SAMPLE_TILE);
     b->tile_key[i] = sl_random_key(direct->settings.seed ^ 0xd1ecu,
                                    (uint64_t)(y / SL_SAMPLE_TILE) << 32 | x / SL_SAMPLE_TILE);
@@ -199,10 +199,6 @@ static void light_block(const pass *p, const sl_lit_block *block, unsigned worke
     uint32_t pilot = pilot_samples(direct);
     sl_sample_range range = {p->refine ? pilot : 0, p->refine ? samples_with_refinement(direct) : pilot};
     if (block->count == 0) return;
-    if (direct->settings.maps) {
-        sl_direct_mapped(direct, p->gbuffer, block, p->sums, counters);
-        return;
-    }
     if (direct->sides.count) sl_direct_exact(direct, block, range, scratch, p->sums, counters);
     if (p->refine) return;
     sl_direct_delta(direct, p->gbuffer, block, p->sums, counters);
@@ -234,8 +230,7 @@ static void sample_row(const pass *p, int y, sl_lit_block *block, unsigned worke
     }
 }
 
-/* A task: a few rows, so that what is left of a block is little; by maps one, whose blocks tell how many
- * samples their pixels get. */
+/* A task: a few rows, so that what is left of a block is little. */
 static void sample_rows(void *context, size_t index, unsigned worker) {
     const pass *p = context;
     const int first = p->row + (int)index * p->each, end = smaller(first + p->each, p->end);
@@ -303,26 +298,23 @@ static void run(pass *p, sl_task *task, int each, int row0, int row1, int margin
 }
 
 static void run_all(pass *p, int row0, int row1) {
-    const bool maps = p->direct->settings.maps != NULL;
-    run(p, sample_rows, maps ? 1 : SAMPLED_ROWS, row0, row1, maps ? 0 : PENUMBRA_MARGIN + FILTER_MARGIN);
+    run(p, sample_rows, SAMPLED_ROWS, row0, row1, PENUMBRA_MARGIN + FILTER_MARGIN);
     p->refine = true;
-    if (!maps && samples_with_refinement(p->direct) > pilot_samples(p->direct))
+    if (samples_with_refinement(p->direct) > pilot_samples(p->direct))
         run(p, sample_rows, SAMPLED_ROWS, row0, row1, FILTER_MARGIN);
-    if (!maps) run(p, scatter_row, 1, row0, row1, FILTER_MARGIN);
+    run(p, scatter_row, 1, row0, row1, FILTER_MARGIN);
     run(p, finish_row, 1, row0, row1, 0);
 }
 
-sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
-                         float *const radiance[3], sl_counters *counters, sl_error *error) {
-    const int margin = PENUMBRA_MARGIN + FILTER_MARGIN, row0 = *row,
-              row1 = smaller(row0 + rows, gbuffer->height);
+static sl_status light_strip(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1,
+                             float *const radiance[3], sl_counters *counters, sl_error *error) {
+    const int margin = PENUMBRA_MARGIN + FILTER_MARGIN;
     int first = larger(row0 - margin, 0), end = smaller(row1 + margin, gbuffer->height);
     size_t width = (size_t)gbuffer->width, lines = (size_t)(end - first);
     sl_direct_sums sums;
     sl_counters *costs = sl_allocate(lines, sizeof *costs);
     void *scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
     bool made = make_sums((size_t)first * width, lines * width, &sums) && costs && scratch;
-    *row = row1;
     if (made) {
         pass p = {direct, gbuffer, first, first, end, 1, &sums, {radiance[0], radiance[1], radiance[2]},
                   costs,  scratch, false};
@@ -333,4 +325,12 @@ sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int
     sl_free(costs);
     sl_free(scratch);
     return made ? SL_OK : sl_fail_memory(error, "direct light");
+}
+
+sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
+                         float *const radiance[3], sl_counters *counters, sl_error *error) {
+    const int first = *row, end = *row = smaller(first + rows, gbuffer->height);
+    return direct->settings.maps
+               ? sl_direct_mapped_rows(direct, gbuffer, first, end, radiance, counters, error)
+               : light_strip(direct, gbuffer, first, end, radiance, counters, error);
 }

@@ -1,13 +1,13 @@
-/* Lights without extent, one ray each; all lights by shadow maps, where there are any; and what is not known
- * unoccluded, the sun, and emitters that are too many or masked: plain light samples. */
+/* Lights without extent, one ray each; and what is not known unoccluded, the sun, and emitters that are too
+ * many or masked: plain light samples. */
 #include "base/random.h"
 #include "cache/light/direct_internal.h"
 #include "cache/frame/picture_value.h"
 
 /* ---- lights without extent ---- */
 
-static void add_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, sl_vec3 to_light,
-                     sl_rgb irradiance, float *glossy[3], size_t p) {
+void sl_direct_add_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel, sl_vec3 to_light,
+                        sl_rgb irradiance, float *const glossy[3], size_t p) {
     if (!sl_pixel_is_glossy(gbuffer, direct->scene, pixel)) return;
     sl_bsdf lobe = sl_pixel_lobe(direct, gbuffer, pixel);
     sl_rgb f = sl_bsdf_value(&lobe, to_light, SL_LOBE_GLOSSY);
@@ -46,45 +46,10 @@ void sl_direct_delta(const sl_direct *direct, const sl_gbuffer *gbuffer, const s
             sums->plain[2][p] += irradiance.b;
             if (direct->glossy) {
                 sl_vec3 to_light = sl_normalize_or(sl_v3(a.x[i], a.y[i], a.z[i]), sl_v3(0.0f, 0.0f, 1.0f));
-                add_lobe(direct, gbuffer, block->pixel[i], to_light, irradiance, sums->glossy, p);
+                sl_direct_add_lobe(direct, gbuffer, block->pixel[i], to_light, irradiance, sums->glossy, p);
             }
         }
     }
-}
-
-/* ---- by shadow maps ---- */
-
-typedef struct {
-    const sl_direct *direct;
-    const sl_gbuffer *gbuffer;
-    const sl_lit_block *block;
-    sl_direct_sums *sums;
-} mapped;
-
-static void add_lobes(void *context, const sl_arrivals *a, const float *lit, sl_rgb colour) {
-    const mapped *m = context;
-    for (size_t i = 0; i < m->block->count; i++) {
-        float share = a->weight[i] * lit[i];
-        const uint32_t pixel = m->block->pixel[i];
-        if (share > 0.0f)
-            add_lobe(m->direct, m->gbuffer, pixel, sl_v3(a->x[i], a->y[i], a->z[i]),
-                     sl_rgb_scale(colour, share), m->sums->glossy, pixel - m->sums->first);
-    }
-}
-
-void sl_direct_mapped(const sl_direct *direct, const sl_gbuffer *gbuffer, const sl_lit_block *block,
-                      sl_direct_sums *sums, sl_counters *counters) {
-    const sl_shadow_maps *maps = direct->settings.maps;
-    const sl_light_points points = sl_lit_points(block);
-    float light[3][SL_LIGHT_BLOCK] = {{0.0f}};
-    bool glossy = false;
-    sl_shadow_maps_irradiance(maps, &points, SL_MAPPED_LIGHTS, light[0], light[1], light[2], counters);
-    for (size_t i = 0; i < block->count; i++) {
-        glossy |= sl_pixel_is_glossy(gbuffer, direct->scene, block->pixel[i]);
-        for (int c = 0; c < 3; c++) sums->plain[c][block->pixel[i] - sums->first] += light[c][i];
-    }
-    mapped context = {direct, gbuffer, block, sums};
-    if (glossy) sl_shadow_maps_each(maps, &points, SL_MAPPED_LIGHTS, add_lobes, &context, counters);
 }
 
 /* ---- samples of lights with extent ---- */

@@ -25,10 +25,12 @@ sl_octree_point sl_octree_point_of_pixel(const sl_scene *scene, const sl_gbuffer
     const sl_material *m = &scene->materials[g->material[pixel]];
     sl_vec3 place = sl_gbuffer_position(g, pixel);
     sl_vec3 n = sl_gbuffer_normal(g, pixel);
-    sl_vec3 from = sl_gbuffer_seen_from(g, eye, pixel);
+    sl_vec3 view = n;
+    if (sl_material_is_glossy(m))
+        view = sl_normalize_or(sl_sub(sl_gbuffer_seen_from(g, eye, pixel), place), n);
     return (sl_octree_point){.position = place,
                              .normal = n,
-                             .view = sl_material_is_glossy(m) ? sl_normalize_or(sl_sub(from, place), n) : n,
+                             .view = view,
                              .diffuse = {g->diffuse_r[pixel], g->diffuse_g[pixel], g->diffuse_b[pixel]},
                              .specular = m->specular,
                              .exponent = m->exponent};

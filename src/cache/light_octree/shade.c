@@ -21,16 +21,17 @@ static bool is_glossy(const sl_octree_point *p) { return sl_rgb_max(p->specular)
 /* b = floor(p 2^d - 1/2), or the cell itself with the nearest filter. False: the point gets no light. */
 static bool find_place(const sl_octree_shading *shading, const sl_octree_point *p, voxel_place *place) {
     const sl_voxel_texture *t = shading->texture;
-    double cells = (double)(1u << t->depth), scale = cells / t->edge;
-    const double u[3] = {((double)p->position.x - t->origin.x) * scale,
-                         ((double)p->position.y - t->origin.y) * scale,
-                         ((double)p->position.z - t->origin.z) * scale};
+    const double cells = (double)(1u << t->depth);
+    const double u[3] = {((double)p->position.x - t->origin.x) * t->scale,
+                         ((double)p->position.y - t->origin.y) * t->scale,
+                         ((double)p->position.z - t->origin.z) * t->scale};
     float length = sl_dot(p->normal, p->normal);
     if (!(length > 0.0f && length < 4.0f)) return false;
     for (int axis = 0; axis < 3; axis++) {
         if (!(u[axis] >= 0.0 && u[axis] < cells)) return false; /* outside, or NaN */
-        double at = shading->filter == SL_VOXEL_NEAREST ? u[axis] : u[axis] - 0.5, low = floor(at);
-        place->cell[axis] = (int32_t)low;
+        const double at = shading->filter == SL_VOXEL_NEAREST ? u[axis] : u[axis] - 0.5;
+        const int32_t low = at < 0.0 ? -1 : (int32_t)at;
+        place->cell[axis] = low;
         place->t[axis] = (float)(at - low);
     }
     return true;

@@ -241,6 +241,7 @@ sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights
         *t = (sl_voxel_texture){.depth = octree->depth,
                                 .origin = octree->origin,
                                 .edge = octree->edge,
+                                .scale = (double)(1u << octree->depth) / octree->edge,
                                 .lobes = lights->options.lobes,
                                 .lights = lights->texels};
         status = fill(t, octree, lights, place_of_leaf, error);

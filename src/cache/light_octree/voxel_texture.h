@@ -20,7 +20,7 @@ typedef struct sl_unpacked_light {
 typedef struct sl_voxel_texture {
     int depth;
     sl_vec3d origin;
-    double edge;
+    double edge, scale;         /* of the root; cells of the deepest level by length */
     sl_volume *bricks;          /* RGBA8 */
     size_t brick_count;
     sl_voxel_lobes lobes;

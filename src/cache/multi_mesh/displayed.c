@@ -225,23 +225,40 @@ void sl_displayed_restart(sl_displayed *d) {
 
 typedef struct draw_job {
     const sl_displayed *d;
+    sl_isa isa;
     sl_rgb fallback;
     float *const *planes;
     uint64_t *redrawn;         /* pixels, by worker */
 } draw_job;
 
-static void draw_leaf(const draw_job *job, const sl_patch_place *leaf) {
+static void draw_lanes(const draw_job *job, uint32_t patch, uint32_t first, uint32_t count,
+                       const sl_patch_place *shown, const sl_mesh_fan *fan) {
     const sl_visible_pixels *pixels = job->d->pixels;
+    float w1[SL_FAN_LANES], w2[SL_FAN_LANES], value[3][SL_FAN_LANES];
+    uint32_t pixel[SL_FAN_LANES];
+    for (uint32_t l = 0; l < count; l++) {
+        const uint32_t i = sl_displayed_pixel(job->d, patch, first + l);
+        pixel[l] = pixels->pixel[i];
+        w1[l] = pixels->w1[i];
+        w2[l] = pixels->w2[i];
+        value[0][l] = job->fallback.r, value[1][l] = job->fallback.g, value[2][l] = job->fallback.b;
+    }
+    if (fan) {
+        (void)SL_KERNEL_OF(job->isa, sl_mesh_run)(shown, count, w1, w2, w1, w2);
+        SL_KERNEL_OF(job->isa, sl_mesh_fan_values)(fan, w1, w2, value);
+    }
+    for (uint32_t l = 0; l < count; l++)
+        for (int c = 0; c < 3; c++) job->planes[c][pixel[l]] = value[c][l];
+}
+
+static void draw_leaf(const draw_job *job, const sl_patch_place *leaf) {
     uint32_t count = job->d->mesh->patch[leaf->patch].pixels;
     sl_patch_place shown = *leaf;
     sl_mesh_fan fan;
     bool known = sl_mesh_fan_shown(job->d->mesh, &shown, job->d->settings.hanging, &fan);
-    for (uint32_t k = 0; k < count; k++) {
-        uint32_t i = sl_displayed_pixel(job->d, leaf->patch, k);
-        float value[3] = {job->fallback.r, job->fallback.g, job->fallback.b}, w1, w2;
-        sl_mesh_weights_within(&shown, pixels->w1[i], pixels->w2[i], &w1, &w2);
-        if (known) sl_mesh_fan_value(&fan, w1, w2, value);
-        for (int c = 0; c < 3; c++) job->planes[c][pixels->pixel[i]] = value[c];
+    for (uint32_t first = 0; first < count; first += SL_FAN_LANES) {
+        const uint32_t some = count - first < SL_FAN_LANES ? count - first : SL_FAN_LANES;
+        draw_lanes(job, leaf->patch, first, some, &shown, known ? &fan : NULL);
     }
 }
 
@@ -277,7 +294,7 @@ void sl_displayed_draw(sl_displayed *d, unsigned threads, sl_rgb fallback, float
     enum { THREADS_MOST = 256 };
     if (!d->pixels) return;
     uint64_t redrawn[THREADS_MOST] = {0};
-    draw_job job = {.d = d, .fallback = fallback, .planes = planes, .redrawn = redrawn};
+    draw_job job = {.d = d, .isa = sl_isa_best(), .fallback = fallback, .planes = planes, .redrawn = redrawn};
     sl_parallel_for(threads, d->pixels->face_count, draw_root, &job);
     for (int t = 0; t < THREADS_MOST; t++) sl_count(counters, SL_COUNT_PIXELS_REDRAWN, redrawn[t]);
     d->dirty_all = false;

@@ -17,7 +17,6 @@ typedef struct resolving {
     sl_materials_seen *out;
 } resolving;
 
-/* At all of a triangle's points the eye sees the same side. */
 static sl_rgb emission_seen(const resolving *r, size_t row, size_t column, uint32_t triangle) {
     const sl_scene *scene = r->scene;
     if (triangle == SL_NO_INDEX)
@@ -37,12 +36,17 @@ static void resolve_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const resolving *r = context;
     size_t width = (size_t)r->out->width;
+    sl_rgb emission = sl_grey(0.0f);
     for (size_t column = 0; column < width; column++) {
         size_t pixel = row * width + column;
         uint32_t triangle = r->id[pixel];
         if (r->out->specular[0] && triangle != SL_NO_INDEX)
             put(r->out->specular, pixel, r->scene->materials[r->scene->material_index[triangle]].specular);
-        if (r->out->emission[0]) put(r->out->emission, pixel, emission_seen(r, row, column, triangle));
+        if (!r->out->emission[0]) continue;
+        /* At all of a triangle's points the eye sees the same side. */
+        if (!column || triangle == SL_NO_INDEX || triangle != r->id[pixel - 1])
+            emission = emission_seen(r, row, column, triangle);
+        put(r->out->emission, pixel, emission);
     }
 }
 
@@ -151,9 +155,15 @@ sl_status sl_merge_picture(const sl_merge *merge, sl_image **image, sl_error *er
     return SL_OK;
 }
 
-static float product_at(const float *a, const float *b, float scale, size_t i) {
-    return a && b ? sl_picture_value(a[i] * (b[i] * scale)) : 0.0f;
+/* Adds a b scale, and nothing where there is no a or b. */
+static void add_product(const float *restrict a, const float *restrict b, float scale, size_t count,
+                        float *restrict out) {
+    if (!a || !b) return;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) out[i] += sl_picture_value(a[i] * (b[i] * scale));
 }
+
+static const float *at(const float *plane, size_t from) { return plane ? plane + from : NULL; }
 
 static void merge_colours_of_row(void *context, size_t row, unsigned worker) {
     (void)worker;
@@ -162,16 +172,14 @@ static void merge_colours_of_row(void *context, size_t row, unsigned worker) {
     const size_t width = (size_t)m->materials->width, height = (size_t)m->materials->height;
     const size_t from = row * width, to = (height - 1 - row) * width;
     for (size_t k = 0; k < 3; k++) {
-        const float *kd = m->materials->diffuse[k], *ks = m->materials->specular[k],
-                    *lamp = m->materials->emission[k];
+        const float *kd = at(m->materials->diffuse[k], from), *ks = at(m->materials->specular[k], from),
+                    *lamp = at(m->materials->emission[k], from);
         float *out = c->out + k * width * height + to;
-        for (size_t i = 0; i < width; i++) {
-            const size_t p = from + i;
-            const float direct = product_at(kd, m->direct_diffuse[k], 1.0f, p),
-                        highlight = product_at(ks, m->direct_specular[k], 1.0f, p),
-                        indirect = product_at(kd, m->indirect[k], (float)(1.0 / SL_PI), p);
-            out[i] = sl_picture_value(((direct + highlight) + indirect) + (lamp ? lamp[p] : 0.0f));
-        }
+        memset(out, 0, width * sizeof *out);
+        add_product(kd, at(m->direct_diffuse[k], from), 1.0f, width, out);
+        add_product(ks, at(m->direct_specular[k], from), 1.0f, width, out);
+        add_product(kd, at(m->indirect[k], from), (float)(1.0 / SL_PI), width, out);
+        for (size_t i = 0; i < width; i++) out[i] = sl_picture_value(out[i] + (lamp ? lamp[i] : 0.0f));
     }
 }
 

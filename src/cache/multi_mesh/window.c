@@ -170,34 +170,47 @@ static sl_status follow_structure(window *w, uint32_t made, sl_error *error) {
     return sl_primitives_of_triangles(w->scene, &w->primitives, error);
 }
 
-/* The leaf of the last pixel, and what it shows: itself or an ancestor, if anything is known there. */
+/* What a leaf shows: itself or an ancestor, if anything is known there. */
 typedef struct shown_leaf {
     sl_patch_place found, at;
     sl_mesh_fan fan;
     bool known;
 } shown_leaf;
 
-/* Pixels of a face lie side by side: most are in the leaf of the one before. */
 static void find_leaf(const sl_patches *mesh, uint32_t face, float w1, float w2, shown_leaf *leaf) {
-    if (leaf->found.patch != SL_NO_INDEX && sl_mesh_leaf_holds(&leaf->found, w1, w2)) return;
     const sl_patch_place found = sl_mesh_locate(mesh, face, w1, w2);
-    if (found.patch == leaf->found.patch) return;
+    if (found.patch != SL_NO_INDEX && found.patch == leaf->found.patch) return;
     leaf->found = leaf->at = found;
     leaf->known = found.patch != SL_NO_INDEX && sl_mesh_fan_shown(mesh, &leaf->at, true, &leaf->fan);
 }
 
-/* Where a mesh knows nothing `otherwise` shows. */
-static void draw_face(const sl_patches *mesh, const sl_visible_pixels *seen, const sl_visible_face *face,
-                      sl_rgb otherwise, float *const planes[3]) {
+/* Returns how many of the points have the first one's leaf, whose values these are. */
+static size_t values_of(const shown_leaf *leaf, sl_isa isa, size_t count, const float *w1, const float *w2,
+                        float value[3][SL_FAN_LANES]) {
+    float a[SL_FAN_LANES], b[SL_FAN_LANES];
+    if (leaf->found.patch == SL_NO_INDEX) return 1;
+    const size_t run = SL_KERNEL_OF(isa, sl_mesh_run)(&leaf->found, count, w1, w2, a, b);
+    if (!leaf->known) return run;
+    if (leaf->at.patch != leaf->found.patch)
+        (void)SL_KERNEL_OF(isa, sl_mesh_run)(&leaf->at, run, w1, w2, a, b);
+    SL_KERNEL_OF(isa, sl_mesh_fan_values)(&leaf->fan, a, b, value);
+    return run;
+}
+
+/* Pixels of a face lie side by side: most are in the leaf of the one before. Where a mesh knows nothing
+ * `otherwise` shows. */
+static void draw_face(const sl_patches *mesh, sl_isa isa, const sl_visible_pixels *seen,
+                      const sl_visible_face *face, sl_rgb otherwise, float *const planes[3]) {
+    const float colour[3] = {otherwise.r, otherwise.g, otherwise.b};
     shown_leaf leaf = {.found.patch = SL_NO_INDEX};
-    for (uint32_t i = face->first; i < face->first + face->count; i++) {
-        float value[3] = {otherwise.r, otherwise.g, otherwise.b}, w1, w2;
+    const uint32_t end = face->first + face->count;
+    for (uint32_t i = face->first; i < end;) {
+        const size_t left = end - i < SL_FAN_LANES ? end - i : SL_FAN_LANES;
+        float value[3][SL_FAN_LANES];
         find_leaf(mesh, face->face, seen->w1[i], seen->w2[i], &leaf);
-        if (leaf.known) {
-            sl_mesh_weights_within(&leaf.at, seen->w1[i], seen->w2[i], &w1, &w2);
-            sl_mesh_fan_value(&leaf.fan, w1, w2, value);
-        }
-        for (int c = 0; c < 3; c++) planes[c][seen->pixel[i]] = value[c];
+        const size_t run = values_of(&leaf, isa, left, seen->w1 + i, seen->w2 + i, value);
+        for (size_t l = 0; l < run; l++, i++)
+            for (int c = 0; c < 3; c++) planes[c][seen->pixel[i]] = leaf.known ? value[c][l] : colour[c];
     }
 }
 
@@ -207,6 +220,7 @@ typedef struct drawing {
     const sl_visible_pixels *seen;
     float *planes[SL_COMPONENTS][3];
     size_t pieces; /* of each mesh */
+    sl_isa isa;
 } drawing;
 
 enum { FACES = 32 };
@@ -217,13 +231,16 @@ static void draw_piece(void *context, size_t index, unsigned worker) {
     const sl_rgb otherwise = part == SL_INDIRECT ? d->set->ambient : sl_grey(0.0f);
     (void)worker;
     for (size_t f = first; d->set->part[part] && f < first + FACES && f < d->seen->face_count; f++)
-        draw_face(d->set->part[part], d->seen, &d->seen->face[f], otherwise, d->planes[part]);
+        draw_face(d->set->part[part], d->isa, d->seen, &d->seen->face[f], otherwise, d->planes[part]);
 }
 
 static void draw_meshes(window *w, const mesh_copies *set, const sl_visible_pixels *seen, sl_merge *merge) {
     const float **const target[] = {merge->direct_diffuse, merge->direct_specular, merge->indirect};
     const size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
-    drawing d = {.set = set, .seen = seen, .pieces = (seen->face_count + FACES - 1) / FACES};
+    drawing d = {.set = set,
+                 .seen = seen,
+                 .pieces = (seen->face_count + FACES - 1) / FACES,
+                 .isa = sl_isa_best()};
     for (size_t i = 0; i < SL_COMPONENTS; i++) {
         if (!set->part[i]) continue;
         set->part[i]->primitives = w->primitives;

@@ -36,14 +36,6 @@ void sl_mesh_weights_within(const sl_patch_place *place, float w1, float w2, flo
     *leaf_w2 = (float)b;
 }
 
-bool sl_mesh_leaf_holds(const sl_patch_place *leaf, float w1, float w2) {
-    const double margin = 1e-9; /* beyond what rounding could do */
-    double a, b;
-    clamp_weights(w1, w2, &a, &b);
-    sl_patch_local(leaf, a * SL_PATCH_DYADIC, b * SL_PATCH_DYADIC, &a, &b);
-    return a > margin && b > margin && a + b < 1.0 - margin;
-}
-
 sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, float w2) {
     double a, b;
     clamp_weights(w1, w2, &a, &b);

@@ -6,6 +6,7 @@
 #ifndef SL_PATCHES_MESH_H
 #define SL_PATCHES_MESH_H
 
+#include "base/isa.h"
 #include "cache/patches/patches.h"
 
 enum { SL_MESH_DEPTH_MAX = 12 };
@@ -85,9 +86,6 @@ void sl_mesh_forget(sl_patches *mesh, const sl_mesh_check *check);
 /* Returns the leaf that holds a point of a face, told by its weights of corners 1 and 2: those outside the
  * face are first moved onto it (NaN: 0). */
 sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, float w2);
-/* Tells whether a point lies well inside a leaf, so that it is the one that sl_mesh_locate() finds; false on
- * its edges, too. */
-bool sl_mesh_leaf_holds(const sl_patch_place *leaf, float w1, float w2);
 /* Gives a point's weights of a leaf's own corners 1 and 2. */
 void sl_mesh_weights_within(const sl_patch_place *place, float w1, float w2, float *leaf_w1, float *leaf_w2);
 
@@ -128,6 +126,18 @@ bool sl_mesh_fan_make(const sl_patches *mesh, const sl_patch_place *leaf, bool h
 /* The same of the nearest of a patch and its ancestors that has one, as it is shown. */
 bool sl_mesh_fan_shown(const sl_patches *mesh, sl_patch_place *place, bool hanging, sl_mesh_fan *fan);
 void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value);
+
+/* The same for points side by side (fan_kernels.c). */
+enum { SL_FAN_LANES = 16 };
+/* Gives weights of a leaf's own corners at up to SL_FAN_LANES points of its face, and anything in the other
+ * lanes. Returns how many of the first lie in the leaf for sure, and so are what sl_mesh_locate() finds
+ * there: on its edges none but the first point, which is taken to. */
+SL_KERNELS(size_t, sl_mesh_run, (const sl_patch_place *leaf, size_t count, const float *w1, const float *w2,
+                                 float *leaf_w1, float *leaf_w2));
+/* Gives all lanes' values, a row a channel. */
+SL_KERNELS(void, sl_mesh_fan_values,
+           (const sl_mesh_fan *fan, const float *w1, const float *w2, float value[3][SL_FAN_LANES]));
+
 /* The same for one point, by weights of the leaf's own corners. */
 bool sl_mesh_interpolate(const sl_patches *mesh, const sl_patch_place *leaf, float w1, float w2, bool hanging,
                          float *value);

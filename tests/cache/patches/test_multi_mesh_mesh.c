@@ -218,6 +218,46 @@ static void a_linear_field_is_reproduced_whatever_is_refined(void **state) {
     }
 }
 
+/* Points along a line through a face, some of them outside. */
+static void lanes_along_a_line(uint64_t number, float w1[SL_FAN_LANES], float w2[SL_FAN_LANES]) {
+    const float u = sl_random_unit(stream(19), 2 * number), v = sl_random_unit(stream(19), 2 * number + 1);
+    for (int l = 0; l < SL_FAN_LANES; l++) {
+        w1[l] = u + 0.01f * (float)(number % 7) * (float)l;
+        w2[l] = v * (1.0f - u) - 0.003f * (float)l;
+    }
+}
+
+static void points_in_lanes_have_the_values_of_one_after_another_to_the_bit(void **state) {
+    (void)state;
+    trace_mesh parts = field(3, 3);
+    world w = world_of(&parts, 3, 10);
+    refine_randomly(&w, 300, 6, 12);
+    know_all(w.mesh, "linear");
+    size_t together = 0;
+    for (uint64_t i = 0; i < 3000; i++) {
+        const uint32_t face = 2 * (uint32_t)(i % 18);
+        float w1[SL_FAN_LANES], w2[SL_FAN_LANES], a[SL_FAN_LANES], b[SL_FAN_LANES], value[3][SL_FAN_LANES];
+        sl_mesh_fan fan;
+        lanes_along_a_line(i, w1, w2);
+        sl_patch_place leaf = sl_mesh_locate(w.mesh, face, w1[0], w2[0]);
+        assert_true(sl_mesh_fan_make(w.mesh, &leaf, true, &fan));
+        for (int isa = 0; isa <= (int)sl_isa_best(); isa++) {
+            size_t run = SL_KERNEL_OF((sl_isa)isa, sl_mesh_run)(&leaf, SL_FAN_LANES, w1, w2, a, b);
+            SL_KERNEL_OF((sl_isa)isa, sl_mesh_fan_values)(&fan, a, b, value);
+            assert_true(run >= 1 && run <= SL_FAN_LANES);
+            together += run - 1;
+            for (size_t l = 0; l < run; l++) {
+                float one[3];
+                assert_int_equal(sl_mesh_locate(w.mesh, face, w1[l], w2[l]).patch, leaf.patch);
+                assert_true(sl_mesh_value(w.mesh, face, w1[l], w2[l], one));
+                for (int c = 0; c < 3; c++) assert_memory_equal(&one[c], &value[c][l], sizeof *one);
+            }
+        }
+    }
+    assert_true(together > 20000);
+    discard(&w);
+}
+
 static void a_hanging_vertex_shows_its_value_and_the_centre_the_mean(void **state) {
     (void)state;
     trace_mesh parts = one_triangle();
@@ -349,6 +389,7 @@ int main(void) {
         cmocka_unit_test(children_keep_what_is_left_of_closed_edges),
         cmocka_unit_test(a_constant_stays_the_same_in_every_bit_whatever_is_refined),
         cmocka_unit_test(a_linear_field_is_reproduced_whatever_is_refined),
+        cmocka_unit_test(points_in_lanes_have_the_values_of_one_after_another_to_the_bit),
         cmocka_unit_test(a_hanging_vertex_shows_its_value_and_the_centre_the_mean),
         cmocka_unit_test(corners_that_are_not_known_give_no_value_and_invalid_ones_the_mean_of_the_others),
         cmocka_unit_test(leaves_of_any_size_have_the_same_values_along_common_edges),

@@ -1,0 +1,125 @@
+/* Points of a face side by side, in lanes: those that lie in one leaf, and what its fan shows there. The same
+ * arithmetic as point by point (mesh.c). */
+#include "cache/patches/mesh.h"
+
+enum { LANES = SL_FAN_LANES };
+
+static inline double clamp_weight(float w) { return w > 0.0f ? (w < 1.0f ? (double)w : 1.0) : 0.0; }
+
+size_t SL_KERNEL(sl_mesh_run)(const sl_patch_place *place, size_t count, const float *w1, const float *w2,
+                              float *leaf_w1, float *leaf_w2) {
+    const double margin = 1e-9, u0 = place->u[0], v0 = place->v[0],
+                 du = (double)place->u[1] - (double)place->u[0],
+                 dv = (double)place->v[place->corners - 1] - (double)place->v[0];
+    int32_t inside[LANES];
+    float a_of[LANES] = {0.0f}, b_of[LANES] = {0.0f};
+    for (size_t l = 0; l < count; l++) {
+        a_of[l] = w1[l];
+        b_of[l] = w2[l];
+    }
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        double a = clamp_weight(a_of[l]), b = clamp_weight(b_of[l]);
+        const double sum = a + b > 1.0 ? a + b : 1.0;
+        a = (a / sum * SL_PATCH_DYADIC - u0) / du;
+        b = (b / sum * SL_PATCH_DYADIC - v0) / dv;
+        inside[l] = (a > margin) & (b > margin) & (a + b < 1.0 - margin);
+        leaf_w1[l] = (float)a;
+        leaf_w2[l] = (float)b;
+    }
+    size_t run = 1;
+    while (run < count && inside[run]) run++;
+    return run;
+}
+
+/* ---- values ---- */
+
+static inline float clamp01(float x) { return x > 0.0f ? (x < 1.0f ? x : 1.0f) : 0.0f; }
+
+static inline void flat_values(const sl_mesh_fan *fan, const float *w1, const float *w2,
+                               float value[3][SL_FAN_LANES]) {
+    const float(*of)[3] = fan->value;
+    for (int c = 0; c < fan->channels; c++) {
+#pragma omp simd
+        for (int l = 0; l < LANES; l++)
+            value[c][l] = of[0][c] + (w1[l] * (of[1][c] - of[0][c]) + w2[l] * (of[2][c] - of[0][c]));
+    }
+}
+
+typedef struct fan_lanes {
+    int32_t edge[LANES], whole[LANES], low[LANES], high[LANES], from[LANES], to[LANES];
+    float along[LANES], out[LANES];
+} fan_lanes;
+
+static inline void find_places(const float *w1, const float *w2, fan_lanes *p) {
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        const float a = w1[l], b = w2[l], c = 1.0f - a - b > 0.0f ? 1.0f - a - b : 0.0f;
+        const int32_t edge = (b <= c) & (b <= a) ? 0 : c <= a ? 1 : 2;
+        const float least = edge == 0 ? b : edge == 1 ? c : a, from = (edge == 0 ? c : edge == 1 ? a : b) - least,
+                    to = (edge == 0 ? a : edge == 1 ? b : c) - least, sum = from + to;
+        const float along = (sum > 0.0f ? to / (sum > 0.0f ? sum : 1.0f) : 0.5f) * (float)SL_PATCH_DYADIC;
+        p->edge[l] = edge;
+        p->along[l] = along;
+        p->out[l] = sum < 1.0f ? sum : 1.0f;
+        p->whole[l] = (int32_t)along;
+        p->low[l] = 0;
+        p->high[l] = SL_PATCH_DYADIC;
+        p->from[l] = edge;
+        p->to[l] = edge == 2 ? 0 : edge + 1;
+    }
+}
+
+static inline void find_pieces(const sl_mesh_fan *fan, fan_lanes *p) {
+    for (size_t k = 0; k < fan->count; k++) {
+        const int32_t at = fan->spoke[k].along, edge = fan->spoke[k].edge, vertex = (int32_t)fan->spoke[k].vertex;
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const bool here = p->edge[l] == edge, before = here & (at <= p->whole[l]),
+                       beyond = here & (at > p->whole[l]) & (at < p->high[l]);
+            p->low[l] = before ? at : p->low[l];
+            p->from[l] = before ? vertex : p->from[l];
+            p->high[l] = beyond ? at : p->high[l];
+            p->to[l] = beyond ? vertex : p->to[l];
+        }
+    }
+}
+
+static inline void fan_values(const sl_mesh_fan *fan, const float *w1, const float *w2,
+                              float value[3][SL_FAN_LANES]) {
+    fan_lanes p;
+    float s[LANES], a[3][LANES], b[3][LANES];
+    find_places(w1, w2, &p);
+    find_pieces(fan, &p);
+    for (int l = 0; l < LANES; l++) {
+        for (int c = 0; c < 3; c++) {
+            a[c][l] = fan->value[p.from[l]][c];
+            b[c][l] = fan->value[p.to[l]][c];
+        }
+    }
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) s[l] = (p.along[l] - (float)p.low[l]) / (float)(p.high[l] - p.low[l]);
+    for (int c = 0; c < fan->channels; c++) {
+        const float centre = fan->centre[c];
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            /* exact at both ends */
+            const bool near = s[l] <= 0.5f;
+            const float from = near ? a[c][l] : b[c][l], to = near ? b[c][l] : a[c][l];
+            const float on_edge = from + (near ? s[l] : 1.0f - s[l]) * (to - from);
+            value[c][l] = centre + p.out[l] * (on_edge - centre);
+        }
+    }
+}
+
+void SL_KERNEL(sl_mesh_fan_values)(const sl_mesh_fan *fan, const float *w1, const float *w2,
+                                   float value[3][SL_FAN_LANES]) {
+    float a[LANES], b[LANES];
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        a[l] = clamp01(w1[l]);
+        b[l] = clamp01(w2[l]);
+    }
+    if (fan->count == 0) flat_values(fan, a, b, value);
+    else fan_values(fan, a, b, value);
+}
