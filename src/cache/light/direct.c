@@ -39,8 +39,42 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     return SL_OK;
 }
 
+/* ---- in motion ---- */
+
+/* Texels a side of a light's map, of samples of emitters a quarter. */
+enum { QUICK_SIZE = 512, QUICK_SIZE_LEAST = 64, QUICK_TEXELS = 1 << 24 };
+
+static int quick_size(const sl_scene *scene) {
+    const double lights = (double)scene->light_count + 1.0;
+    int size = QUICK_SIZE;
+    while (size > QUICK_SIZE_LEAST && 6.0 * lights * size * size > QUICK_TEXELS) size /= 2;
+    return size;
+}
+
+sl_status sl_direct_create_quick(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                                 const sl_direct_settings *settings, bool may_map, sl_direct **direct,
+                                 sl_counters *counters, sl_error *error) {
+    const sl_shadow_map_settings mapped = {quick_size(scene), settings->sun, NULL, settings->threads};
+    sl_direct_settings quick = *settings;
+    sl_shadow_maps *maps = NULL;
+    sl_status status = SL_OK;
+    *direct = NULL;
+    if (may_map && sl_emitter_sides(scene) <= SL_SHADOW_MAP_SIDES_MAX)
+        status = sl_shadow_maps_create(scene, raster, &mapped, &maps, counters, error);
+    quick.maps = maps;
+    if (status == SL_OK) status = sl_direct_create(scene, tracer, &quick, direct, error);
+    if (status == SL_OK) (*direct)->own_maps = maps;
+    else sl_shadow_maps_destroy(maps);
+    return status;
+}
+
+size_t sl_direct_map_bytes(const sl_direct *direct) {
+    return direct && direct->own_maps ? sl_shadow_maps_bytes(direct->own_maps) : 0;
+}
+
 void sl_direct_destroy(sl_direct *direct) {
     if (!direct) return;
+    sl_shadow_maps_destroy(direct->own_maps);
     sl_light_sampler_destroy(direct->sampler);
     sl_light_sides_release(&direct->sides);
     sl_free(direct);

@@ -20,7 +20,15 @@ typedef struct sl_direct sl_direct;
 /* tracer may be NULL where shadow maps are given. */
 sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const sl_direct_settings *settings,
                            sl_direct **direct, sl_error *error);
+/* The same for frames in motion, which have no time for penumbrae by rays: by shadow maps that it draws and
+ * owns; by the rays of the settings, which hold no maps, where lights are too many for maps, or may_map is
+ * false. */
+sl_status sl_direct_create_quick(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                                 const sl_direct_settings *settings, bool may_map, sl_direct **direct,
+                                 sl_counters *counters, sl_error *error);
 void sl_direct_destroy(sl_direct *direct);
+/* Returns bytes of its own maps. NULL: 0. */
+size_t sl_direct_map_bytes(const sl_direct *direct);
 /* Direct light of the next `rows` rows of a G-buffer from *row on, which moves on: diffuse and glossy lobes,
  * radiance into three planes (bottom row first). The same bits whatever the strips; with maps, if they are
  * multiples of 8 rows. */

@@ -24,6 +24,7 @@ struct sl_direct {
     const sl_scene *scene;
     const sl_tracer *tracer;
     sl_direct_settings settings;
+    sl_shadow_maps *own_maps;       /* those of the settings, or NULL */
     sl_isa isa;
     float offset;                   /* how far along the geometric normal rays start */
     /* the scene without its lights without extent, its environment the sun alone */

@@ -94,7 +94,6 @@ typedef struct sl_octree_motion {
     sl_photon_list *slice[SL_OCTREE_SLICES]; /* each a photon map of all light; all or none are there */
     unsigned age[SL_OCTREE_SLICES];          /* edits of light since it was traced */
     sl_photon_tree *tree;       /* of all slices */
-    sl_shadow_maps *maps;       /* NULL: none yet, too many emitters, or memory is limited */
     sl_direct *direct;
 } sl_octree_motion;
 

@@ -9,9 +9,8 @@
 
 #include <math.h>
 
-/* Texels a side of a light's map, of samples of emitters a quarter; rays where there are no maps, or memory
- * is short. */
-enum { MAP_SIZE = 512, MAP_SIZE_LEAST = 64, MAP_TEXELS = 1 << 24, RAYS = 4 };
+/* Where there are no maps, or memory is short. */
+enum { RAYS = 4 };
 /* All slices together have a quarter of the photons of a picture at rest. */
 enum { PATHS_DIVISOR = 4 * SL_OCTREE_SLICES };
 
@@ -19,9 +18,7 @@ enum { PATHS_DIVISOR = 4 * SL_OCTREE_SLICES };
 
 static void forget_direct(sl_octree_motion *m) {
     sl_direct_destroy(m->direct);
-    sl_shadow_maps_destroy(m->maps);
     m->direct = NULL;
-    m->maps = NULL;
 }
 
 static const sl_environment *sampled_sky(const sl_octree_state *s) {
@@ -29,29 +26,14 @@ static const sl_environment *sampled_sky(const sl_octree_state *s) {
     return s->sun.present ? &s->sun : NULL;
 }
 
-static int map_size(const sl_scene *scene) {
-    const double lights = (double)scene->light_count + 1.0;
-    int size = MAP_SIZE;
-    while (size > MAP_SIZE_LEAST && 6.0 * lights * size * size > MAP_TEXELS) size /= 2;
-    return size;
-}
-
 static sl_status make_direct(sl_octree_state *s, sl_error *error) {
-    sl_octree_motion *m = &s->motion;
-    const unsigned threads = s->settings.threads;
-    const sl_shadow_map_settings maps = {map_size(s->scene), sampled_sky(s), NULL, threads};
-    sl_status status = SL_OK;
-    if (m->direct || !s->plan.direct) return status;
-    if (!s->settings.memory_bytes && sl_emitter_sides(s->scene) <= SL_SHADOW_MAP_SIDES_MAX)
-        status = sl_shadow_maps_create(s->scene, s->raster, &maps, &m->maps, &s->counters, error);
     const sl_direct_settings direct = {.light_samples = RAYS,
                                        .seed = s->settings.seed,
-                                       .threads = threads,
-                                       .maps = m->maps,
+                                       .threads = s->settings.threads,
                                        .sun = sampled_sky(s)};
-    if (status == SL_OK) status = sl_direct_create(s->scene, s->tracer, &direct, &m->direct, error);
-    if (status != SL_OK) forget_direct(m);
-    return status;
+    if (s->motion.direct || !s->plan.direct) return SL_OK;
+    return sl_direct_create_quick(s->scene, s->raster, s->tracer, &direct, !s->settings.memory_bytes,
+                                  &s->motion.direct, &s->counters, error);
 }
 
 static sl_status light_directly(sl_octree_state *s, sl_error *error) {
@@ -213,7 +195,7 @@ sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error) {
 }
 
 size_t sl_octree_motion_bytes(const sl_octree_motion *m) {
-    size_t bytes = m->maps ? sl_shadow_maps_bytes(m->maps) : 0;
+    size_t bytes = sl_direct_map_bytes(m->direct);
     for (int k = 0; k < SL_OCTREE_SLICES; k++)
         if (m->slice[k]) bytes += m->slice[k]->capacity * sizeof(sl_photon);
     return bytes + (m->tree ? sl_photon_tree_bytes(m->tree) : 0);

@@ -164,7 +164,10 @@ sl_status sl_splat_renew_direct(sl_splat_state *s, sl_error *error) {
                                        s->maps, present_or_null(&s->sun)};
     sl_direct_destroy(s->direct);
     s->direct = NULL;
-    return sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
+    return sl_splat_is_quick(s) && !s->maps
+               ? sl_direct_create_quick(s->scene, s->raster, s->tracer, &direct, !s->settings.memory_bytes,
+                                        &s->direct, &s->counters, error)
+               : sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
 }
 
 static sl_status create_transport(sl_splat_state *s, sl_error *error) {
@@ -285,5 +288,6 @@ size_t sl_splat_memory_bytes(const void *state) {
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
     if (s->maps) bytes += sl_shadow_maps_bytes(s->maps);
+    bytes += sl_direct_map_bytes(s->direct);
     return bytes;
 }
