@@ -19,7 +19,8 @@ typedef struct one_pass {
     char name[96], source[160];
     uint64_t times, told; /* announced; when it was told of last */
     sl_counters cost;     /* of all of them */
-    sl_image *latest;     /* not shown yet; or NULL */
+    sl_image *latest;     /* or NULL */
+    bool pending;         /* it was not shown yet */
     int width, height;
     sl_mark *marks; /* the newest, MARKS at most */
     size_t mark_count, all_marks;
@@ -62,6 +63,7 @@ static void keep_picture(one_pass *o, const sl_image *buffer) {
     const size_t values = (size_t)buffer->width * (size_t)buffer->height * (size_t)buffer->channels;
     sl_image_destroy(o->latest);
     o->latest = NULL;
+    o->pending = true;
     o->width = buffer->width, o->height = buffer->height;
     if (sl_image_create(buffer->width, buffer->height, buffer->channels, NULL, &o->latest, NULL) == SL_OK)
         memcpy(o->latest->planes, buffer->planes, values * sizeof(float));
@@ -149,14 +151,29 @@ static void show(sl_stage *s, const sl_passes *p, int side, size_t i, const sl_i
 static void step_pass(sl_stage *s, sl_passes *p, int side, size_t i) {
     one_pass *o = &p->pass[i];
     sl_monitor_enter(&p->meeting);
-    sl_image *latest = o->latest;
+    sl_image *latest = o->pending ? o->latest : NULL;
     const bool news = o->times != o->told;
-    o->latest = NULL;
+    if (latest) o->latest = NULL;
+    o->pending = false;
     o->told = o->times;
     if (news) tell(s, p, side, i);
     sl_monitor_leave(&p->meeting);
-    if (latest) show(s, p, side, i, latest);
+    if (!latest) return;
+    show(s, p, side, i, latest);
+    sl_monitor_enter(&p->meeting);
+    if (!o->latest) o->latest = latest, latest = NULL; /* for those who ask later */
+    sl_monitor_leave(&p->meeting);
     sl_image_destroy(latest);
+}
+
+void sl_passes_again(sl_passes *p) {
+    sl_monitor_enter(&p->meeting);
+    for (size_t i = 0; i < p->count; i++) {
+        p->pass[i].told = 0;
+        p->pass[i].pending = p->pass[i].latest != NULL;
+    }
+    p->overlay_told = 0;
+    sl_monitor_leave(&p->meeting);
 }
 
 static void tell_overlay(sl_stage *s, sl_passes *p, int side, const one_pass *o) {

@@ -10,6 +10,8 @@ void sl_passes_destroy(sl_passes *passes); /* NULL is allowed */
 const sl_observer *sl_passes_observer(const sl_passes *passes);
 /* The marks of which pass are shown, by a part of its name; "": none. */
 void sl_passes_overlay(sl_passes *passes, const char *kind);
+/* Has all sent once more: somebody else wants to see them. */
+void sl_passes_again(sl_passes *passes);
 /* Sends what is new, now and then. */
 void sl_passes_step(sl_stage *stage, sl_passes *passes, int side, double now);
 

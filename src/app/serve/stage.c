@@ -243,6 +243,10 @@ static sl_status take_passes(sl_stage *s, const cJSON *message, sl_error *error)
     sl_status status = sl_take_side(message, &side, error);
     if (status == SL_OK) status = sl_take_flag(message, "on", &on, error);
     if (status != SL_OK || (!on && !s->side[side].observed)) return status;
+    if (on && s->side[side].passes) {
+        sl_passes_again(s->side[side].passes);
+        return SL_OK;
+    }
     s->side[side].observed = on;
     return s->side[side].wanted ? restart(s, side, error) : SL_OK;
 }
