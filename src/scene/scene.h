@@ -133,6 +133,14 @@ static inline sl_pixel_run sl_sub_frame_run(const sl_sub_frame *at, size_t first
     return (sl_pixel_run){(size_t)(from - wanted), to ? (size_t)(to - wanted) : end};
 }
 
+/* Clears the pixels that it shows, in `planes` planes one after the other. */
+static inline void sl_sub_frame_clear(const sl_sub_frame *at, float *plane, size_t planes, size_t pixels) {
+    for (sl_pixel_run r = sl_sub_frame_run(at, 0, pixels); r.first < r.end;
+         r = sl_sub_frame_run(at, r.end, pixels))
+        for (size_t k = 0; k < planes; k++)
+            memset(plane + k * pixels + r.first, 0, (r.end - r.first) * sizeof *plane);
+}
+
 enum { SL_CHANGES = 7, SL_CHANGED_ALL = (1 << SL_CHANGES) - 1 }; /* bits of SL_CHANGED_ */
 
 typedef struct sl_animation sl_animation; /* keyframes of camera, objects and lights: scene/animation.h */

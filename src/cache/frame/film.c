@@ -221,13 +221,6 @@ static size_t image_place(const sl_film *f, size_t pixel) {
     return ((size_t)f->height - 1 - pixel / width) * width + pixel % width;
 }
 
-static sl_status make_sums(sl_film *f, const sl_image *picture, sl_error *error) {
-    sl_status status = make_like(picture, NULL, &f->sums, error);
-    const size_t bytes = pixels_of(f) * (size_t)picture->channels * sizeof *f->sums->planes;
-    if (status == SL_OK) memset(f->sums->planes, 0, bytes);
-    return status;
-}
-
 static float brightness(const sl_image *picture, size_t at) {
     const size_t pixels = (size_t)picture->width * (size_t)picture->height;
     const float *p = picture->planes + at;
@@ -316,8 +309,8 @@ static sl_status look_at_rims(sl_film *f, const sl_raster *raster, sl_error *err
     return sl_rims_look(f->scene, raster, f->width, f->height, f->rim, f->rim_emission, &f->counters, error);
 }
 
-/* Adds a run of one row. The first sample behind the pilot takes its place at edges, where more follow in any
- * case: what the pilot saw has told how many. */
+/* Adds a run of one row; the first sub-frame is whole, and nothing is there before it. The first sample behind
+ * the pilot takes its place at edges, where more follow in any case: what the pilot saw has told how many. */
 static void add_run(const sl_film *f, const sl_image *picture, sl_pixel_run run) {
     const size_t pixels = pixels_of(f), at = image_place(f, run.first), count = run.end - run.first;
     const uint8_t *edge = f->edge + run.first;
@@ -326,7 +319,10 @@ static void add_run(const sl_film *f, const sl_image *picture, sl_pixel_run run)
         float *restrict sum = f->sums->planes + c * pixels + at;
         if (f->drawn == PILOT)
             for (size_t i = 0; i < count; i++) sum[i] = edge[i] ? 0.0f : sum[i];
-        for (size_t i = 0; i < count; i++) sum[i] += sample[i];
+        if (f->drawn)
+            for (size_t i = 0; i < count; i++) sum[i] += sample[i];
+        else
+            for (size_t i = 0; i < count; i++) sum[i] = 0.0f + sample[i];
     }
 }
 
@@ -358,7 +354,7 @@ sl_status sl_film_add(sl_film *f, const sl_raster *raster, const sl_image *pictu
     sl_status status = know_edges(f, raster, error);
     if (!picture) f->asked++;
     if (!picture || status != SL_OK) return status;
-    status = f->sums ? SL_OK : make_sums(f, picture, error);
+    status = f->sums ? SL_OK : make_like(picture, NULL, &f->sums, error);
     if (status != SL_OK) return status;
     if (!is_quick(f) && f->drawn < PILOT) note_contrast(f, picture);
     add_samples(f, picture);

@@ -140,7 +140,7 @@ sl_status sl_octree_draw_gbuffer(sl_octree_state *s, sl_error *error) {
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "direct light beside the octree", s->gbuffer);
     s->lit = false;
-    memset(s->planes, 0, SL_OCTREE_PLANES * sl_octree_state_pixels(s) * sizeof *s->planes);
+    sl_sub_frame_clear(&s->scene->sub_frame, s->planes, SL_OCTREE_PLANES, sl_octree_state_pixels(s));
     s->direct_row = 0;
     s->phase = s->plan.direct ? SL_OCTREE_PHASE_DIRECT : SL_OCTREE_PHASE_PHOTONS;
     return status;

@@ -44,13 +44,15 @@ static bool is_lit(const sl_octree_pixels *p, const uint8_t *side, size_t pixel)
 
 static void list_tile(listed_pixels *l, const uint8_t *side, int x0, int y0) {
     const sl_gbuffer *g = l->pixels->gbuffer;
+    const sl_sub_frame *at = &l->pixels->scene->sub_frame;
     const int x1 = x0 + TILE < g->width ? x0 + TILE : g->width,
               y1 = y0 + TILE < g->height ? y0 + TILE : g->height;
     for (int y = y0; y < y1; y++) {
-        for (int x = x0; x < x1; x++) {
-            const size_t pixel = (size_t)y * (size_t)g->width + (size_t)x;
-            if (is_lit(l->pixels, side, pixel)) l->list[l->count++] = (uint32_t)pixel;
-        }
+        const size_t row = (size_t)y * (size_t)g->width, end = row + (size_t)x1;
+        for (sl_pixel_run r = sl_sub_frame_run(at, row + (size_t)x0, end); r.first < r.end;
+             r = sl_sub_frame_run(at, r.end, end))
+            for (size_t pixel = r.first; pixel < r.end; pixel++)
+                if (is_lit(l->pixels, side, pixel)) l->list[l->count++] = (uint32_t)pixel;
     }
 }
 
@@ -116,7 +118,7 @@ static sl_status light_by_atlas(const sl_octree_pixels *p, size_t pixels, float 
 sl_status sl_octree_light_pixels(const sl_octree_pixels *p, float *const indirect[3], sl_counters *counters,
                                  sl_error *error) {
     size_t pixels = (size_t)p->gbuffer->width * (size_t)p->gbuffer->height;
-    for (int c = 0; c < 3; c++) memset(indirect[c], 0, pixels * sizeof *indirect[c]);
+    for (int c = 0; c < 3; c++) sl_sub_frame_clear(&p->scene->sub_frame, indirect[c], 1, pixels);
     return p->canvas ? light_by_atlas(p, pixels, indirect, counters, error)
                      : shade_pixels(p, NULL, indirect, counters, error);
 }

@@ -246,11 +246,7 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
 void sl_splat_begin_view(sl_splat_state *s) {
     size_t pixels = sl_splat_pixels(s);
     const size_t planes = s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3;
-    const sl_sub_frame *at = &s->scene->sub_frame;
-    for (sl_pixel_run r = sl_sub_frame_run(at, 0, pixels); r.first < r.end;
-         r = sl_sub_frame_run(at, r.end, pixels))
-        for (size_t k = 0; k < planes; k++)
-            memset(s->planes + k * pixels + r.first, 0, (r.end - r.first) * sizeof *s->planes);
+    sl_sub_frame_clear(&s->scene->sub_frame, s->planes, planes, pixels);
     memset(s->owned, 0, pixels);
     s->phase = sl_splat_is_quick(s) ? SL_PHASE_RENEW : SL_PHASE_GBUFFER;
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
