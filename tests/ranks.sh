@@ -31,7 +31,7 @@ same() { # same ARGUMENTS...: 2, 3 and 5 ranks, one of them with two threads eac
 }
 
 same scenes/cornell.json -m splatting -q draft -s 48x48
-same scenes/cornell-glossy.json -m splatting -q draft -s 48x48 --filter centre
+same scenes/cornell-glossy.json -m splatting -q draft -s 40x72 --filter centre
 same scenes/cornell-glossy.json -m multi-mesh -q draft -s 48x48
 same scenes/cornell.json -m shading-cache -q draft --updates 6 -s 48x48
 same scenes/cornell-glossy.json -m light-octree -q draft --stored-photons 20000 -s 48x48

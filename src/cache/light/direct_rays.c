@@ -8,6 +8,7 @@
  *
  * Every pass reads a few rows around those of the next one. By shadow maps there are the first and the last
  * alone. */
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -152,7 +153,7 @@ void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_ai
 
 /* ---- sums ---- */
 
-enum { PLANES = 20 };
+enum { PLANES = 20, SAMPLED_PLANES = PLANES - 1 /* all but the last one, the scatter */ };
 
 /* Not set: the first pass clears them row by row. */
 static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
@@ -178,16 +179,15 @@ static void clear_row(const sl_direct_sums *sums, size_t pixel, size_t width) {
 typedef struct {
     const sl_direct *direct;
     const sl_gbuffer *gbuffer;
-    int first, row, end;    /* row: of the strip with its margin; of the pass, and behind its last */
+    int row0, row1;         /* of the strip */
+    int row, end;           /* of the pass: its first, and behind its last */
     int each;               /* rows of a task */
     sl_direct_sums *sums;
     float *out[3];
-    sl_counters *counters;  /* one a row of the strip */
     void *scratch;          /* of all workers */
+    sl_counters *counters;
     bool refine;            /* the second pass */
 } pass;
-
-static sl_counters *counters_of(const pass *p, int y) { return &p->counters[y - p->first]; }
 
 static sl_pixel_run shown(const pass *p, size_t first, size_t end) {
     return sl_sub_frame_run(&p->direct->scene->sub_frame, first, end);
@@ -236,25 +236,26 @@ static void sample_row(const pass *p, int y, sl_lit_block *block, unsigned worke
 
 /* A task: a few rows, so that what is left of a block is little; by maps one, whose blocks tell how many
  * samples their pixels get. */
-static void sample_rows(void *context, size_t index, unsigned worker) {
+static void sample_rows(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)result;
     const pass *p = context;
     const int first = p->row + (int)index * p->each, end = smaller(first + p->each, p->end);
     sl_lit_block block;
     block.count = 0;
-    for (int y = first; y < end; y++) sample_row(p, y, &block, worker, counters_of(p, first));
-    light_block(p, &block, worker, counters_of(p, first));
+    for (int y = first; y < end; y++) sample_row(p, y, &block, worker, counters);
+    light_block(p, &block, worker, counters);
 }
 
-static void scatter_row(void *context, size_t index, unsigned worker) {
-    (void)worker;
+static void scatter_row(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)result, (void)counters;
     const pass *p = context;
     const size_t width = (size_t)p->gbuffer->width, row = ((size_t)p->row + index) * width;
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width))
         sl_direct_find_scatter(p->sums, r.first - p->sums->first, r.end - r.first);
 }
 
-/* Pixels [first, end) of row y, whose visible shares are in the planes of radiance. */
-static void finish_run(const pass *p, int y, size_t first, size_t end, unsigned worker) {
+/* Pixels [first, end) of a row, whose visible shares are in the planes of radiance. */
+static void finish_run(const pass *p, size_t first, size_t end, unsigned worker, sl_counters *counters) {
     const sl_gbuffer *g = p->gbuffer;
     const sl_direct *direct = p->direct;
     const float *diffuse[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
@@ -270,7 +271,7 @@ static void finish_run(const pass *p, int y, size_t first, size_t end, unsigned 
         if (lobe)
             glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->sides.unit,
                                     sl_direct_samples(direct), sl_direct_scratch_of(p->scratch, worker),
-                                    counters_of(p, y));
+                                    counters);
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
             float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i] * direct->sides.unit;
@@ -281,56 +282,64 @@ static void finish_run(const pass *p, int y, size_t first, size_t end, unsigned 
     }
 }
 
-static void finish_row(void *context, size_t index, unsigned worker) {
+static void finish_row(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)result;
     const pass *p = context;
     const int y = p->row + (int)index;
     const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
         sl_direct_filter_run(p->sums, p->gbuffer, y, r, p->out);
-        finish_run(p, y, r.first, r.end, worker);
+        finish_run(p, r.first, r.end, worker, counters);
     }
-    sl_count(counters_of(p, y), SL_COUNT_FRAGMENTS_SHADED, width);
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, width);
 }
 
 /* ---- a strip ---- */
 
-/* Rows [row0 - margin, row1 + margin), as far as there are any, `each` a task. */
-static void run(pass *p, sl_task *task, int each, int row0, int row1, int margin) {
-    p->row = larger(row0 - margin, 0);
-    p->end = smaller(row1 + margin, p->gbuffer->height);
+/* Runs a pass over the strip's rows and `margin` more on either side, as far as there are any, `each` an
+ * item. It writes whole rows of the sums, the last item maybe some behind the pass, or of the picture. */
+static void run(pass *p, sl_batch_work *work, int each, int margin) {
+    const bool sums = work == sample_rows;
+    sl_batch_plane plane[SAMPLED_PLANES];
+    p->row = larger(p->row0 - margin, 0);
+    p->end = smaller(p->row1 + margin, p->gbuffer->height);
     p->each = each;
-    sl_parallel_for(p->direct->settings.threads, (size_t)((p->end - p->row + each - 1) / each), task, p);
+    const size_t width = (size_t)p->gbuffer->width, pixel = (size_t)p->row * width;
+    for (size_t k = 0; k < (sums ? SAMPLED_PLANES : 3); k++) {
+        plane[k].items = sums ? p->sums->block + (k * p->sums->count + pixel - p->sums->first)
+                              : p->out[k] + pixel;
+        plane[k].bytes = (size_t)each * width * sizeof(float);
+    }
+    const sl_batch batch = {.count = (size_t)((p->end - p->row + each - 1) / each),
+                            .work = work, .context = p, .shared = work != scatter_row, .planes = plane,
+                            .plane_count = sums ? SAMPLED_PLANES : 3};
+    sl_batch_run(&batch, p->direct->settings.threads, p->counters);
 }
 
-static void run_all(pass *p, int row0, int row1) {
+static void run_all(pass *p) {
     const bool maps = p->direct->settings.maps != NULL;
-    run(p, sample_rows, maps ? 1 : SAMPLED_ROWS, row0, row1, maps ? 0 : PENUMBRA_MARGIN + FILTER_MARGIN);
+    run(p, sample_rows, maps ? 1 : SAMPLED_ROWS, maps ? 0 : PENUMBRA_MARGIN + FILTER_MARGIN);
     p->refine = true;
     if (!maps && samples_with_refinement(p->direct) > pilot_samples(p->direct))
-        run(p, sample_rows, SAMPLED_ROWS, row0, row1, FILTER_MARGIN);
-    if (!maps) run(p, scatter_row, 1, row0, row1, FILTER_MARGIN);
-    run(p, finish_row, 1, row0, row1, 0);
+        run(p, sample_rows, SAMPLED_ROWS, FILTER_MARGIN);
+    if (!maps) run(p, scatter_row, 1, FILTER_MARGIN);
+    run(p, finish_row, 1, 0);
 }
 
 sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
                          float *const radiance[3], sl_counters *counters, sl_error *error) {
     const int margin = PENUMBRA_MARGIN + FILTER_MARGIN, row0 = *row,
-              row1 = smaller(row0 + rows, gbuffer->height);
-    int first = larger(row0 - margin, 0), end = smaller(row1 + margin, gbuffer->height);
-    size_t width = (size_t)gbuffer->width, lines = (size_t)(end - first);
+              row1 = smaller(row0 + rows, gbuffer->height), first = larger(row0 - margin, 0),
+              end = smaller(row1 + margin, gbuffer->height) + SAMPLED_ROWS - 1;
+    const size_t width = (size_t)gbuffer->width;
     sl_direct_sums sums;
-    sl_counters *costs = sl_allocate(lines, sizeof *costs);
-    void *scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
-    bool made = make_sums((size_t)first * width, lines * width, &sums) && costs && scratch;
+    pass p = {direct, gbuffer, row0, row1, .sums = &sums, .out = {radiance[0], radiance[1], radiance[2]},
+              .counters = counters};
+    p.scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
+    const bool made = make_sums((size_t)first * width, (size_t)(end - first) * width, &sums) && p.scratch;
     *row = row1;
-    if (made) {
-        pass p = {direct, gbuffer, first, first, end, 1, &sums, {radiance[0], radiance[1], radiance[2]},
-                  costs,  scratch, false};
-        run_all(&p, row0, row1);
-        for (size_t i = 0; i < lines; i++) sl_counters_add(counters, &costs[i]);
-    }
+    if (made) run_all(&p);
     sl_free(sums.block);
-    sl_free(costs);
-    sl_free(scratch);
+    sl_free(p.scratch);
     return made ? SL_OK : sl_fail_memory(error, "direct light");
 }
