@@ -1,5 +1,6 @@
 /* Ranks by MPI, which starts, places and connects them. */
 #include "base/ranks.h"
+#include "mpi/end.h"
 
 #include <limits.h>
 #include <mpi.h>
@@ -7,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 sl_ranks sl_ranks_here(void) {
     int rank, count;
@@ -21,10 +23,15 @@ bool sl_ranks_agree(uint64_t number) {
     return least[0] == ~least[1];
 }
 
-static void end_all(const char *why) {
-    fprintf(stderr, "softlux-mpi: rank %u: %s\n", sl_ranks_here().rank, why);
+int sl_ranks_voice = STDERR_FILENO;
+
+void sl_ranks_end(unsigned rank, const char *why) {
+    dprintf(sl_ranks_voice, "softlux-mpi: rank %u %s\n", rank, why);
     MPI_Abort(MPI_COMM_WORLD, 5);
+    for (;;) pause();
 }
+
+static void end_for_memory(sl_ranks here) { sl_ranks_end(here.rank, "is out of memory"); }
 
 /* ---- what each rank is about to give ---- */
 
@@ -35,16 +42,22 @@ typedef struct head {
 
 static bool are_alike(const head *a, const head *b) { return a->count == b->count && a->bytes == b->bytes; }
 
+/* All ranks see it, the first one tells. */
+static void end_at_other_work(sl_ranks here, unsigned other) {
+    if (here.rank == 0)
+        sl_ranks_end(other, "is at other work: do all have the same scene, files and options?");
+    for (;;) pause();
+}
+
 /* Whole numbers: their sum does not depend on the order. */
 static void exchange_heads(sl_ranks here, size_t count, size_t bytes, sl_counters *counted) {
     const head own = {count, bytes, *counted};
     head *all = malloc(here.count * sizeof *all);
-    if (!all) end_all("out of memory");
+    if (!all) end_for_memory(here);
     MPI_Allgather(&own, sizeof own, MPI_BYTE, all, sizeof own, MPI_BYTE, MPI_COMM_WORLD);
     *counted = (sl_counters){{0}};
     for (unsigned r = 0; r < here.count; r++) {
-        if (!are_alike(&all[r], &own))
-            end_all("another rank is at other work: do all have the same scene, files and options?");
+        if (!are_alike(&all[r], &all[0])) end_at_other_work(here, r);
         sl_counters_add(counted, &all[r].counted);
     }
     free(all);
@@ -77,7 +90,7 @@ static void exchange_piece(sl_ranks here, const piece *p, size_t bytes) {
     const size_t count = p->end - p->first;
     char *all = malloc(count * bytes);
     int *sizes = malloc(2 * here.count * sizeof *sizes), *places = sizes + here.count;
-    if (!all || !sizes) end_all("out of memory");
+    if (!all || !sizes) end_for_memory(here);
     size_t place = 0;
     for (unsigned r = 0; r < here.count; r++) {
         sizes[r] = (int)(items_of(count, here, r) * bytes);
