@@ -30,6 +30,7 @@ enum {
      * penumbra are refined as well. */
     PENUMBRA_MARGIN = 2,
     FILTER_MARGIN = 2,
+    MARGIN = PENUMBRA_MARGIN + FILTER_MARGIN,
     SAMPLED_ROWS = 4
 };
 
@@ -153,15 +154,18 @@ void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_ai
 
 /* ---- sums ---- */
 
-enum { PLANES = 20, SAMPLED_PLANES = PLANES - 1 /* all but the last one, the scatter */ };
+/* Those that pixels around are asked for, by the penumbrae and by the filter, and the light itself, are what
+ * passes give to other ranks; all else is of use to a pixel's own alone. */
+enum { PLANES = 23, PENUMBRA_PLANE = 0, FILTER_PLANES = 1, LIGHT_PLANES = 9, PLANES_WITHIN = 12 };
 
 /* Not set: the first pass clears them row by row. */
 static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
-    float **const planes[PLANES] = {&sums->exact[0],  &sums->exact[1],  &sums->exact[2],  &sums->seen[0],
-                              &sums->seen[1],   &sums->seen[2],   &sums->all[0],    &sums->all[1],
-                              &sums->all[2],    &sums->plain[0],  &sums->plain[1],  &sums->plain[2],
-                              &sums->glossy[0], &sums->glossy[1], &sums->glossy[2], &sums->odd_seen,
-                              &sums->odd_all,   &sums->samples,   &sums->partly,    &sums->scatter};
+    float **const planes[PLANES] = {
+        &sums->partly,    &sums->seen[0],   &sums->seen[1],   &sums->seen[2],   &sums->all[0],
+        &sums->all[1],    &sums->all[2],    &sums->samples,   &sums->scatter,   &sums->light[0],
+        &sums->light[1],  &sums->light[2],  &sums->exact[0],  &sums->exact[1],  &sums->exact[2],
+        &sums->plain[0],  &sums->plain[1],  &sums->plain[2],  &sums->glossy[0], &sums->glossy[1],
+        &sums->glossy[2], &sums->odd_seen,  &sums->odd_all};
     sums->first = first;
     sums->count = count;
     sums->block = sl_allocate_unset(count, PLANES * sizeof *sums->block);
@@ -179,14 +183,13 @@ static void clear_row(const sl_direct_sums *sums, size_t pixel, size_t width) {
 typedef struct {
     const sl_direct *direct;
     const sl_gbuffer *gbuffer;
-    int row0, row1;         /* of the strip */
+    int row0;               /* of the strip with its margin */
     int row, end;           /* of the pass: its first, and behind its last */
-    int each;               /* rows of a task */
+    int each;               /* rows of an item */
     sl_direct_sums *sums;
-    float *out[3];
     void *scratch;          /* of all workers */
     sl_counters *counters;
-    bool refine;            /* the second pass */
+    bool refine, last;      /* the second pass; all samples are taken by it */
 } pass;
 
 static sl_pixel_run shown(const pass *p, size_t first, size_t end) {
@@ -234,27 +237,29 @@ static void sample_row(const pass *p, int y, sl_lit_block *block, unsigned worke
     }
 }
 
-/* A task: a few rows, so that what is left of a block is little; by maps one, whose blocks tell how many
- * samples their pixels get. */
+/* Rows of an item that the pass looks at: the same item of every pass has the same rows. A few, so that what
+ * is left of a block is little; by maps one, whose blocks tell how many samples their pixels get. */
+static int first_row(const pass *p, size_t index) { return larger(p->row, p->row0 + (int)index * p->each); }
+static int end_row(const pass *p, size_t index) {
+    return smaller(p->end, p->row0 + (int)(index + 1) * p->each);
+}
+
 static void sample_rows(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     (void)result;
     const pass *p = context;
-    const int first = p->row + (int)index * p->each, end = smaller(first + p->each, p->end);
+    const int first = first_row(p, index), end = end_row(p, index);
+    const size_t width = (size_t)p->gbuffer->width;
     sl_lit_block block;
     block.count = 0;
     for (int y = first; y < end; y++) sample_row(p, y, &block, worker, counters);
     light_block(p, &block, worker, counters);
-}
-
-static void scatter_row(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
-    (void)worker, (void)result, (void)counters;
-    const pass *p = context;
-    const size_t width = (size_t)p->gbuffer->width, row = ((size_t)p->row + index) * width;
-    for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width))
+    if (!p->last || first >= end) return;
+    const size_t pixel = (size_t)first * width, behind = (size_t)end * width;
+    for (sl_pixel_run r = shown(p, pixel, behind); r.first < r.end; r = shown(p, r.end, behind))
         sl_direct_find_scatter(p->sums, r.first - p->sums->first, r.end - r.first);
 }
 
-/* Pixels [first, end) of a row, whose visible shares are in the planes of radiance. */
+/* Pixels [first, end) of a row, whose visible shares are in the planes of light. */
 static void finish_run(const pass *p, size_t first, size_t end, unsigned worker, sl_counters *counters) {
     const sl_gbuffer *g = p->gbuffer;
     const sl_direct *direct = p->direct;
@@ -262,7 +267,7 @@ static void finish_run(const pass *p, size_t first, size_t end, unsigned worker,
     for (size_t i = first; i < end; i++) {
         size_t k = i - p->sums->first;
         if (g->material[i] == SL_NO_INDEX) {
-            for (int c = 0; c < 3; c++) p->out[c][i] = 0.0f;
+            for (int c = 0; c < 3; c++) p->sums->light[c][k] = 0.0f;
             continue;
         }
         bool lobe = direct->glossy && direct->sampler && sl_pixel_is_glossy(g, direct->scene, i);
@@ -274,71 +279,79 @@ static void finish_run(const pass *p, size_t first, size_t end, unsigned worker,
                                     counters);
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
-            float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i] * direct->sides.unit;
+            float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->sums->light[c][k] * direct->sides.unit;
             /* black times infinite is black */
             float reflected = sl_picture_value(diffuse[c][i] * (float)(1.0 / SL_PI) * e);
-            p->out[c][i] = sl_picture_value(reflected + p->sums->glossy[c][k] + lobes[c]);
+            p->sums->light[c][k] = sl_picture_value(reflected + p->sums->glossy[c][k] + lobes[c]);
         }
     }
 }
 
-static void finish_row(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
-    (void)result;
-    const pass *p = context;
-    const int y = p->row + (int)index;
+static void finish_row(const pass *p, int y, unsigned worker, sl_counters *counters) {
     const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
-        sl_direct_filter_run(p->sums, p->gbuffer, y, r, p->out);
+        sl_direct_filter_run(p->sums, p->gbuffer, y, r);
         finish_run(p, r.first, r.end, worker, counters);
     }
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, width);
 }
 
+static void finish_rows(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)result;
+    const pass *p = context;
+    for (int y = first_row(p, index); y < end_row(p, index); y++) finish_row(p, y, worker, counters);
+}
+
 /* ---- a strip ---- */
 
-/* Runs a pass over the strip's rows and `margin` more on either side, as far as there are any, `each` an
- * item. It writes whole rows of the sums, the last item maybe some behind the pass, or of the picture. */
-static void run(pass *p, sl_batch_work *work, int each, int margin) {
-    const bool sums = work == sample_rows;
-    sl_batch_plane plane[SAMPLED_PLANES];
-    p->row = larger(p->row0 - margin, 0);
-    p->end = smaller(p->row1 + margin, p->gbuffer->height);
-    p->each = each;
-    const size_t width = (size_t)p->gbuffer->width, pixel = (size_t)p->row * width;
-    for (size_t k = 0; k < (sums ? SAMPLED_PLANES : 3); k++) {
-        plane[k].items = sums ? p->sums->block + (k * p->sums->count + pixel - p->sums->first)
-                              : p->out[k] + pixel;
-        plane[k].bytes = (size_t)each * width * sizeof(float);
-    }
-    const sl_batch batch = {.count = (size_t)((p->end - p->row + each - 1) / each),
-                            .work = work, .context = p, .shared = work != scatter_row, .planes = plane,
-                            .plane_count = sums ? SAMPLED_PLANES : 3};
+/* Runs a pass over rows [first, end) and `margin` more on either side, as far as there are any. It gives
+ * planes [plane, behind) of the sums to who reads them next. */
+static void run(pass *p, sl_batch_work *work, int first, int end, int margin, size_t plane, size_t behind) {
+    sl_batch_plane planes[PLANES];
+    const size_t item = (size_t)p->each * (size_t)p->gbuffer->width,
+                 rows = p->sums->count / (size_t)p->gbuffer->width;
+    p->row = larger(first - margin, 0);
+    p->end = smaller(end + margin, p->gbuffer->height);
+    for (size_t k = plane; k < behind; k++)
+        planes[k - plane] = (sl_batch_plane){p->sums->block + k * p->sums->count, item * sizeof(float)};
+    const sl_batch batch = {.count = rows / (size_t)p->each, .work = work, .context = p, .shared = true,
+                            .planes = planes, .plane_count = (unsigned)(behind - plane)};
     sl_batch_run(&batch, p->direct->settings.threads, p->counters);
 }
 
-static void run_all(pass *p) {
-    const bool maps = p->direct->settings.maps != NULL;
-    run(p, sample_rows, maps ? 1 : SAMPLED_ROWS, maps ? 0 : PENUMBRA_MARGIN + FILTER_MARGIN);
-    p->refine = true;
-    if (!maps && samples_with_refinement(p->direct) > pilot_samples(p->direct))
-        run(p, sample_rows, SAMPLED_ROWS, FILTER_MARGIN);
-    if (!maps) run(p, scatter_row, 1, FILTER_MARGIN);
-    run(p, finish_row, 1, 0);
+static void run_all(pass *p, int first, int end) {
+    const bool maps = p->direct->settings.maps != NULL,
+               refined = !maps && samples_with_refinement(p->direct) > pilot_samples(p->direct);
+    p->last = !maps && !refined;
+    run(p, sample_rows, first, end, maps ? 0 : MARGIN, maps || refined ? PENUMBRA_PLANE : FILTER_PLANES,
+        maps ? PENUMBRA_PLANE : refined ? FILTER_PLANES : LIGHT_PLANES);
+    p->refine = p->last = true;
+    if (refined) run(p, sample_rows, first, end, FILTER_MARGIN, FILTER_PLANES, LIGHT_PLANES);
+    run(p, finish_rows, first, end, 0, LIGHT_PLANES, PLANES_WITHIN);
+}
+
+static void put_row(const pass *p, int y, float *const radiance[3]) {
+    const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
+    for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width))
+        for (int c = 0; c < 3; c++)
+            memcpy(radiance[c] + r.first, p->sums->light[c] + (r.first - p->sums->first),
+                   (r.end - r.first) * sizeof(float));
 }
 
 sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
                          float *const radiance[3], sl_counters *counters, sl_error *error) {
-    const int margin = PENUMBRA_MARGIN + FILTER_MARGIN, row0 = *row,
-              row1 = smaller(row0 + rows, gbuffer->height), first = larger(row0 - margin, 0),
-              end = smaller(row1 + margin, gbuffer->height) + SAMPLED_ROWS - 1;
+    const int first = *row, end = smaller(first + rows, gbuffer->height),
+              each = direct->settings.maps ? 1 : SAMPLED_ROWS, row0 = larger(first - MARGIN, 0),
+              lines = smaller(end + MARGIN, gbuffer->height) - row0 + each - 1;
     const size_t width = (size_t)gbuffer->width;
     sl_direct_sums sums;
-    pass p = {direct, gbuffer, row0, row1, .sums = &sums, .out = {radiance[0], radiance[1], radiance[2]},
-              .counters = counters};
+    pass p = {direct, gbuffer, .row0 = row0, .each = each, .sums = &sums, .counters = counters};
     p.scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
-    const bool made = make_sums((size_t)first * width, (size_t)(end - first) * width, &sums) && p.scratch;
-    *row = row1;
-    if (made) run_all(&p);
+    const bool made = make_sums((size_t)row0 * width, (size_t)(lines - lines % each) * width, &sums) &&
+                      p.scratch;
+    *row = end;
+    if (made) run_all(&p, first, end);
+    for (int y = first; made && y < end; y++) put_row(&p, y, radiance);
     sl_free(sums.block);
     sl_free(p.scratch);
     return made ? SL_OK : sl_fail_memory(error, "direct light");
