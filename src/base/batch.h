@@ -11,6 +11,14 @@
 /* Computes item `index`. worker chooses scratch memory and nothing else; counters are the worker's own. */
 typedef void sl_batch_work(void *context, size_t index, unsigned worker, void *result, sl_counters *counters);
 
+/* Places that items write to beside their results: item i's at i * bytes. */
+typedef struct sl_batch_plane {
+    void *items;
+    size_t bytes;
+} sl_batch_plane;
+
+enum { SL_BATCH_PLANES = 24 }; /* at most, beside the results */
+
 typedef struct sl_batch {
     size_t count;
     sl_batch_work *work;
@@ -18,11 +26,11 @@ typedef struct sl_batch {
     /* count of them, item i's at i * result_bytes; NULL: items write to places of the context */
     void *results;
     size_t result_bytes;
-    /* Items write nothing but their results, which hold no pointers, and what they write to more (NULL: none)
-     * in the same way: ranks share them out (ranks.h). */
+    /* Items write nothing but their results and to planes (NULL: none), which hold no pointers: ranks share
+     * them out (ranks.h). Item i of every batch is the same rank's. */
     bool shared;
-    void *more;
-    size_t more_bytes;
+    const sl_batch_plane *planes;
+    unsigned plane_count;
 } sl_batch;
 
 /* Computes all items on up to `threads` workers (>= 1, worker < threads) and adds what they have counted.

@@ -203,10 +203,11 @@ void sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters
         run_share(batch, (sl_ranks){0, 1}, threads, counters);
         return;
     }
-    sl_counters counted = {{0}}, none = {{0}};
+    sl_counters counted = {{0}};
+    sl_batch_plane planes[1 + SL_BATCH_PLANES] = {{batch->results, batch->result_bytes}};
+    for (unsigned k = 0; k < batch->plane_count; k++) planes[1 + k] = batch->planes[k];
     run_share(batch, here, threads, &counted);
-    sl_ranks_exchange(batch->results, batch->count, batch->result_bytes, &counted);
-    if (batch->more) sl_ranks_exchange(batch->more, batch->count, batch->more_bytes, &none);
+    sl_ranks_exchange(planes, 1 + batch->plane_count, batch->count, &counted);
     sl_counters_add(counters, &counted);
 }
 

@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/counters.h"
+#include "base/batch.h"
 
 typedef struct sl_ranks {
     unsigned rank, count; /* rank < count */
@@ -21,9 +21,10 @@ sl_ranks sl_ranks_here(void);
 /* Tells whether all ranks have the same number here. */
 bool sl_ranks_agree(uint64_t number);
 
-/* Item i of `count` is rank i % ranks' work. Gives every rank all items, `bytes` each, and adds up what all
+/* Item i of `count` is rank i % ranks' work. Gives every rank all items of some planes, and adds up what all
  * have counted. All ranks call it in the same order; a rank whose items are others than the rest's ends the
  * job. Without memory for a copy it ends the job, too: others would wait. */
-void sl_ranks_exchange(void *items, size_t count, size_t bytes, sl_counters *counted);
+void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,
+                       sl_counters *counted);
 
 #endif

@@ -7,6 +7,7 @@ bool sl_ranks_agree(uint64_t number) {
     return true;
 }
 
-void sl_ranks_exchange(void *items, size_t count, size_t bytes, sl_counters *counted) {
-    (void)items, (void)count, (void)bytes, (void)counted;
+void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,
+                       sl_counters *counted) {
+    (void)planes, (void)plane_count, (void)count, (void)counted;
 }

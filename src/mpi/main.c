@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include "base/ranks.h"
+#include "mpi/batch_log.h"
+#include "mpi/end.h"
 #include "softlux.h"
 
 /* main() of ../app/main.c */
@@ -21,35 +23,38 @@ static const char *refused(int argc, char **argv) {
 }
 
 /* Ranks behind the first are silent, but for the line that says why one has failed. */
-static FILE *hold_tongue(int *out) {
+static FILE *hold_tongue(void) {
     FILE *told = tmpfile();
-    *out = dup(STDERR_FILENO);
-    if (!freopen("/dev/null", "w", stdout) || !told || *out < 0) return NULL;
+    sl_ranks_voice = dup(STDERR_FILENO);
+    if (!freopen("/dev/null", "w", stdout) || !told || sl_ranks_voice < 0) return NULL;
     return dup2(fileno(told), STDERR_FILENO) < 0 ? NULL : told;
 }
 
-static void tell_last_line(FILE *told, int out, unsigned rank) {
+static void tell_last_line(FILE *told, unsigned rank) {
     char line[2048], last[2048] = "";
     fflush(stderr);
     rewind(told);
     while (fgets(line, sizeof line, told))
         if (line[0] && line[0] != '\n') memcpy(last, line, sizeof last);
-    dprintf(out, "softlux-mpi: rank %u: %s", rank, last);
+    dprintf(sl_ranks_voice, "softlux-mpi: rank %u: %s", rank, last);
 }
 
 static int run(int argc, char **argv) {
     const sl_ranks here = sl_ranks_here();
-    int out = -1;
-    FILE *told = here.rank ? hold_tongue(&out) : NULL;
+    FILE *told = here.rank ? hold_tongue() : NULL;
     if (here.rank && !told) return SL_ERROR_RESOURCES;
+    sl_heartbeat_start();
+    sl_batch_log_open();
     const int status = sl_program_main(argc, argv);
-    if (told && status) tell_last_line(told, out, here.rank);
+    if (told && status) tell_last_line(told, here.rank);
+    if (!status) sl_heartbeat_stop();
+    sl_batch_log_close();
     return status;
 }
 
 int main(int argc, char **argv) {
     int level;
-    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &level);
     const char *why = refused(argc, argv);
     if (why && sl_ranks_here().rank == 0) fprintf(stderr, "softlux-mpi: %s\n", why);
     const int status = why ? SL_ERROR_USAGE : run(argc, argv);

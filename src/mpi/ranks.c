@@ -1,5 +1,6 @@
 /* Ranks by MPI, which starts, places and connects them. */
 #include "base/ranks.h"
+#include "mpi/end.h"
 
 #include <limits.h>
 #include <mpi.h>
@@ -7,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 sl_ranks sl_ranks_here(void) {
     int rank, count;
@@ -21,10 +23,15 @@ bool sl_ranks_agree(uint64_t number) {
     return least[0] == ~least[1];
 }
 
-static void end_all(const char *why) {
-    fprintf(stderr, "softlux-mpi: rank %u: %s\n", sl_ranks_here().rank, why);
+int sl_ranks_voice = STDERR_FILENO;
+
+void sl_ranks_end(unsigned rank, const char *why) {
+    dprintf(sl_ranks_voice, "softlux-mpi: rank %u %s\n", rank, why);
     MPI_Abort(MPI_COMM_WORLD, 5);
+    for (;;) pause();
 }
+
+static void end_for_memory(sl_ranks here) { sl_ranks_end(here.rank, "is out of memory"); }
 
 /* ---- what each rank is about to give ---- */
 
@@ -35,16 +42,22 @@ typedef struct head {
 
 static bool are_alike(const head *a, const head *b) { return a->count == b->count && a->bytes == b->bytes; }
 
+/* All ranks see it, the first one tells. */
+static void end_at_other_work(sl_ranks here, unsigned other) {
+    if (here.rank == 0)
+        sl_ranks_end(other, "is at other work: do all have the same scene, files and options?");
+    for (;;) pause();
+}
+
 /* Whole numbers: their sum does not depend on the order. */
 static void exchange_heads(sl_ranks here, size_t count, size_t bytes, sl_counters *counted) {
     const head own = {count, bytes, *counted};
     head *all = malloc(here.count * sizeof *all);
-    if (!all) end_all("out of memory");
+    if (!all) end_for_memory(here);
     MPI_Allgather(&own, sizeof own, MPI_BYTE, all, sizeof own, MPI_BYTE, MPI_COMM_WORLD);
     *counted = (sl_counters){{0}};
     for (unsigned r = 0; r < here.count; r++) {
-        if (!are_alike(&all[r], &own))
-            end_all("another rank is at other work: do all have the same scene, files and options?");
+        if (!are_alike(&all[r], &all[0])) end_at_other_work(here, r);
         sl_counters_add(counted, &all[r].counted);
     }
     free(all);
@@ -56,40 +69,55 @@ static size_t items_of(size_t count, sl_ranks here, unsigned rank) {
     return count / here.count + (rank < count % here.count);
 }
 
+/* Items [first, end) of some planes; first is rank 0's. */
+typedef struct piece {
+    const sl_batch_plane *planes;
+    unsigned plane_count;
+    size_t first, end;
+} piece;
+
 /* Puts a rank's items side by side, or back into their places. */
-static void move_items(char *items, char *side, size_t count, size_t bytes, sl_ranks here, unsigned rank,
-                       bool back) {
-    for (size_t i = rank; i < count; i += here.count, side += bytes)
-        memcpy(back ? items + i * bytes : side, back ? side : items + i * bytes, bytes);
+static void move_items(const piece *p, char *side, sl_ranks here, unsigned rank, bool back) {
+    for (unsigned k = 0; k < p->plane_count; k++) {
+        char *items = p->planes[k].items;
+        const size_t bytes = p->planes[k].bytes;
+        for (size_t i = p->first + rank; bytes && i < p->end; i += here.count, side += bytes)
+            memcpy(back ? items + i * bytes : side, back ? side : items + i * bytes, bytes);
+    }
 }
 
-static void exchange_items(sl_ranks here, char *items, size_t count, size_t bytes) {
+static void exchange_piece(sl_ranks here, const piece *p, size_t bytes) {
+    const size_t count = p->end - p->first;
     char *all = malloc(count * bytes);
     int *sizes = malloc(2 * here.count * sizeof *sizes), *places = sizes + here.count;
-    if (!all || !sizes) end_all("out of memory");
+    if (!all || !sizes) end_for_memory(here);
     size_t place = 0;
     for (unsigned r = 0; r < here.count; r++) {
         sizes[r] = (int)(items_of(count, here, r) * bytes);
         places[r] = (int)place;
         place += (size_t)sizes[r];
     }
-    move_items(items, all + places[here.rank], count, bytes, here, here.rank, false);
+    move_items(p, all + places[here.rank], here, here.rank, false);
     MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, sizes, places, MPI_BYTE, MPI_COMM_WORLD);
     for (unsigned r = 0; r < here.count; r++)
-        if (r != here.rank) move_items(items, all + places[r], count, bytes, here, r, true);
+        if (r != here.rank) move_items(p, all + places[r], here, r, true);
     free(sizes);
     free(all);
 }
 
-void sl_ranks_exchange(void *items, size_t count, size_t bytes, sl_counters *counted) {
+void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,
+                       sl_counters *counted) {
     const sl_ranks here = sl_ranks_here();
+    size_t bytes = 0;
     if (here.count == 1) return;
+    for (unsigned k = 0; k < plane_count; k++) bytes += planes[k].bytes;
     exchange_heads(here, count, bytes, counted);
     if (!bytes) return;
     /* MPI counts in int: whole rounds of all ranks at a time */
     const size_t rounds = (size_t)INT_MAX / 2 / bytes / here.count;
     const size_t most = (rounds ? rounds : 1) * here.count;
-    for (size_t first = 0; first < count; first += most)
-        exchange_items(here, (char *)items + first * bytes, count - first < most ? count - first : most,
-                       bytes);
+    for (size_t first = 0; first < count; first += most) {
+        const size_t end = count - first < most ? count : first + most;
+        exchange_piece(here, &(piece){planes, plane_count, first, end}, bytes);
+    }
 }

@@ -247,13 +247,15 @@ sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counte
                  at_once = path->pairs ? SL_PAIR_LISTS : TASKS_AT_ONCE;
     task_light *light = sl_allocate_unset(tasks < at_once ? tasks : at_once, sizeof *light);
     if (!light) return sl_fail_memory(error, "the path tracer");
+    const sl_batch_plane splats = path->pairs ? sl_path_pairs_counts(path->pairs) : (sl_batch_plane){0};
     for (; status == SL_OK && pass.first_task < tasks; pass.first_task += at_once) {
         const size_t left = tasks - pass.first_task, count = left < at_once ? left : at_once;
         sl_batch_run(&(sl_batch){.count = count, .work = sample_tiles, .context = &pass, .results = light,
-                                 .result_bytes = sizeof *light, .shared = !path->pairs},
+                                 .result_bytes = sizeof *light, .shared = true, .planes = &splats,
+                                 .plane_count = path->pairs != NULL},
                      path->settings.threads, counters);
         commit(&pass, light, count);
-        if (path->pairs && !sl_path_pairs_commit(path->pairs, &path->halves, pass.half))
+        if (path->pairs && !sl_path_pairs_commit(path->pairs, count, &path->halves, pass.half, counters))
             status = sl_fail_memory(error, "what light subpaths leave on the film");
     }
     sl_free(light);

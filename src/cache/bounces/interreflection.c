@@ -53,17 +53,22 @@ sl_status sl_second_gather_first(sl_second_cache *cache, sl_counters *counters, 
 
 /* ---- the second, and what it tells of all others ---- */
 
-/* A record's gather of the others' light, and its row: the share that each of them has in it. */
+/* A record's gather of the others' light. */
 typedef struct {
     sl_irradiance light;
+    bool failed;
+} gathered;
+
+/* The share that each of the others has in it: large, and of no use but to who has gathered it. */
+typedef struct {
     sl_second_link *row;
     uint32_t count;
-    bool failed;
 } row;
 
 typedef struct {
     const sl_second_cache *cache;
     sl_link_sums *sums; /* by worker */
+    gathered *gathers;
     row *rows;
     float (*now)[3], (*next)[3], (*all)[3]; /* light of this bounce, of the next, of all from D on */
 } bouncing;
@@ -76,6 +81,7 @@ static void free_all(bouncing *b) {
     for (size_t i = 0; b->rows && i < b->cache->list.count; i++) sl_free(b->rows[i].row);
     sl_free(b->sums);
     sl_free(b->rows);
+    sl_free(b->gathers);
     sl_free(b->now);
     sl_free(b->next);
     sl_free(b->all);
@@ -86,11 +92,12 @@ static bool allocate(bouncing *b) {
     const unsigned threads = b->cache->gathers.threads;
     bool room = true;
     b->sums = sl_allocate(threads, sizeof *b->sums);
+    b->gathers = sl_allocate(count, sizeof *b->gathers);
     b->rows = sl_allocate(count, sizeof *b->rows);
     b->now = sl_allocate(count, sizeof *b->now);
     b->next = sl_allocate(count, sizeof *b->next);
     b->all = sl_allocate(count, sizeof *b->all);
-    if (!b->sums || !b->rows || !b->now || !b->next || !b->all) return false;
+    if (!b->sums || !b->gathers || !b->rows || !b->now || !b->next || !b->all) return false;
     for (unsigned w = 0; w < threads; w++) {
         sl_link_sums *s = &b->sums[w];
         s->share = sl_allocate(count, sizeof *s->share);
@@ -104,7 +111,6 @@ static bool allocate(bouncing *b) {
 /* The worker's sums are as before afterwards. */
 static void write_row(sl_link_sums *sums, row *r) {
     r->row = sl_allocate(sums->count, sizeof *r->row);
-    r->failed = !r->row;
     r->count = r->row ? sums->count : 0;
     for (uint32_t n = 0; n < sums->count; n++) {
         float *share = sums->share[sums->touched[n]];
@@ -118,27 +124,34 @@ static void gather_second(void *context, size_t index, unsigned worker, void *re
                           sl_counters *counters) {
     const bouncing *b = context;
     const sl_record_gathers *g = &b->cache->gathers;
-    row *r = result;
+    gathered *r = result;
     sl_gather_second_irradiance(g->gather, &b->cache->list.points[index], g->scratch[worker], &r->light,
                                 counters);
     const sl_gather_hits_seen seen = sl_gather_last_hits(g->scratch[worker]);
     SL_KERNEL_OF(b->cache->isa, sl_second_links)(b->cache, &seen, &b->sums[worker]);
-    write_row(&b->sums[worker], r);
+    write_row(&b->sums[worker], &b->rows[index]);
+    r->failed = !b->rows[index].row;
 }
 
 /* ---- all others ---- */
 
-/* T times what the records receive by this bounce. */
-static void send(const bouncing *b) {
-    for (size_t i = 0; i < b->cache->list.count; i++) {
-        const row *r = &b->rows[i];
-        double sum[3] = {0.0, 0.0, 0.0};
-        for (uint32_t n = 0; n < r->count; n++) {
-            const sl_second_link *t = &r->row[n];
-            for (int c = 0; c < 3; c++) sum[c] += (double)t->share[c] * (double)b->now[t->from][c];
-        }
-        for (int c = 0; c < 3; c++) b->next[i][c] = (float)sum[c];
+static void send_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)counters;
+    const bouncing *b = context;
+    const row *r = &b->rows[index];
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (uint32_t n = 0; n < r->count; n++) {
+        const sl_second_link *t = &r->row[n];
+        for (int c = 0; c < 3; c++) sum[c] += (double)t->share[c] * (double)b->now[t->from][c];
     }
+    for (int c = 0; c < 3; c++) ((float *)result)[c] = (float)sum[c];
+}
+
+/* T times what the records receive by this bounce. */
+static void send(bouncing *b, sl_counters *counters) {
+    const sl_batch batch = {.count = b->cache->list.count, .work = send_one, .context = b, .results = b->next,
+                            .result_bytes = sizeof *b->next, .shared = true};
+    sl_batch_run(&batch, b->cache->gathers.threads, counters);
 }
 
 /* Adds this bounce. Returns the largest relative change of a record's mean over the channels; dark records
@@ -166,7 +179,7 @@ static float add_bounce(const bouncing *b) {
 }
 
 /* Light of later bounces falls off across a record as that of the second one does, in proportion. */
-static void add_to_record(const row *r, const float all[3], sl_record *record) {
+static void add_to_record(const gathered *r, const float all[3], sl_record *record) {
     const float second[3] = {r->light.value.r, r->light.value.g, r->light.value.b};
     sl_irradiance e = {.value = sl_rgb_add(record->irradiance, (sl_rgb){all[0], all[1], all[2]})};
     for (int c = 0; c < 3; c++) {
@@ -181,11 +194,11 @@ static void add_to_record(const row *r, const float all[3], sl_record *record) {
 static void let_bounce(bouncing *b, sl_second_cache *cache, sl_counters *counters) {
     sl_second_report *report = &cache->report;
     const size_t count = cache->list.count;
-    const sl_batch batch = {.count = count, .work = gather_second, .context = b, .results = b->rows,
-                            .result_bytes = sizeof *b->rows};
+    const sl_batch batch = {.count = count, .work = gather_second, .context = b, .results = b->gathers,
+                            .result_bytes = sizeof *b->gathers, .shared = true};
     sl_batch_run(&batch, cache->gathers.threads, counters);
     for (size_t i = 0; i < count; i++) {
-        const sl_rgb d = b->rows[i].light.value;
+        const sl_rgb d = b->gathers[i].light.value;
         b->now[i][0] = d.r, b->now[i][1] = d.g, b->now[i][2] = d.b;
     }
     for (;;) {
@@ -193,13 +206,13 @@ static void let_bounce(bouncing *b, sl_second_cache *cache, sl_counters *counter
         report->bounces++;
         report->converged = report->change < SMALL_CHANGE;
         if (report->converged || report->bounces + 1 >= cache->settings.bounces) break;
-        send(b);
+        send(b, counters);
         float(*swapped)[3] = b->now;
         b->now = b->next;
         b->next = swapped;
     }
     for (size_t i = 0; i < count; i++) {
-        add_to_record(&b->rows[i], b->all[i], &cache->list.records[i]);
+        add_to_record(&b->gathers[i], b->all[i], &cache->list.records[i]);
         cache->list.terms[i] = sl_record_terms_of(&cache->list.records[i], &cache->rules);
     }
 }
@@ -214,7 +227,7 @@ sl_status sl_let_light_bounce(sl_second_cache *cache, sl_counters *counters, sl_
     bool room = allocate(&b);
     if (room) {
         let_bounce(&b, cache, counters);
-        for (size_t i = 0; i < cache->list.count; i++) room = room && !b.rows[i].failed;
+        for (size_t i = 0; i < cache->list.count; i++) room = room && !b.gathers[i].failed;
     }
     free_all(&b);
     return room ? SL_OK : sl_fail_memory(error, "bounces of second-level records");

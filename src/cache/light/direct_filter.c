@@ -117,30 +117,29 @@ bool sl_row_scan_near(sl_row_scan *s, int x) {
 }
 
 /* Replaces the pixel's own share, column x of the row, by the mean. */
-static void smooth(const window *w, int x, size_t i, float *const share[3]) {
+static void smooth(const window *w, int x, size_t k) {
     const sl_direct_sums *s = w->sums;
     neighbours n;
     find_neighbours(w, x, &n);
-    float own = visible_share(s, i - s->first), weights = 0.0f, sum[3] = {0.0f, 0.0f, 0.0f};
+    float own = visible_share(s, k), weights = 0.0f, sum[3] = {0.0f, 0.0f, 0.0f};
     if (!(n.scatter > 1e-8f)) return;
     for (size_t j = 0; j < n.count; j++) {
         float weight = likeness(n.share[j] - own, 2.0f * n.scatter) * s->samples[n.pixel[j]];
         weights += weight;
         for (int c = 0; c < 3; c++) sum[c] += weight * ratio(s, c, n.pixel[j]);
     }
-    for (int c = 0; c < 3 && weights > 0.0f; c++) share[c][i] = sum[c] / weights;
+    for (int c = 0; c < 3 && weights > 0.0f; c++) s->light[c][k] = sum[c] / weights;
 }
 
-void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
-                          float *const share[3]) {
+void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, int row, sl_pixel_run run) {
     const window w = {s, gbuffer, row};
     sl_row_scan scatter = sl_row_scan_start(s, s->scatter, gbuffer, row, RADIUS);
     for (size_t i = run.first; i < run.end; i++) {
         const size_t k = i - s->first;
         const int x = (int)(i - (size_t)row * (size_t)gbuffer->width);
         const bool sampled = s->samples[k] > 0.0f;
-        for (int c = 0; c < 3; c++) share[c][i] = sampled ? ratio(s, c, k) : 0.0f;
+        for (int c = 0; c < 3; c++) s->light[c][k] = sampled ? ratio(s, c, k) : 0.0f;
         if (!sampled || !(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f)) continue;
-        if (sl_row_scan_near(&scatter, x)) smooth(&w, x, i, share);
+        if (sl_row_scan_near(&scatter, x)) smooth(&w, x, k);
     }
 }

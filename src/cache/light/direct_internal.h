@@ -68,6 +68,7 @@ typedef struct sl_direct_sums {
     /* 1: some, but not all, of the first samples were seen, or none lies where light comes from */
     float *partly;
     float *scatter;         /* variance of the visible share, as the two halves of the samples tell it */
+    float *light[3];        /* the visible share, then radiance */
     float *block;           /* holds all of the above */
 } sl_direct_sums;
 
@@ -125,9 +126,8 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
                       uint32_t samples, sl_direct_scratch *scratch, sl_counters *counters);
 /* Scatter of sums [first, first + count). */
 void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t count);
-/* The visible share of pixels of one row, smoothed: in three planes as large as the G-buffer. */
-void sl_direct_filter_run(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
-                          float *const share[3]);
+/* The visible share of pixels of one row, smoothed: into the planes of light. */
+void sl_direct_filter_run(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, sl_pixel_run run);
 
 /* ---- what is near, pixel by pixel along a row ---- */
 

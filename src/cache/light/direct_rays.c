@@ -7,6 +7,7 @@
  *   4  radiance
  *
  * Every pass reads a few rows around those of the next one. */
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -28,6 +29,7 @@ enum {
      * penumbra are refined as well. */
     PENUMBRA_MARGIN = 2,
     FILTER_MARGIN = 2,
+    MARGIN = PENUMBRA_MARGIN + FILTER_MARGIN,
     SAMPLED_ROWS = 4
 };
 
@@ -152,15 +154,18 @@ void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_ai
 
 /* ---- sums ---- */
 
-enum { PLANES = 20 };
+/* Those that pixels around are asked for, by the penumbrae and by the filter, and the light itself, are what
+ * passes give to other ranks; all else is of use to a pixel's own alone. */
+enum { PLANES = 23, PENUMBRA_PLANE = 0, FILTER_PLANES = 1, LIGHT_PLANES = 9, PLANES_WITHIN = 12 };
 
 /* Not set: the first pass clears them row by row. */
 static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
-    float **const planes[PLANES] = {&sums->exact[0],  &sums->exact[1],  &sums->exact[2],  &sums->seen[0],
-                              &sums->seen[1],   &sums->seen[2],   &sums->all[0],    &sums->all[1],
-                              &sums->all[2],    &sums->plain[0],  &sums->plain[1],  &sums->plain[2],
-                              &sums->glossy[0], &sums->glossy[1], &sums->glossy[2], &sums->odd_seen,
-                              &sums->odd_all,   &sums->samples,   &sums->partly,    &sums->scatter};
+    float **const planes[PLANES] = {
+        &sums->partly,    &sums->seen[0],   &sums->seen[1],   &sums->seen[2],   &sums->all[0],
+        &sums->all[1],    &sums->all[2],    &sums->samples,   &sums->scatter,   &sums->light[0],
+        &sums->light[1],  &sums->light[2],  &sums->exact[0],  &sums->exact[1],  &sums->exact[2],
+        &sums->plain[0],  &sums->plain[1],  &sums->plain[2],  &sums->glossy[0], &sums->glossy[1],
+        &sums->glossy[2], &sums->odd_seen,  &sums->odd_all};
     sums->first = first;
     sums->count = count;
     sums->block = sl_allocate_unset(count, PLANES * sizeof *sums->block);
@@ -178,16 +183,14 @@ static void clear_row(const sl_direct_sums *sums, size_t pixel, size_t width) {
 typedef struct {
     const sl_direct *direct;
     const sl_gbuffer *gbuffer;
-    int first, row, end;    /* row: of the strip with its margin; of the pass, and behind its last */
-    int each;               /* rows of a task */
+    int row0;               /* of the strip with its margin */
+    int row, end;           /* of the pass: its first, and behind its last */
+    int each;               /* rows of an item */
     sl_direct_sums *sums;
-    float *out[3];
-    sl_counters *counters;  /* one a row of the strip */
     void *scratch;          /* of all workers */
-    bool refine;            /* the second pass */
+    sl_counters *counters;
+    bool refine, last;      /* the second pass; all samples are taken by it */
 } pass;
-
-static sl_counters *counters_of(const pass *p, int y) { return &p->counters[y - p->first]; }
 
 static sl_pixel_run shown(const pass *p, size_t first, size_t end) {
     return sl_sub_frame_run(&p->direct->scene->sub_frame, first, end);
@@ -230,33 +233,37 @@ static void sample_row(const pass *p, int y, sl_lit_block *block, unsigned worke
     }
 }
 
-/* A task: a few rows, so that what is left of a block is little. */
-static void sample_rows(void *context, size_t index, unsigned worker) {
-    const pass *p = context;
-    const int first = p->row + (int)index * p->each, end = smaller(first + p->each, p->end);
-    sl_lit_block block;
-    block.count = 0;
-    for (int y = first; y < end; y++) sample_row(p, y, &block, worker, counters_of(p, first));
-    light_block(p, &block, worker, counters_of(p, first));
+/* Rows of an item that the pass looks at: the same item of every pass has the same rows. A few, so that what
+ * is left of a block is little. */
+static int first_row(const pass *p, size_t index) { return larger(p->row, p->row0 + (int)index * p->each); }
+static int end_row(const pass *p, size_t index) {
+    return smaller(p->end, p->row0 + (int)(index + 1) * p->each);
 }
 
-static void scatter_row(void *context, size_t index, unsigned worker) {
-    (void)worker;
+static void sample_rows(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)result;
     const pass *p = context;
-    const size_t width = (size_t)p->gbuffer->width, row = ((size_t)p->row + index) * width;
-    for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width))
+    const int first = first_row(p, index), end = end_row(p, index);
+    const size_t width = (size_t)p->gbuffer->width;
+    sl_lit_block block;
+    block.count = 0;
+    for (int y = first; y < end; y++) sample_row(p, y, &block, worker, counters);
+    light_block(p, &block, worker, counters);
+    if (!p->last || first >= end) return;
+    const size_t pixel = (size_t)first * width, behind = (size_t)end * width;
+    for (sl_pixel_run r = shown(p, pixel, behind); r.first < r.end; r = shown(p, r.end, behind))
         sl_direct_find_scatter(p->sums, r.first - p->sums->first, r.end - r.first);
 }
 
-/* Pixels [first, end) of row y, whose visible shares are in the planes of radiance. */
-static void finish_run(const pass *p, int y, size_t first, size_t end, unsigned worker) {
+/* Pixels [first, end) of a row, whose visible shares are in the planes of light. */
+static void finish_run(const pass *p, size_t first, size_t end, unsigned worker, sl_counters *counters) {
     const sl_gbuffer *g = p->gbuffer;
     const sl_direct *direct = p->direct;
     const float *diffuse[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
     for (size_t i = first; i < end; i++) {
         size_t k = i - p->sums->first;
         if (g->material[i] == SL_NO_INDEX) {
-            for (int c = 0; c < 3; c++) p->out[c][i] = 0.0f;
+            for (int c = 0; c < 3; c++) p->sums->light[c][k] = 0.0f;
             continue;
         }
         bool lobe = direct->glossy && direct->sampler && sl_pixel_is_glossy(g, direct->scene, i);
@@ -265,65 +272,81 @@ static void finish_run(const pass *p, int y, size_t first, size_t end, unsigned 
         if (lobe)
             glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->sides.unit,
                                     sl_direct_samples(direct), sl_direct_scratch_of(p->scratch, worker),
-                                    counters_of(p, y));
+                                    counters);
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
-            float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->out[c][i] * direct->sides.unit;
+            float e = p->sums->plain[c][k] + p->sums->exact[c][k] * p->sums->light[c][k] * direct->sides.unit;
             /* black times infinite is black */
             float reflected = sl_picture_value(diffuse[c][i] * (float)(1.0 / SL_PI) * e);
-            p->out[c][i] = sl_picture_value(reflected + p->sums->glossy[c][k] + lobes[c]);
+            p->sums->light[c][k] = sl_picture_value(reflected + p->sums->glossy[c][k] + lobes[c]);
         }
     }
 }
 
-static void finish_row(void *context, size_t index, unsigned worker) {
-    const pass *p = context;
-    const int y = p->row + (int)index;
+static void finish_row(const pass *p, int y, unsigned worker, sl_counters *counters) {
     const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
-        sl_direct_filter_run(p->sums, p->gbuffer, y, r, p->out);
-        finish_run(p, y, r.first, r.end, worker);
+        sl_direct_filter_run(p->sums, p->gbuffer, y, r);
+        finish_run(p, r.first, r.end, worker, counters);
     }
-    sl_count(counters_of(p, y), SL_COUNT_FRAGMENTS_SHADED, width);
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, width);
+}
+
+static void finish_rows(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)result;
+    const pass *p = context;
+    for (int y = first_row(p, index); y < end_row(p, index); y++) finish_row(p, y, worker, counters);
 }
 
 /* ---- a strip ---- */
 
-/* Rows [row0 - margin, row1 + margin), as far as there are any, `each` a task. */
-static void run(pass *p, sl_task *task, int each, int row0, int row1, int margin) {
-    p->row = larger(row0 - margin, 0);
-    p->end = smaller(row1 + margin, p->gbuffer->height);
-    p->each = each;
-    sl_parallel_for(p->direct->settings.threads, (size_t)((p->end - p->row + each - 1) / each), task, p);
+/* Runs a pass over rows [first, end) and `margin` more on either side, as far as there are any. It gives
+ * planes [plane, behind) of the sums to who reads them next. */
+static void run(pass *p, sl_batch_work *work, int first, int end, int margin, size_t plane, size_t behind) {
+    sl_batch_plane planes[PLANES];
+    const size_t item = (size_t)p->each * (size_t)p->gbuffer->width,
+                 rows = p->sums->count / (size_t)p->gbuffer->width;
+    p->row = larger(first - margin, 0);
+    p->end = smaller(end + margin, p->gbuffer->height);
+    for (size_t k = plane; k < behind; k++)
+        planes[k - plane] = (sl_batch_plane){p->sums->block + k * p->sums->count, item * sizeof(float)};
+    const sl_batch batch = {.count = rows / (size_t)p->each, .work = work, .context = p, .shared = true,
+                            .planes = planes, .plane_count = (unsigned)(behind - plane)};
+    sl_batch_run(&batch, p->direct->settings.threads, p->counters);
 }
 
-static void run_all(pass *p, int row0, int row1) {
-    run(p, sample_rows, SAMPLED_ROWS, row0, row1, PENUMBRA_MARGIN + FILTER_MARGIN);
-    p->refine = true;
-    if (samples_with_refinement(p->direct) > pilot_samples(p->direct))
-        run(p, sample_rows, SAMPLED_ROWS, row0, row1, FILTER_MARGIN);
-    run(p, scatter_row, 1, row0, row1, FILTER_MARGIN);
-    run(p, finish_row, 1, row0, row1, 0);
+static void run_all(pass *p, int first, int end) {
+    const bool refined = samples_with_refinement(p->direct) > pilot_samples(p->direct);
+    p->last = !refined;
+    run(p, sample_rows, first, end, MARGIN, refined ? PENUMBRA_PLANE : FILTER_PLANES,
+        refined ? FILTER_PLANES : LIGHT_PLANES);
+    p->refine = p->last = true;
+    if (refined) run(p, sample_rows, first, end, FILTER_MARGIN, FILTER_PLANES, LIGHT_PLANES);
+    run(p, finish_rows, first, end, 0, LIGHT_PLANES, PLANES_WITHIN);
 }
 
-static sl_status light_strip(const sl_direct *direct, const sl_gbuffer *gbuffer, int row0, int row1,
+static void put_row(const pass *p, int y, float *const radiance[3]) {
+    const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
+    for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width))
+        for (int c = 0; c < 3; c++)
+            memcpy(radiance[c] + r.first, p->sums->light[c] + (r.first - p->sums->first),
+                   (r.end - r.first) * sizeof(float));
+}
+
+static sl_status light_strip(const sl_direct *direct, const sl_gbuffer *gbuffer, int first, int end,
                              float *const radiance[3], sl_counters *counters, sl_error *error) {
-    const int margin = PENUMBRA_MARGIN + FILTER_MARGIN;
-    int first = larger(row0 - margin, 0), end = smaller(row1 + margin, gbuffer->height);
-    size_t width = (size_t)gbuffer->width, lines = (size_t)(end - first);
+    const int each = SAMPLED_ROWS, row0 = larger(first - MARGIN, 0),
+              lines = smaller(end + MARGIN, gbuffer->height) - row0 + each - 1;
+    const size_t width = (size_t)gbuffer->width;
     sl_direct_sums sums;
-    sl_counters *costs = sl_allocate(lines, sizeof *costs);
-    void *scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
-    bool made = make_sums((size_t)first * width, lines * width, &sums) && costs && scratch;
-    if (made) {
-        pass p = {direct, gbuffer, first, first, end, 1, &sums, {radiance[0], radiance[1], radiance[2]},
-                  costs,  scratch, false};
-        run_all(&p, row0, row1);
-        for (size_t i = 0; i < lines; i++) sl_counters_add(counters, &costs[i]);
-    }
+    pass p = {direct, gbuffer, .row0 = row0, .each = each, .sums = &sums, .counters = counters};
+    p.scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
+    const bool made = make_sums((size_t)row0 * width, (size_t)(lines - lines % each) * width, &sums) &&
+                      p.scratch;
+    if (made) run_all(&p, first, end);
+    for (int y = first; made && y < end; y++) put_row(&p, y, radiance);
     sl_free(sums.block);
-    sl_free(costs);
-    sl_free(scratch);
+    sl_free(p.scratch);
     return made ? SL_OK : sl_fail_memory(error, "direct light");
 }
 

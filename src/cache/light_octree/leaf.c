@@ -190,7 +190,7 @@ static void make_lights(const sl_voxel_lights *lights, const sl_voxel_gather *ga
 
 /* ---- A set ---- */
 
-void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w) {
+void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *w, sl_counters *counters) {
     const sl_light_octree_settings *o = &lights->options;
     sl_voxel_set *set = &lights->set[index];
     sl_directional_light *light = lights->light + index * (size_t)lights->texels;
@@ -203,8 +203,8 @@ void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *
                                             : sl_voxel_gather_photons(lights, &query, w);
     set->photons = (uint32_t)gather.found;
     set->radius = (float)gather.ellipsoid.radius;
-    sl_count(&w->counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
+    sl_count(counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
     if (gather.side[0].count + gather.side[1].count == 0) return; /* dark: nothing to cluster */
     make_lights(lights, &gather, w, set, light);
-    if (o->lobes != SL_LOBES_NONE) sl_count(&w->counters, SL_COUNT_DIRECTIONAL_LIGHTS, set->lights);
+    if (o->lobes != SL_LOBES_NONE) sl_count(counters, SL_COUNT_DIRECTIONAL_LIGHTS, set->lights);
 }

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -131,7 +132,7 @@ static void add(double sum[3], sl_rgb reflected, const sl_lobe_photons *p, size_
 }
 
 sl_rgb sl_photons_radiance(sl_voxel_lights *lights, unsigned worker, const sl_surface *surface,
-                           sl_vec3 to_viewer) {
+                           sl_vec3 to_viewer, sl_counters *counters) {
     sl_voxel_worker *w = &lights->worker[worker];
     if (!lights->tree || sl_material_is_mirror(surface->material)) return sl_grey(0.0f);
     sl_photon_query query = sl_voxel_query(lights, surface->position, surface->geometric_normal);
@@ -145,7 +146,7 @@ sl_rgb sl_photons_radiance(sl_voxel_lights *lights, unsigned worker, const sl_su
         add(sum, sl_bsdf_reflect(&bsdf, to_light, SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY), p, i);
     }
     double area = sl_voxel_areas(lights, &gather, w).side[0], scale = area > 0.0 ? gather.kappa / area : 0.0;
-    sl_count(&w->counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
+    sl_count(counters, SL_COUNT_PHOTONS_GATHERED, gather.found);
     sl_rgb radiance = {(float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale)};
     return sl_rgb_is_finite(radiance) ? radiance : sl_grey(0.0f);
 }
@@ -157,20 +158,21 @@ typedef struct pixel_pass {
     float *const *out;
 } pixel_pass;
 
-static sl_rgb light_of_pixel(const pixel_pass *pass, unsigned worker, size_t i) {
+static sl_rgb light_of_pixel(const pixel_pass *pass, unsigned worker, size_t i, sl_counters *counters) {
     const sl_gbuffer *g = pass->gbuffer;
     if (g->material[i] == SL_NO_INDEX) return sl_grey(0.0f);
     sl_vec3 viewer = sl_gbuffer_seen_from(g, pass->scene->camera.eye, i);
     sl_surface s = sl_gbuffer_surface(pass->scene, g, i);
     return sl_photons_radiance(pass->lights, worker, &s,
-                               sl_normalize_or(sl_sub(viewer, s.position), s.geometric_normal));
+                               sl_normalize_or(sl_sub(viewer, s.position), s.geometric_normal), counters);
 }
 
-static void light_row(void *context, size_t row, unsigned worker) {
+static void light_row(void *context, size_t row, unsigned worker, void *result, sl_counters *counters) {
+    (void)result;
     const pixel_pass *pass = context;
     size_t width = (size_t)pass->gbuffer->width;
     for (size_t i = row * width; i < (row + 1) * width; i++) {
-        sl_rgb radiance = light_of_pixel(pass, worker, i);
+        sl_rgb radiance = light_of_pixel(pass, worker, i, counters);
         pass->out[0][i] = radiance.r;
         pass->out[1][i] = radiance.g;
         pass->out[2][i] = radiance.b;
@@ -180,8 +182,10 @@ static void light_row(void *context, size_t row, unsigned worker) {
 void sl_photons_light_pixels(const sl_scene *scene, const sl_gbuffer *gbuffer, sl_voxel_lights *lights,
                              unsigned threads, float *const indirect[3], sl_counters *counters) {
     pixel_pass pass = {scene, gbuffer, lights, indirect};
+    const size_t row = (size_t)gbuffer->width * sizeof(float);
+    const sl_batch_plane planes[] = {{indirect[0], row}, {indirect[1], row}, {indirect[2], row}};
+    const sl_batch batch = {.count = (size_t)gbuffer->height, .work = light_row, .context = &pass,
+                            .shared = true, .planes = planes, .plane_count = 3};
     threads = sl_thread_count(threads);
-    if (threads > lights->workers) threads = lights->workers;
-    sl_parallel_for(threads, (size_t)gbuffer->height, light_row, &pass);
-    sl_voxel_lights_count(lights, counters);
+    sl_batch_run(&batch, threads < lights->workers ? threads : lights->workers, counters);
 }

@@ -33,7 +33,7 @@ sl_octree_point sl_octree_point_of_pixel(const sl_scene *scene, const sl_gbuffer
  * f_r(omega_i, v) (n . omega_i) / max(n_i . omega_i, epsilon) Phi_i. Mirrors give nothing. The lights are
  * those of voxels, whose gathers are alike; theirs need not be made. One call at a time for each worker. */
 sl_rgb sl_photons_radiance(sl_voxel_lights *lights, unsigned worker, const sl_surface *surface,
-                           sl_vec3 to_viewer);
+                           sl_vec3 to_viewer, sl_counters *counters);
 
 /* Three planes of the G-buffer's size, all of them written. */
 void sl_photons_light_pixels(const sl_scene *scene, const sl_gbuffer *gbuffer, sl_voxel_lights *lights,

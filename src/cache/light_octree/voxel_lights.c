@@ -1,6 +1,7 @@
 /* The lights of all voxels: memory for them, batches of leaves, and what can be said of them all. */
 #include "cache/light_octree/voxel_lights.h"
 
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -24,7 +25,6 @@ static sl_status create_workers(sl_voxel_lights *lights, sl_error *error) {
     for (unsigned i = 0; lights->worker && i < lights->workers; i++) {
         sl_voxel_worker *w = &lights->worker[i];
         w->gathered = (sl_gathered_photons){.place = w->place, .distance = w->distance, .keys = w->keys};
-        w->counters = (sl_counters){{0}};
         w->marks = (sl_triangle_marks){
             sl_allocate(clip ? lights->scene->triangle_count : 0, sizeof *w->marks.mark), 0};
         good = good && w->marks.mark;
@@ -78,39 +78,37 @@ size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {
 
 typedef struct leaf_batch {
     sl_voxel_lights *lights;
-    size_t first;
+    size_t first; /* set */
 } leaf_batch;
 
-static void light_leaf(void *context, size_t index, unsigned worker) {
+static void light_set(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)result;
     const leaf_batch *batch = context;
-    sl_voxel_lights *lights = batch->lights;
-    sl_voxel_worker *w = &lights->worker[worker];
-    bool lit = false;
-    size_t leaf = batch->first + index;
-    for (uint32_t set = lights->first_set[leaf]; set < lights->first_set[leaf + 1]; set++) {
-        sl_voxel_light_set(lights, set, w);
-        lit |= lights->set[set].lights > 0;
-    }
-    sl_count(&w->counters, SL_COUNT_LEAVES, 1);
-    sl_count(&w->counters, SL_COUNT_LEAVES_WITHOUT_PHOTONS, !lit);
+    sl_voxel_light_set(batch->lights, batch->first + index, &batch->lights->worker[worker], counters);
 }
 
-void sl_voxel_lights_count(sl_voxel_lights *lights, sl_counters *counters) {
-    for (unsigned i = 0; i < lights->workers; i++) {
-        sl_counters_add(counters, &lights->worker[i].counters);
-        lights->worker[i].counters = (sl_counters){{0}};
-    }
+static void count_leaf(const sl_voxel_lights *lights, size_t leaf, sl_counters *counters) {
+    bool lit = false;
+    for (uint32_t set = lights->first_set[leaf]; set < lights->first_set[leaf + 1]; set++)
+        lit |= lights->set[set].lights > 0;
+    sl_count(counters, SL_COUNT_LEAVES, 1);
+    sl_count(counters, SL_COUNT_LEAVES_WITHOUT_PHOTONS, !lit);
 }
 
 void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count, unsigned threads,
                              sl_counters *counters) {
     if (first >= lights->leaf_count) return;
     if (count > lights->leaf_count - first) count = lights->leaf_count - first;
-    leaf_batch batch = {lights, first};
+    leaf_batch leaves = {lights, lights->first_set[first]};
+    const size_t end = first + count, texels = (size_t)lights->texels;
+    const sl_batch_plane lit = {lights->light + leaves.first * texels, texels * sizeof *lights->light};
+    const sl_batch batch = {.count = lights->first_set[end] - leaves.first, .work = light_set,
+                            .context = &leaves, .results = lights->set + leaves.first,
+                            .result_bytes = sizeof *lights->set, .shared = true, .planes = &lit,
+                            .plane_count = 1};
     threads = sl_thread_count(threads);
-    if (threads > lights->workers) threads = lights->workers;
-    sl_parallel_for(threads, count, light_leaf, &batch);
-    sl_voxel_lights_count(lights, counters);
+    sl_batch_run(&batch, threads < lights->workers ? threads : lights->workers, counters);
+    for (size_t leaf = first; leaf < end; leaf++) count_leaf(lights, leaf, counters);
 }
 
 /* ---- statistics ---- */

@@ -110,8 +110,6 @@ sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree,
 /* The lights of leaves [first, first + count). Adds what was gathered, leaves, and lights to the counters. */
 void sl_voxel_lights_compute(sl_voxel_lights *lights, size_t first, size_t count, unsigned threads,
                              sl_counters *counters);
-/* Moves what the workers have counted to the counters. */
-void sl_voxel_lights_count(sl_voxel_lights *lights, sl_counters *counters);
 void sl_voxel_lights_destroy(sl_voxel_lights *lights);
 size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights);
 
@@ -180,7 +178,6 @@ typedef struct sl_voxel_worker {
     uint64_t keys[3 * SL_NEIGHBOURS_MAX + 2 * SL_PHOTON_BUCKET];
     sl_lobe_arrays photons;       /* of both sides */
     sl_triangle_marks marks;
-    sl_counters counters;
 } sl_voxel_worker;
 
 typedef struct sl_voxel_gather {
@@ -202,6 +199,7 @@ sl_voxel_gather sl_voxel_gather_photons(const sl_voxel_lights *lights, const sl_
                                         sl_voxel_worker *worker);
 sl_voxel_area sl_voxel_areas(const sl_voxel_lights *lights, const sl_voxel_gather *gather,
                              sl_voxel_worker *worker);
-void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *worker);
+void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *worker,
+                        sl_counters *counters);
 
 #endif

@@ -137,9 +137,10 @@ sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count
                                sl_rgb *radiance, sl_counters *counters, sl_error *error) {
     size_t lights = light->lights->count, all = lights * light->threads;
     lighting job = {light, sl_allocate(light->threads, sizeof *job.worker), place, quick, kept};
+    const sl_batch_plane shares = {kept, lights * sizeof *kept};
     const sl_batch batch = {.count = count, .work = light_one, .context = &job, .results = radiance,
-                            .result_bytes = sizeof *radiance, .shared = true, .more = kept,
-                            .more_bytes = light->lights->count * sizeof *kept};
+                            .result_bytes = sizeof *radiance, .shared = true, .planes = &shares,
+                            .plane_count = kept != NULL};
     double *most = sl_allocate(all, sizeof *most);
     float *share = sl_allocate(all, sizeof *share);
     uint32_t *order = sl_allocate(all, sizeof *order);

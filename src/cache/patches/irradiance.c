@@ -234,9 +234,9 @@ static float take(const sl_irradiance_meshes *m, uint32_t light, const sl_lit_po
  * then it is asked for a little beside. */
 static void sample_vertex(void *context, size_t index, unsigned worker, void *result,
                           sl_counters *counters) {
-    (void)result;
+    (void)index;
     sl_irradiance_meshes *m = context;
-    wanted_sample *wanted = &m->wanted[index];
+    wanted_sample *wanted = result;
     const sl_patches *mesh = m->mesh[wanted->light];
     sl_mesh_point at = sl_mesh_point_of(mesh, wanted->vertex);
     if (at.lit.triangle == SL_NO_INDEX) sl_step_inside(m->settings.scene, m->inwards, &at);
@@ -252,7 +252,8 @@ static void sample_vertex(void *context, size_t index, unsigned worker, void *re
 
 /* They are put into the meshes in the order in which they were asked for. */
 static void take_samples(sl_irradiance_meshes *m, sl_counters *counters) {
-    const sl_batch batch = {.count = m->wanted_count, .work = sample_vertex, .context = m};
+    const sl_batch batch = {.count = m->wanted_count, .work = sample_vertex, .context = m,
+                            .results = m->wanted, .result_bytes = sizeof *m->wanted, .shared = true};
     sl_batch_run(&batch, m->settings.threads, counters);
     for (size_t i = 0; i < m->wanted_count; i++) {
         sl_patches *mesh = m->mesh[m->wanted[i].light];

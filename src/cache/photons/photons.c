@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/grow.h"
@@ -61,15 +62,20 @@ typedef struct path_block {
     uint32_t places[SL_PHOTON_CHUNK];
 } path_block;
 
-/* Result of a chunk. */
 typedef struct chunk_result {
-    size_t count, capacity;
-    sl_photon *photon, *ordered; /* bounce by bounce, and path by path */
-    uint16_t *path;              /* of each photon */
+    size_t count;
     double cut_flux;
     sl_counters counters;
     bool out_of_memory;
 } chunk_result;
+
+/* A chunk's photons, bounce by bounce. */
+typedef struct photon_chunk {
+    chunk_result result;
+    size_t capacity;
+    sl_photon *photon;
+    uint16_t *path;              /* of each photon */
+} photon_chunk;
 
 typedef struct photon_job {
     const sl_scene *scene;
@@ -80,35 +86,20 @@ typedef struct photon_job {
     const sl_environment *sky;
     uint64_t seed, first_chunk;
     path_block *blocks;          /* a worker each */
-    chunk_result *results;       /* CHUNKS_AT_ONCE */
+    photon_chunk *chunks;        /* CHUNKS_AT_ONCE, as are */
+    chunk_result *results;
 } photon_job;
 
-static void release_result(chunk_result *r) {
-    sl_free(r->photon);
-    sl_free(r->ordered);
-    sl_free(r->path);
-}
-
-static bool make_room(chunk_result *r) {
-    if (r->count < r->capacity) return true;
-    size_t capacity = r->capacity > 0 ? 2 * r->capacity : 2 * SL_PHOTON_CHUNK;
-    chunk_result larger = {.photon = sl_allocate(capacity, sizeof *r->photon),
-                           .ordered = sl_allocate(capacity, sizeof *r->ordered),
-                           .path = sl_allocate(capacity, sizeof *r->path)};
-    if (!larger.photon || !larger.ordered || !larger.path) {
-        release_result(&larger);
-        r->out_of_memory = true;
+static bool make_room(photon_chunk *c) {
+    const size_t count = c->result.count;
+    if (count < c->capacity) return true;
+    const size_t capacity = c->capacity > 0 ? 2 * c->capacity : 2 * SL_PHOTON_CHUNK;
+    if (!sl_regrow(&c->photon, count, capacity, sizeof *c->photon) ||
+        !sl_regrow(&c->path, count, capacity, sizeof *c->path)) {
+        c->result.out_of_memory = true;
         return false;
     }
-    if (r->count > 0) {
-        memcpy(larger.photon, r->photon, r->count * sizeof *r->photon);
-        memcpy(larger.path, r->path, r->count * sizeof *r->path);
-    }
-    release_result(r);
-    r->photon = larger.photon;
-    r->ordered = larger.ordered;
-    r->path = larger.path;
-    r->capacity = capacity;
+    c->capacity = capacity;
     return true;
 }
 
@@ -164,16 +155,16 @@ static unsigned emit_paths(const photon_job *job, uint64_t chunk, path_block *bl
 
 /* ---- at a surface ---------------------------------------------------------------------------- */
 
-static void store_photon(chunk_result *r, unsigned path, const light_path *p, sl_rgb flux, unsigned bounces,
+static void store_photon(photon_chunk *c, unsigned path, const light_path *p, sl_rgb flux, unsigned bounces,
                          const sl_surface *surface) {
-    if (!make_room(r)) return;
-    sl_photon *photon = &r->photon[r->count];
+    if (!make_room(c)) return;
+    sl_photon *photon = &c->photon[c->result.count];
     *photon = (sl_photon){.position = {surface->position.x, surface->position.y, surface->position.z},
                           .flux = {flux.r, flux.g, flux.b},
                           .direction = sl_octahedral_encode(sl_neg(p->direction)),
                           .normal = sl_octahedral_encode(surface->geometric_normal),
                           .flags = bounces | (bounces > 0 && p->specular_alone ? SL_PHOTON_CAUSTIC : 0u)};
-    r->path[r->count++] = (uint16_t)path;
+    c->path[c->result.count++] = (uint16_t)path;
 }
 
 static bool is_stored(sl_photon_store store, unsigned bounces, bool specular_alone) {
@@ -234,7 +225,7 @@ static bool scatter(const sl_surface *s, sl_vec3 in, const float number[4], sl_v
 
 /* Stores and scatters. False: the path ends. */
 static bool meet_surface(const photon_job *job, light_path *p, unsigned path, unsigned bounces,
-                         uint32_t triangle, float w1, float w2, chunk_result *r) {
+                         uint32_t triangle, float w1, float w2, photon_chunk *c) {
     sl_vec3 to_light = sl_neg(p->direction);
     sl_surface surface;
     sl_scene_surface(job->scene, triangle, w1, w2, to_light, &surface);
@@ -242,9 +233,9 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
     if (!sl_is_specular(surface.material, job->polished)) {
         bool wanted = sl_takes_photons(surface.material);
         if (wanted && is_stored(job->store, bounces, p->specular_alone))
-            store_photon(r, path, p, p->flux, bounces, &surface);
+            store_photon(c, path, p, p->flux, bounces, &surface);
         else if (wanted && sl_rgb_max(p->sky_share) > 0.0f)
-            store_photon(r, path, p, sl_rgb_mul(p->flux, p->sky_share), bounces, &surface);
+            store_photon(c, path, p, sl_rgb_mul(p->flux, p->sky_share), bounces, &surface);
         if (job->store == SL_STORE_CAUSTIC) return false;
         p->specular_alone = false;
     }
@@ -255,7 +246,7 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
     if (!scatter(&surface, to_light, number, &direction, &weight)) return false;
     if (!sl_rgb_is_finite(weight) || !(sl_rgb_max(weight) > 0.0f)) return false;
     if (bounces == BOUNCES_MAX) {
-        r->cut_flux += (double)sl_luminance(sl_rgb_mul(p->flux, weight));
+        c->result.cut_flux += (double)sl_luminance(sl_rgb_mul(p->flux, weight));
         return false;
     }
     /* Russian roulette: flux stays as it is where colours are grey. */
@@ -275,19 +266,19 @@ static void put_ray(sl_ray16 *rays, unsigned i, const light_path *p) {
 }
 
 static unsigned bounce_paths(const photon_job *job, path_block *block, unsigned alive, unsigned bounces,
-                             chunk_result *r) {
+                             photon_chunk *c) {
     unsigned left = 0;
     for (unsigned first = 0; first < alive; first += SL_PACKET) {
         unsigned n = alive - first < SL_PACKET ? alive - first : SL_PACKET;
         sl_ray16 rays;
         sl_hit16 hits;
         for (unsigned i = 0; i < n; i++) put_ray(&rays, i, &block->path[block->alive[first + i]]);
-        sl_trace(job->tracer, &rays, n, false, &hits, &r->counters);
+        sl_trace(job->tracer, &rays, n, false, &hits, &c->result.counters);
         for (unsigned i = 0; i < n; i++) {
             unsigned path = block->alive[first + i];
             if (hits.triangle[i] == SL_NO_INDEX) continue;
             if (!meet_surface(job, &block->path[path], path, bounces, hits.triangle[i], hits.w1[i],
-                              hits.w2[i], r))
+                              hits.w2[i], c))
                 continue;
             block->alive[left++] = (uint16_t)path; /* left <= first + i */
         }
@@ -295,30 +286,32 @@ static unsigned bounce_paths(const photon_job *job, path_block *block, unsigned 
     return left;
 }
 
-/* Photons in order of path, then bounce: a stable counting sort of what came bounce by bounce. */
-static void order_photons(path_block *block, chunk_result *r) {
-    memset(block->places, 0, SL_PHOTON_CHUNK * sizeof *block->places);
-    for (size_t i = 0; i < r->count; i++) block->places[r->path[i]]++;
-    uint32_t sum = 0;
-    for (unsigned p = 0; p < SL_PHOTON_CHUNK; p++) {
-        uint32_t count = block->places[p];
-        block->places[p] = sum;
-        sum += count;
-    }
-    for (size_t i = 0; i < r->count; i++) r->ordered[block->places[r->path[i]]++] = r->photon[i];
-}
-
-static void trace_chunk(void *context, size_t index, unsigned worker) {
+static void trace_chunk(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)counters; /* its own count if it is committed */
     const photon_job *job = context;
     path_block *block = &job->blocks[worker];
-    chunk_result *r = &job->results[index];
-    r->count = 0;
-    r->cut_flux = 0.0;
-    r->counters = (sl_counters){{0}};
+    photon_chunk *c = &job->chunks[index];
+    c->result = (chunk_result){0};
     unsigned alive = emit_paths(job, job->first_chunk + index, block);
-    for (unsigned bounces = 0; alive > 0 && !r->out_of_memory; bounces++)
-        alive = bounce_paths(job, block, alive, bounces, r);
-    order_photons(block, r);
+    for (unsigned bounces = 0; alive > 0 && !c->result.out_of_memory; bounces++)
+        alive = bounce_paths(job, block, alive, bounces, c);
+    *(chunk_result *)result = c->result;
+}
+
+/* Photons in order of path, then bounce: a stable counting sort of what came bounce by bounce. */
+static void order_photons(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)counters;
+    const photon_job *job = context;
+    const photon_chunk *c = &job->chunks[index];
+    uint32_t *places = job->blocks[worker].places, sum = 0;
+    memset(places, 0, SL_PHOTON_CHUNK * sizeof *places);
+    for (size_t i = 0; i < c->result.count; i++) places[c->path[i]]++;
+    for (unsigned p = 0; p < SL_PHOTON_CHUNK; p++) {
+        uint32_t count = places[p];
+        places[p] = sum;
+        sum += count;
+    }
+    for (size_t i = 0; i < c->result.count; i++) ((sl_photon *)result)[places[c->path[i]]++] = c->photon[i];
 }
 
 /* ---- the list -------------------------------------------------------------------------------- */
@@ -354,9 +347,9 @@ sl_status sl_photons_append(sl_photon_list **list, const sl_photon_list *more, s
     return add(*list, more->count, more->photon, more->emitted, more->cut_flux, error);
 }
 
-static sl_status commit(sl_photon_list *list, const chunk_result *r, sl_counters *counters, sl_error *error) {
-    if (r->out_of_memory) return sl_fail_memory(error, "photons");
-    sl_status status = add(list, r->count, r->ordered, SL_PHOTON_CHUNK, r->cut_flux, error);
+static sl_status commit(sl_photon_list *list, const chunk_result *r, const sl_photon *ordered,
+                        sl_counters *counters, sl_error *error) {
+    sl_status status = add(list, r->count, ordered, SL_PHOTON_CHUNK, r->cut_flux, error);
     if (status != SL_OK) return status;
     sl_counters_add(counters, &r->counters);
     sl_count(counters, SL_COUNT_PHOTONS_EMITTED, SL_PHOTON_CHUNK);
@@ -382,14 +375,13 @@ static bool is_complete(const sl_photon_list *list, const sl_photon_options *opt
 }
 
 /* As many chunks as are surely needed, by how many photons they left so far: what is traced beyond the end is
- * thrown away. */
-static size_t chunks_at_once(const sl_photon_list *list, const sl_photon_options *options, size_t allowed,
-                             unsigned threads) {
+ * thrown away. The number of threads has no say: ranks may have different ones. */
+static size_t chunks_at_once(const sl_photon_list *list, const sl_photon_options *options, size_t allowed) {
     size_t chunks = CHUNKS_AT_ONCE;
     if (list->count > 0) {
         double a_chunk = (double)list->count / (double)(list->emitted / SL_PHOTON_CHUNK);
         double needed = ceil((double)(options->stored - list->count) / a_chunk);
-        if (needed < (double)chunks) chunks = needed > (double)threads ? (size_t)needed : threads;
+        if (needed < (double)chunks) chunks = needed > 1.0 ? (size_t)needed : 1;
     }
     return chunks < allowed ? chunks : allowed;
 }
@@ -407,16 +399,35 @@ static bool can_store(const sl_scene *scene, const sl_photon_options *options) {
            (store == SL_STORE_ALL || (store == SL_STORE_CAUSTIC ? specular : reflects));
 }
 
+/* Returns the photons of all chunks, those of chunk i from i * *most on; NULL: no memory. */
+static sl_photon *ordered_photons(photon_job *job, size_t chunks, unsigned threads, size_t *most,
+                                  sl_counters *counters) {
+    *most = 0;
+    for (size_t i = 0; i < chunks; i++) {
+        if (job->results[i].out_of_memory) return NULL;
+        *most = job->results[i].count > *most ? job->results[i].count : *most;
+    }
+    sl_photon *ordered = sl_allocate_unset(chunks * *most, sizeof *ordered);
+    const sl_batch batch = {.count = chunks, .work = order_photons, .context = job, .results = ordered,
+                            .result_bytes = *most * sizeof *ordered, .shared = true};
+    if (ordered) sl_batch_run(&batch, threads, counters);
+    return ordered;
+}
+
 /* Some chunks, committed in order up to the one with which the list is complete. */
 static sl_status trace_some(photon_job *job, const sl_photon_options *options, unsigned threads,
                             size_t *chunks, sl_photon_list *list, sl_counters *counters, sl_error *error) {
-    size_t now = chunks_at_once(list, options, *chunks < CHUNKS_AT_ONCE ? *chunks : CHUNKS_AT_ONCE, threads);
+    size_t now = chunks_at_once(list, options, *chunks < CHUNKS_AT_ONCE ? *chunks : CHUNKS_AT_ONCE),
+           most;
     job->first_chunk = (options->first + list->emitted) / SL_PHOTON_CHUNK;
-    sl_parallel_for(threads, now, trace_chunk, job);
-    sl_status status = SL_OK;
-    for (size_t i = 0; i < now && status == SL_OK && !is_complete(list, options); i++) {
-        status = commit(list, &job->results[i], counters, error);
-    }
+    const sl_batch batch = {.count = now, .work = trace_chunk, .context = job, .results = job->results,
+                            .result_bytes = sizeof *job->results, .shared = true};
+    sl_batch_run(&batch, threads, counters);
+    sl_photon *ordered = ordered_photons(job, now, threads, &most, counters);
+    sl_status status = ordered ? SL_OK : sl_fail_memory(error, "photons");
+    for (size_t i = 0; i < now && status == SL_OK && !is_complete(list, options); i++)
+        status = commit(list, &job->results[i], ordered + i * most, counters, error);
+    sl_free(ordered);
     *chunks -= now;
     return status;
 }
@@ -425,12 +436,18 @@ static sl_status trace_chunks(photon_job *job, const sl_photon_options *options,
                               sl_photon_list *list, bool *done, sl_counters *counters, sl_error *error) {
     unsigned threads = sl_thread_count(options->threads);
     job->blocks = sl_allocate(threads, sizeof *job->blocks);
+    job->chunks = sl_allocate(CHUNKS_AT_ONCE, sizeof *job->chunks);
     job->results = sl_allocate(CHUNKS_AT_ONCE, sizeof *job->results);
-    sl_status status = job->blocks && job->results ? SL_OK : sl_fail_memory(error, "photon paths");
+    const bool room = job->blocks && job->chunks && job->results;
+    sl_status status = room ? SL_OK : sl_fail_memory(error, "photon paths");
     while (status == SL_OK && chunks > 0 && !is_complete(list, options)) {
         status = trace_some(job, options, threads, &chunks, list, counters, error);
     }
-    for (size_t i = 0; job->results && i < CHUNKS_AT_ONCE; i++) release_result(&job->results[i]);
+    for (size_t i = 0; job->chunks && i < CHUNKS_AT_ONCE; i++) {
+        sl_free(job->chunks[i].photon);
+        sl_free(job->chunks[i].path);
+    }
+    sl_free(job->chunks);
     sl_free(job->results);
     sl_free(job->blocks);
     *done = status == SL_OK && is_complete(list, options);

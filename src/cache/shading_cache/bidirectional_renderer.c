@@ -98,7 +98,8 @@ static void render_point(const void *state, const sl_sample_request *q, unsigned
 static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
                    sl_sample *samples, sl_counters *counters) {
     const renderer *r = state;
-    for (size_t i = 0; i < count; i++) make_set(r, requests[i].set % SETS_MAX, NULL);
+    for (size_t i = 0; i < count; i++)
+        if (!requests[i].passed_over) make_set(r, requests[i].set % SETS_MAX, NULL);
     sl_render_each(render_point, state, count, requests, threads < r->workers ? threads : r->workers, samples,
                    counters);
 }

@@ -16,8 +16,9 @@ static bool is_finite(const sl_sample *s) {
 static void render_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     const point_batch *b = context;
     sl_sample *sample = result;
-    bool sound = sl_request_is_sound(&b->requests[index]);
     *sample = (sl_sample){.valid = true};
+    if (b->requests[index].passed_over) return;
+    bool sound = sl_request_is_sound(&b->requests[index]);
     if (sound) b->render(b->state, &b->requests[index], worker, sample, counters);
     if (sound && is_finite(sample)) return;
     *sample = (sl_sample){.broken = true};

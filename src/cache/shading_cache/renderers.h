@@ -24,6 +24,7 @@ typedef struct sl_sample_request {
     /* which set of samples: 0, 1, ...; the same one gives the same bits for an unchanged scene */
     uint32_t set;
     unsigned layers;           /* SL_LAYER_ bits: renderers of other layers are not asked */
+    bool passed_over;          /* nothing is asked: it is in the batch, which is the better for being large */
 } sl_sample_request;
 
 typedef struct sl_sample {

@@ -63,12 +63,15 @@ static bool is_asked(const sl_shading_state *s, size_t i, unsigned layer) {
     return s->sample[i].valid && !s->sample[i].broken && (s->request[i].layers & layer);
 }
 
-/* Returns the length of the next run of requests from `first` that are worth asking for. */
-static size_t next_run(const sl_shading_state *s, unsigned layer, size_t count, size_t *first) {
-    while (*first < count && !is_asked(s, *first, layer)) ++*first;
-    size_t end = *first;
-    while (end < count && is_asked(s, end, layer)) end++;
-    return end - *first;
+/* Tells whether any of the requests is worth asking for. */
+static bool pass_over_others(sl_shading_state *s, unsigned layer, size_t count) {
+    bool any = false;
+    for (size_t i = 0; i < count; i++) {
+        const bool asked = is_asked(s, i, layer);
+        s->request[i].passed_over = !asked;
+        any |= asked;
+    }
+    return any;
 }
 
 static void add_part(sl_shading_state *s, size_t i, unsigned layer, const sl_sample *part) {
@@ -82,13 +85,10 @@ void sl_shading_sample(sl_shading_state *s, size_t count) {
     if (count && s->layers.kept) memset(s->layer, 0, count * sizeof *s->layer);
     for (int r = 0; r < s->renderer_count; r++) {
         const sl_sample_renderer *renderer = &s->renderer[r];
-        size_t first = 0, run;
-        while ((run = next_run(s, renderer->layer, count, &first)) > 0) {
-            renderer->render(renderer->state, run, s->request + first, s->settings.threads, s->part,
-                             &s->counters);
-            for (size_t i = 0; i < run; i++) add_part(s, first + i, renderer->layer, &s->part[i]);
-            first += run;
-        }
+        if (!pass_over_others(s, renderer->layer, count)) continue;
+        renderer->render(renderer->state, count, s->request, s->settings.threads, s->part, &s->counters);
+        for (size_t i = 0; i < count; i++)
+            if (!s->request[i].passed_over) add_part(s, i, renderer->layer, &s->part[i]);
     }
     sl_shading_count_samples(s, count);
     sl_count(&s->counters, SL_COUNT_POINTS_SHADED, count);

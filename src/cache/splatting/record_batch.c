@@ -65,9 +65,9 @@ static void gather_one(void *context, size_t index, unsigned worker, void *resul
 }
 
 void sl_record_batch_gather(sl_record_batch *b, sl_counters *counters) {
+    const sl_batch_plane coefficients = {b->coefficients, b->coefficient_count * sizeof *b->coefficients};
     const sl_batch batch = {.count = b->count, .work = gather_one, .context = b, .results = b->record,
-                            .result_bytes = sizeof *b->record, .shared = true,
-                            .more = b->coefficient_count ? b->coefficients : NULL,
-                            .more_bytes = b->coefficient_count * sizeof *b->coefficients};
+                            .result_bytes = sizeof *b->record, .shared = true, .planes = &coefficients,
+                            .plane_count = b->coefficient_count > 0};
     sl_batch_run(&batch, b->gathers->threads, counters);
 }

@@ -3,6 +3,7 @@
 #ifndef SL_TRACE_BIDIRECTIONAL_H
 #define SL_TRACE_BIDIRECTIONAL_H
 
+#include "base/batch.h"
 #include "trace/path_walk.h"
 
 /* ---- the film: path_tracer.c makes it of pairs of subpaths ------------------------------------- */
@@ -22,8 +23,11 @@ size_t sl_path_pairs_memory_bytes(const sl_path_pairs *pairs);
 void sl_path_pairs_radiance(sl_path_pairs *pairs, unsigned worker, size_t list, unsigned count,
                             const sl_path_place *place, const uint64_t *key, uint32_t index,
                             sl_rgb *radiance, sl_counters *counters);
+/* How much is in each list: what a task writes beside its radiance. */
+sl_batch_plane sl_path_pairs_counts(sl_path_pairs *pairs);
 /* Adds what is in the lists, one after the other, and empties them. False: there was no memory for all. */
-bool sl_path_pairs_commit(sl_path_pairs *pairs, const sl_halves *halves, unsigned half);
+bool sl_path_pairs_commit(sl_path_pairs *pairs, size_t lists, const sl_halves *halves, unsigned half,
+                          sl_counters *counters);
 
 /* ---- values at surface points, as the shading cache (Tole et al. 2002) has them rendered ----- */
 

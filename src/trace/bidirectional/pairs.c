@@ -1,7 +1,9 @@
 /* Pairs of an eye and a light subpath, one for each pixel of a packet. What falls on other pixels (t = 1) is
  * kept in lists, a list a task, and added in the order of the tasks: the bits depend on no thread. */
 #include <math.h>
+#include <string.h>
 
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/grow.h"
@@ -17,9 +19,13 @@ typedef struct splat {
 /* Of one task: grows as it needs, and is used again. */
 typedef struct splat_list {
     splat *splats;
-    size_t count, capacity;
-    bool out_of_memory;
+    size_t capacity;
 } splat_list;
+
+typedef struct splat_count {
+    size_t splats;
+    bool out_of_memory;
+} splat_count;
 
 /* Of one worker. */
 typedef struct workplace {
@@ -32,6 +38,7 @@ struct sl_path_pairs {
     unsigned workers;
     workplace *workplaces;
     splat_list lists[SL_PAIR_LISTS];
+    splat_count count[SL_PAIR_LISTS];
 };
 
 /* ---- making ---------------------------------------------------------------------------------- */
@@ -86,13 +93,14 @@ typedef struct packet {
     const sl_path_lens *lens;
     sl_rgb *radiance;
     splat_list *list;
+    splat_count *count;
     sl_counters *counters;
 } packet;
 
-static void keep_splat(splat_list *list, size_t pixel, sl_rgb light) {
-    if (sl_make_room(&list->splats, list->count, &list->capacity, sizeof *list->splats))
-        list->splats[list->count++] = (splat){pixel, light};
-    else list->out_of_memory = true;
+static void keep_splat(splat_list *list, splat_count *count, size_t pixel, sl_rgb light) {
+    if (sl_make_room(&list->splats, count->splats, &list->capacity, sizeof *list->splats))
+        list->splats[count->splats++] = (splat){pixel, light};
+    else count->out_of_memory = true;
 }
 
 static void receive(void *context, unsigned lane, unsigned s, unsigned t, double x, double y, sl_rgb radiance,
@@ -107,7 +115,7 @@ static void receive(void *context, unsigned lane, unsigned s, unsigned t, double
     } else {
         const size_t width = (size_t)p->lens->width, height = (size_t)p->lens->height;
         size_t column = (size_t)(x * (double)width), row = (size_t)(y * (double)height);
-        if (column < width && row < height) keep_splat(p->list, row * width + column, light);
+        if (column < width && row < height) keep_splat(p->list, p->count, row * width + column, light);
     }
 }
 
@@ -138,22 +146,48 @@ void sl_path_pairs_radiance(sl_path_pairs *pairs, unsigned worker, size_t list, 
         light_vertices[i] = light[i]->vertex;
         light_count[i] = light[i]->count;
     }
-    packet p = {&pairs->lens, radiance, &pairs->lists[list], counters};
+    packet p = {&pairs->lens, radiance, &pairs->lists[list], &pairs->count[list], counters};
     const sl_path_receiver receiver = {&p, receive};
     sl_connect_all(m, count, eye, light_vertices, light_count, key, indices, &receiver, counters);
 }
 
+/* ---- what has fallen elsewhere --------------------------------------------------------------- */
+
+sl_batch_plane sl_path_pairs_counts(sl_path_pairs *pairs) {
+    return (sl_batch_plane){pairs->count, sizeof *pairs->count};
+}
+
+static void copy_splats(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)counters;
+    const sl_path_pairs *pairs = context;
+    const size_t count = pairs->count[index].splats;
+    if (count > 0) memcpy(result, pairs->lists[index].splats, count * sizeof(splat));
+}
+
+/* Returns the splats of all lists, those of list i from i * *most on; NULL: there is no memory for some. */
+static splat *splats_of(sl_path_pairs *pairs, size_t lists, size_t *most, sl_counters *counters) {
+    *most = 0;
+    for (size_t i = 0; i < lists; i++) {
+        if (pairs->count[i].out_of_memory) return NULL;
+        *most = pairs->count[i].splats > *most ? pairs->count[i].splats : *most;
+    }
+    splat *splats = sl_allocate_unset(lists * *most, sizeof *splats);
+    const sl_batch batch = {.count = lists, .work = copy_splats, .context = pairs, .results = splats,
+                            .result_bytes = *most * sizeof *splats, .shared = true};
+    if (splats) sl_batch_run(&batch, 1, counters);
+    return splats;
+}
+
 /* Each light subpath stands for one sample of the whole film: a pixel, which is one part in W H of it,
  * collects from W H subpaths, and the two numbers cancel. */
-bool sl_path_pairs_commit(sl_path_pairs *pairs, const sl_halves *halves, unsigned half) {
-    bool complete = true;
-    for (size_t i = 0; i < SL_PAIR_LISTS; i++) {
-        splat_list *list = &pairs->lists[i];
-        for (size_t k = 0; k < list->count; k++)
-            sl_halves_add(halves, half, list->splats[k].pixel, list->splats[k].light);
-        complete &= !list->out_of_memory;
-        list->out_of_memory = false;
-        list->count = 0;
-    }
-    return complete;
+bool sl_path_pairs_commit(sl_path_pairs *pairs, size_t lists, const sl_halves *halves, unsigned half,
+                          sl_counters *counters) {
+    size_t most;
+    splat *splats = splats_of(pairs, lists, &most, counters);
+    for (size_t i = 0; splats && i < lists; i++)
+        for (size_t k = i * most; k < i * most + pairs->count[i].splats; k++)
+            sl_halves_add(halves, half, splats[k].pixel, splats[k].light);
+    memset(pairs->count, 0, sizeof pairs->count);
+    sl_free(splats);
+    return splats != NULL;
 }

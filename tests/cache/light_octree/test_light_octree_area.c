@@ -219,7 +219,8 @@ static double mean_irradiance(sl_voxel_lights *lights, int where) {
         if (where > 0) y = (float)(i % 2);
         if (where > 1) x = (float)(i / 2 % 2);
         sl_surface surface = surface_at(x, y, 0.0f, &white);
-        sl_rgb radiance = sl_photons_radiance(lights, 0, &surface, sl_v3(0, 0, 1));
+        sl_counters counters = {{0}};
+        sl_rgb radiance = sl_photons_radiance(lights, 0, &surface, sl_v3(0, 0, 1), &counters);
         sum += (double)radiance.r * SL_PI / POINTS;
         /* twice the light, half the albedo */
         assert_true(fabs((double)radiance.g - (double)radiance.r) < 1e-5);
@@ -259,7 +260,8 @@ static void mirrors_and_surfaces_without_photons_are_dark(void **state) {
     const sl_material mirror = {.mirror = {1, 1, 1}}, white = {.diffuse = {1, 1, 1}};
     sl_surface surfaces[2] = {surface_at(0.5f, 0.5f, 0, &mirror), surface_at(9, 9, 9, &white)};
     for (int i = 0; i < 2; i++) {
-        sl_rgb radiance = sl_photons_radiance(lights, 0, &surfaces[i], sl_v3(0, 0, 1));
+        sl_counters counters = {{0}};
+        sl_rgb radiance = sl_photons_radiance(lights, 0, &surfaces[i], sl_v3(0, 0, 1), &counters);
         assert_true(radiance.r == 0.0f && radiance.g == 0.0f && radiance.b == 0.0f);
     }
     sl_voxel_lights_destroy(lights);

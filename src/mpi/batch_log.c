@@ -1,0 +1,93 @@
+/* What bench/ranks.py feeds on: SOFTLUX_BATCHES=FILE has a rank of one thread write a line for each batch that
+ * ranks share out to FILE and its number, what it has spent outside of exchanges. The linker puts this before
+ * the library's sl_batch_run() (packaging/mpi.mk). */
+#define _GNU_SOURCE /* clocks */
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "base/batch.h"
+#include "base/ranks.h"
+#include "mpi/batch_log.h"
+
+void __real_sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters);
+void __wrap_sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters);
+
+static struct {
+    FILE *file;
+    double until; /* so far all is written */
+    bool inside;  /* a batch that is timed */
+} batches;
+
+/* Of this thread: others' work beside it does not count. */
+static double seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+typedef struct timed {
+    const sl_batch *batch;
+    double *item;
+} timed;
+
+static void time_item(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    const timed *t = context;
+    const double begin = seconds();
+    t->batch->work(t->batch->context, index, worker, result, counters);
+    t->item[index] = seconds() - begin;
+}
+
+/* The rank with most work of so many. */
+static double most_of(const timed *t, size_t ranks) {
+    double most = 0.0;
+    for (size_t r = 0; r < ranks; r++) {
+        double sum = 0.0;
+        for (size_t i = r; i < t->batch->count; i += ranks) sum += t->item[i];
+        most = sum > most ? sum : most;
+    }
+    return most;
+}
+
+/* Serial seconds before; items, bytes of one; seconds of all items that are computed here, and of those of the
+ * slowest of 2, 4 .. 64 ranks. */
+static void write_line(double serial, const timed *t) {
+    size_t bytes = t->batch->result_bytes;
+    for (unsigned k = 0; k < t->batch->plane_count; k++) bytes += t->batch->planes[k].bytes;
+    fprintf(batches.file, "%.9f %zu %zu", serial, t->batch->count, bytes);
+    for (size_t ranks = 1; ranks <= 64; ranks *= 2) fprintf(batches.file, " %.9f", most_of(t, ranks));
+    fputc('\n', batches.file);
+}
+
+void __wrap_sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters) {
+    const bool wanted = batches.file && batch->shared && !batches.inside;
+    timed t = {batch, wanted ? calloc(batch->count + 1, sizeof *t.item) : NULL};
+    if (!t.item) {
+        __real_sl_batch_run(batch, threads, counters);
+        return;
+    }
+    sl_batch log = *batch;
+    log.work = time_item;
+    log.context = &t;
+    const double serial = seconds() - batches.until;
+    batches.inside = true;
+    __real_sl_batch_run(&log, 1, counters);
+    batches.inside = false;
+    write_line(serial, &t);
+    free(t.item);
+    batches.until = seconds();
+}
+
+void sl_batch_log_open(void) {
+    char name[1024];
+    const char *begin = getenv("SOFTLUX_BATCHES");
+    if (!begin) return;
+    snprintf(name, sizeof name, "%s.%u", begin, sl_ranks_here().rank);
+    batches.file = fopen(name, "w");
+}
+
+void sl_batch_log_close(void) {
+    if (!batches.file) return;
+    write_line(seconds() - batches.until, &(timed){&(sl_batch){0}, NULL});
+    fclose(batches.file);
+}

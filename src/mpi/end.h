@@ -1,0 +1,17 @@
+/* How a rank ends them all, and how each tells that it is still there. */
+#ifndef SL_MPI_END_H
+#define SL_MPI_END_H
+
+/* Where the reason is told; ranks behind the first say nothing else. */
+extern int sl_ranks_voice;
+
+/* Tells a line about a rank, and ends all. */
+_Noreturn void sl_ranks_end(unsigned rank, const char *why);
+
+/* A thread of each rank's own: a rank that computes for long beats, one that is stopped, or whose machine is
+ * gone, does not. The rank behind it in a ring misses it, and ends all. */
+void sl_heartbeat_start(void);
+/* When all have come here: nobody is missed who has done his work. */
+void sl_heartbeat_stop(void);
+
+#endif
