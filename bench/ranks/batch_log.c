@@ -1,6 +1,6 @@
-/* What bench/ranks.py feeds on: SOFTLUX_BATCHES=FILE has a rank of one thread write a line for each batch that
- * ranks share out to FILE and its number, what it has spent outside of exchanges. The linker puts this before
- * the library's sl_batch_run() (packaging/mpi.mk). */
+/* Feeds bench/ranks.py: SOFTLUX_BATCHES=FILE has a rank of one thread write a line for each batch that ranks
+ * share out to FILE and its number, what it has spent outside of exchanges. The linker puts this before the
+ * library's sl_batch_run() (packaging/mpi.mk). */
 #define _GNU_SOURCE /* clocks */
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,8 +50,8 @@ static double most_of(const timed *t, unsigned ranks) {
     return most;
 }
 
-/* Serial seconds before; items, bytes of one; seconds of all items that are computed here, and of those of the
- * slowest of 2, 4 .. 64 ranks. */
+/* Writes serial seconds before; items, bytes of one; seconds of all items that are computed here, and of those
+ * of the slowest of 2, 4 .. 64 ranks. */
 static void write_line(double serial, const timed *t) {
     size_t bytes = t->batch->result_bytes;
     for (unsigned k = 0; k < t->batch->plane_count; k++) bytes += t->batch->planes[k].bytes;
