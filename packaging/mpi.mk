@@ -1,5 +1,5 @@
 # The same program on many ranks, with MPI=1 (Open MPI's libopenmpi-dev).
-MPI_OBJECTS := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard src/mpi/*.c))
+MPI_OBJECTS := $(patsubst %.c,$(BUILD)/o/%.o,$(wildcard src/mpi/*.c bench/ranks/*.c))
 $(MPI_OBJECTS): override CFLAGS += $(shell pkg-config --cflags ompi-c)
 $(BUILD)/o/src/mpi/program.o: src/app/main.c
 	$(compile) -Dmain=sl_program_main -c $< -o $@

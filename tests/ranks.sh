@@ -68,6 +68,10 @@ for signal in KILL STOP; do
 done
 [ "$(grep -c 'softlux-mpi: rank 2 has not been heard of for 8 s' "$folder/told")" = 1 ] ||
     fail "it is not told in a line that a rank does nothing"
+# What batches cost is written, and read by what tells of more ranks.
+SOFTLUX_BATCHES=$folder/batches "$build/softlux-mpi" render scenes/cornell.json -m splatting -q draft -s 32x32 -t 1 \
+    --quiet -o "$folder/one.exr" && python3 bench/ranks.py "$folder/batches.0" >"$folder/told"
+grep -q 'batches.0 | ' "$folder/told" || fail "bench/ranks.py says nothing of a log"
 "$build/softlux-mpi" render scenes/cornell.json --time 1 -o "$folder/many.exr" 2>"$folder/told" && fail "--time was taken"
 grep -q 'clocks differ' "$folder/told" || fail "--time is not refused in a line"
 echo "$compared pictures compared"

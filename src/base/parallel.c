@@ -170,23 +170,23 @@ void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *contex
 typedef struct {
     const sl_batch *batch;
     sl_counters *counters; /* by worker */
-    size_t first, step;    /* items of this rank */
+    sl_ranks at;           /* whose items they are */
 } batch_run;
 
 static void run_item(void *context, size_t turn, unsigned worker) {
     const batch_run *run = context;
     const sl_batch *batch = run->batch;
-    const size_t index = run->first + turn * run->step;
+    const size_t index = sl_ranks_item(run->at, turn);
     void *result = batch->results ? (char *)batch->results + index * batch->result_bytes : NULL;
     batch->work(batch->context, index, worker, result, &run->counters[worker]);
 }
 
 /* Counters are whole numbers: their sum does not depend on the order. */
 static void run_share(const sl_batch *batch, sl_ranks here, unsigned threads, sl_counters *counters) {
-    const size_t count = batch->count / here.count + (here.rank < batch->count % here.count);
+    const size_t count = sl_ranks_items(here, batch->count);
     unsigned workers = count < threads ? (unsigned)count : threads;
     sl_counters *by_worker = workers > 1 ? sl_allocate(workers, sizeof *by_worker) : NULL;
-    batch_run run = {batch, by_worker ? by_worker : counters, here.rank, here.count};
+    batch_run run = {batch, by_worker ? by_worker : counters, here};
     sl_parallel_for(by_worker ? workers : 1, count, run_item, &run);
     for (unsigned w = 0; by_worker && w < workers; w++) sl_counters_add(counters, &by_worker[w]);
     sl_free(by_worker);

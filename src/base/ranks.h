@@ -21,7 +21,20 @@ sl_ranks sl_ranks_here(void);
 /* Tells whether all ranks have the same number here. */
 bool sl_ranks_agree(uint64_t number);
 
-/* Item i of `count` is rank i % ranks' work. Gives every rank all items of some planes, and adds up what all
+/* Of each `ranks` items one behind the other every rank has one. Who begins changes evenly: no column of a
+ * picture is one rank's. The turn-th item of a rank, which may be one behind the last. */
+static inline size_t sl_ranks_item(sl_ranks at, size_t turn) {
+    const size_t begins = (uint64_t)(uint32_t)(turn * 2654435769u) * at.count >> 32; /* the golden ratio's */
+    return turn * at.count + (at.rank + begins) % at.count;
+}
+
+/* How many of `count` items are a rank's. */
+static inline size_t sl_ranks_items(sl_ranks at, size_t count) {
+    const size_t rounds = count / at.count;
+    return rounds + (sl_ranks_item(at, rounds) < count);
+}
+
+/* Gives every rank all items of some planes, and adds up what all
  * have counted. All ranks call it in the same order; a rank whose items are others than the rest's ends the
  * job. Without memory for a copy it ends the job, too: others would wait. */
 void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,

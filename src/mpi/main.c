@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include "base/ranks.h"
-#include "mpi/batch_log.h"
 #include "mpi/end.h"
 #include "softlux.h"
 
@@ -44,11 +43,9 @@ static int run(int argc, char **argv) {
     FILE *told = here.rank ? hold_tongue() : NULL;
     if (here.rank && !told) return SL_ERROR_RESOURCES;
     sl_heartbeat_start();
-    sl_batch_log_open();
     const int status = sl_program_main(argc, argv);
     if (told && status) tell_last_line(told, here.rank);
     if (!status) sl_heartbeat_stop();
-    sl_batch_log_close();
     return status;
 }
 

@@ -65,24 +65,27 @@ static void exchange_heads(sl_ranks here, size_t count, size_t bytes, sl_counter
 
 /* ---- items ---- */
 
-static size_t items_of(size_t count, sl_ranks here, unsigned rank) {
-    return count / here.count + (rank < count % here.count);
-}
-
-/* Items [first, end) of some planes; first is rank 0's. */
+/* Items [first, end) of some planes; first is a multiple of the ranks. */
 typedef struct piece {
     const sl_batch_plane *planes;
     unsigned plane_count;
     size_t first, end;
 } piece;
 
+static size_t items_of(const piece *p, sl_ranks at) {
+    return sl_ranks_items(at, p->end) - p->first / at.count;
+}
+
 /* Puts a rank's items side by side, or back into their places. */
-static void move_items(const piece *p, char *side, sl_ranks here, unsigned rank, bool back) {
+static void move_items(const piece *p, char *side, sl_ranks at, bool back) {
+    const size_t begin = p->first / at.count, end = begin + items_of(p, at);
     for (unsigned k = 0; k < p->plane_count; k++) {
         char *items = p->planes[k].items;
         const size_t bytes = p->planes[k].bytes;
-        for (size_t i = p->first + rank; bytes && i < p->end; i += here.count, side += bytes)
-            memcpy(back ? items + i * bytes : side, back ? side : items + i * bytes, bytes);
+        for (size_t turn = begin; bytes && turn < end; turn++, side += bytes) {
+            char *item = items + sl_ranks_item(at, turn) * bytes;
+            memcpy(back ? item : side, back ? side : item, bytes);
+        }
     }
 }
 
@@ -93,14 +96,14 @@ static void exchange_piece(sl_ranks here, const piece *p, size_t bytes) {
     if (!all || !sizes) end_for_memory(here);
     size_t place = 0;
     for (unsigned r = 0; r < here.count; r++) {
-        sizes[r] = (int)(items_of(count, here, r) * bytes);
+        sizes[r] = (int)(items_of(p, (sl_ranks){r, here.count}) * bytes);
         places[r] = (int)place;
         place += (size_t)sizes[r];
     }
-    move_items(p, all + places[here.rank], here, here.rank, false);
+    move_items(p, all + places[here.rank], here, false);
     MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, sizes, places, MPI_BYTE, MPI_COMM_WORLD);
     for (unsigned r = 0; r < here.count; r++)
-        if (r != here.rank) move_items(p, all + places[r], here, r, true);
+        if (r != here.rank) move_items(p, all + places[r], (sl_ranks){r, here.count}, true);
     free(sizes);
     free(all);
 }

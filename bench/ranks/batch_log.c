@@ -1,6 +1,6 @@
-/* What bench/ranks.py feeds on: SOFTLUX_BATCHES=FILE has a rank of one thread write a line for each batch that
- * ranks share out to FILE and its number, what it has spent outside of exchanges. The linker puts this before
- * the library's sl_batch_run() (packaging/mpi.mk). */
+/* Feeds bench/ranks.py: SOFTLUX_BATCHES=FILE has a rank of one thread write a line for each batch that ranks
+ * share out to FILE and its number, what it has spent outside of exchanges. The linker puts this before the
+ * library's sl_batch_run() (packaging/mpi.mk). */
 #define _GNU_SOURCE /* clocks */
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +8,6 @@
 
 #include "base/batch.h"
 #include "base/ranks.h"
-#include "mpi/batch_log.h"
 
 void __real_sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters);
 void __wrap_sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters);
@@ -16,6 +15,7 @@ void __wrap_sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *c
 static struct {
     FILE *file;
     double until; /* so far all is written */
+    bool asked;   /* whether there is one */
     bool inside;  /* a batch that is timed */
 } batches;
 
@@ -39,27 +39,44 @@ static void time_item(void *context, size_t index, unsigned worker, void *result
 }
 
 /* The rank with most work of so many. */
-static double most_of(const timed *t, size_t ranks) {
+static double most_of(const timed *t, unsigned ranks) {
     double most = 0.0;
-    for (size_t r = 0; r < ranks; r++) {
+    for (sl_ranks at = {0, ranks}; at.rank < ranks; at.rank++) {
         double sum = 0.0;
-        for (size_t i = r; i < t->batch->count; i += ranks) sum += t->item[i];
+        const size_t items = sl_ranks_items(at, t->batch->count);
+        for (size_t turn = 0; turn < items; turn++) sum += t->item[sl_ranks_item(at, turn)];
         most = sum > most ? sum : most;
     }
     return most;
 }
 
-/* Serial seconds before; items, bytes of one; seconds of all items that are computed here, and of those of the
- * slowest of 2, 4 .. 64 ranks. */
+/* Writes serial seconds before; items, bytes of one; seconds of all items that are computed here, and of those
+ * of the slowest of 2, 4 .. 64 ranks. */
 static void write_line(double serial, const timed *t) {
     size_t bytes = t->batch->result_bytes;
     for (unsigned k = 0; k < t->batch->plane_count; k++) bytes += t->batch->planes[k].bytes;
     fprintf(batches.file, "%.9f %zu %zu", serial, t->batch->count, bytes);
-    for (size_t ranks = 1; ranks <= 64; ranks *= 2) fprintf(batches.file, " %.9f", most_of(t, ranks));
+    for (unsigned ranks = 1; ranks <= 64; ranks *= 2) fprintf(batches.file, " %.9f", most_of(t, ranks));
     fputc('\n', batches.file);
 }
 
+static void close_log(void) {
+    write_line(seconds() - batches.until, &(timed){&(sl_batch){0}, NULL});
+    fclose(batches.file);
+}
+
+static void open_log(void) {
+    char name[1024];
+    const char *begin = getenv("SOFTLUX_BATCHES");
+    batches.asked = true;
+    if (!begin) return;
+    snprintf(name, sizeof name, "%s.%u", begin, sl_ranks_here().rank);
+    batches.file = fopen(name, "w");
+    if (batches.file) atexit(close_log);
+}
+
 void __wrap_sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters) {
+    if (!batches.asked) open_log();
     const bool wanted = batches.file && batch->shared && !batches.inside;
     timed t = {batch, wanted ? calloc(batch->count + 1, sizeof *t.item) : NULL};
     if (!t.item) {
@@ -76,18 +93,4 @@ void __wrap_sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *c
     write_line(serial, &t);
     free(t.item);
     batches.until = seconds();
-}
-
-void sl_batch_log_open(void) {
-    char name[1024];
-    const char *begin = getenv("SOFTLUX_BATCHES");
-    if (!begin) return;
-    snprintf(name, sizeof name, "%s.%u", begin, sl_ranks_here().rank);
-    batches.file = fopen(name, "w");
-}
-
-void sl_batch_log_close(void) {
-    if (!batches.file) return;
-    write_line(seconds() - batches.until, &(timed){&(sl_batch){0}, NULL});
-    fclose(batches.file);
 }
