@@ -10,7 +10,7 @@ import urllib.request
 
 from visitor import Server
 
-ARGUMENTS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1200,900"]
+ARGUMENTS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--window-size=1200,900"]
 
 
 class Browser:
@@ -36,17 +36,25 @@ class Browser:
         self.driver.terminate()
 
 
+# To and fro over the picture, an event for each picture of the screen.
+DRAG = """
+const [seconds, done] = arguments, frame = document.getElementById("frame"), start = performance.now();
+const at = (kind, x) => frame.dispatchEvent(new PointerEvent(kind, {bubbles: true, pointerId: 1, button: 0,
+                                                                    buttons: 1, clientX: x, clientY: 300}));
+frame.setPointerCapture = () => {};
+at("pointerdown", 300);
+const step = () => {
+  const t = (performance.now() - start) / 1000;
+  at("pointermove", 300 + 0.4 / Math.PI * frame.clientHeight * Math.sin(t));
+  if (t < seconds) requestAnimationFrame(step);
+  else done(softlux.speed());
+};
+step();
+"""
+
+
 def drag(browser, seconds):
-    """To and fro over the picture, an event each sixtieth of a second."""
-    steps = [{"type": "pointerMove", "duration": 0, "x": 300, "y": 300}, {"type": "pointerDown", "button": 0}]
-    for k in range(int(60 * seconds)):
-        x = 300 + 150 - abs(k % 120 - 60) * 5 + 150
-        steps.append({"type": "pointerMove", "duration": 16, "x": x, "y": 300 + k % 60})
-    pointer = {"type": "pointer", "id": "hand", "parameters": {"pointerType": "mouse"}, "actions": steps}
-    browser.ask("POST", "/actions", {"actions": [pointer]})
-    speed = browser.tell("return softlux.speed()")
-    browser.ask("DELETE", "/actions")
-    return speed
+    return browser.ask("POST", "/execute/async", {"script": DRAG, "args": [seconds]})
 
 
 def main():

@@ -19,6 +19,7 @@ typedef struct resolving {
 
 static sl_rgb emission_seen(const resolving *r, size_t row, size_t column, uint32_t triangle) {
     const sl_scene *scene = r->scene;
+    if (triangle == SL_NO_INDEX && !scene->environment.present) return sl_grey(0.0f);
     if (triangle == SL_NO_INDEX)
         return sl_environment_radiance(
             &scene->environment, sl_view_direction(r->view, (double)column + 0.5, (double)row + 0.5));

@@ -27,6 +27,15 @@ struct sl_mesh_exchange {
     mesh_copies set[2];
 };
 
+/* What a leaf shows; a worker keeps the last ones. */
+typedef struct shown_leaf {
+    sl_patch_place found, at; /* itself, and the nearest of it and its ancestors where anything is known */
+    sl_mesh_fan fan;
+    bool known;
+} shown_leaf;
+
+enum { LEAVES = 64 };
+
 typedef struct window {
     sl_mesh_exchange *exchange;
     const sl_scene *scene;
@@ -37,6 +46,7 @@ typedef struct window {
     unsigned threads;
     uint32_t *id;
     float *planes;             /* three for each mesh */
+    shown_leaf *leaves;        /* LEAVES for each thread */
 } window;
 
 /* ---- what both share ------------------------------------------------------------------------- */
@@ -123,6 +133,7 @@ static void window_destroy(void *it) {
     sl_raster_destroy(w->raster);
     sl_free(w->id);
     sl_free(w->planes);
+    sl_free(w->leaves);
     sl_free(w);
 }
 
@@ -130,7 +141,8 @@ static sl_status window_open(window *w, sl_error *error) {
     size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
     w->id = sl_allocate(pixels, sizeof *w->id);
     w->planes = sl_allocate(3 * SL_COMPONENTS * pixels, sizeof *w->planes);
-    if (!w->id || !w->planes) return sl_fail_memory(error, "frames beside updates");
+    w->leaves = sl_allocate_unset(sl_thread_count(w->threads), LEAVES * sizeof *w->leaves);
+    if (!w->id || !w->planes || !w->leaves) return sl_fail_memory(error, "frames beside updates");
     sl_status status = sl_raster_create(w->scene, w->threads, &w->raster, error);
     return status == SL_OK ? sl_primitives_of_triangles(w->scene, &w->primitives, error) : status;
 }
@@ -170,18 +182,15 @@ static sl_status follow_structure(window *w, uint32_t made, sl_error *error) {
     return sl_primitives_of_triangles(w->scene, &w->primitives, error);
 }
 
-/* What a leaf shows: itself or an ancestor, if anything is known there. */
-typedef struct shown_leaf {
-    sl_patch_place found, at;
-    sl_mesh_fan fan;
-    bool known;
-} shown_leaf;
-
-static void find_leaf(const sl_patches *mesh, uint32_t face, float w1, float w2, shown_leaf *leaf) {
+/* Each row of a face's pixels comes back to the leaves of the one before. */
+static const shown_leaf *find_leaf(const sl_patches *mesh, uint32_t face, float w1, float w2,
+                                   shown_leaf *leaves) {
     const sl_patch_place found = sl_mesh_locate(mesh, face, w1, w2);
-    if (found.patch != SL_NO_INDEX && found.patch == leaf->found.patch) return;
+    shown_leaf *leaf = &leaves[found.patch % LEAVES];
+    if (found.patch != SL_NO_INDEX && found.patch == leaf->found.patch) return leaf;
     leaf->found = leaf->at = found;
     leaf->known = found.patch != SL_NO_INDEX && sl_mesh_fan_shown(mesh, &leaf->at, true, &leaf->fan);
+    return leaf;
 }
 
 /* Returns how many of the points have the first one's leaf, whose values these are. */
@@ -197,23 +206,6 @@ static size_t values_of(const shown_leaf *leaf, sl_isa isa, size_t count, const 
     return run;
 }
 
-/* Pixels of a face lie side by side: most are in the leaf of the one before. Where a mesh knows nothing
- * `otherwise` shows. */
-static void draw_face(const sl_patches *mesh, sl_isa isa, const sl_visible_pixels *seen,
-                      const sl_visible_face *face, sl_rgb otherwise, float *const planes[3]) {
-    const float colour[3] = {otherwise.r, otherwise.g, otherwise.b};
-    shown_leaf leaf = {.found.patch = SL_NO_INDEX};
-    const uint32_t end = face->first + face->count;
-    for (uint32_t i = face->first; i < end;) {
-        const size_t left = end - i < SL_FAN_LANES ? end - i : SL_FAN_LANES;
-        float value[3][SL_FAN_LANES];
-        find_leaf(mesh, face->face, seen->w1[i], seen->w2[i], &leaf);
-        const size_t run = values_of(&leaf, isa, left, seen->w1 + i, seen->w2 + i, value);
-        for (size_t l = 0; l < run; l++, i++)
-            for (int c = 0; c < 3; c++) planes[c][seen->pixel[i]] = leaf.known ? value[c][l] : colour[c];
-    }
-}
-
 /* Faces of one mesh, so many at a time. */
 typedef struct drawing {
     const mesh_copies *set;
@@ -221,17 +213,38 @@ typedef struct drawing {
     float *planes[SL_COMPONENTS][3];
     size_t pieces; /* of each mesh */
     sl_isa isa;
+    shown_leaf *leaves;
 } drawing;
 
 enum { FACES = 32 };
 
+/* Pixels of a face lie side by side: most are in the leaf of the one before. Where a mesh knows nothing
+ * `otherwise` shows. */
+static void draw_face(const drawing *d, size_t part, const sl_visible_face *face, shown_leaf *leaves) {
+    const sl_patches *mesh = d->set->part[part];
+    const sl_visible_pixels *seen = d->seen;
+    const sl_rgb otherwise = part == SL_INDIRECT ? d->set->ambient : sl_grey(0.0f);
+    const float colour[3] = {otherwise.r, otherwise.g, otherwise.b};
+    const uint32_t end = face->first + face->count;
+    for (uint32_t i = face->first; i < end;) {
+        const size_t left = end - i < SL_FAN_LANES ? end - i : SL_FAN_LANES;
+        float value[3][SL_FAN_LANES];
+        const shown_leaf *leaf = find_leaf(mesh, face->face, seen->w1[i], seen->w2[i], leaves);
+        const size_t run = values_of(leaf, d->isa, left, seen->w1 + i, seen->w2 + i, value);
+        for (size_t l = 0; l < run; l++, i++)
+            for (int c = 0; c < 3; c++)
+                d->planes[part][c][seen->pixel[i]] = leaf->known ? value[c][l] : colour[c];
+    }
+}
+
 static void draw_piece(void *context, size_t index, unsigned worker) {
     const drawing *d = context;
     const size_t part = index / d->pieces, first = index % d->pieces * FACES;
-    const sl_rgb otherwise = part == SL_INDIRECT ? d->set->ambient : sl_grey(0.0f);
-    (void)worker;
-    for (size_t f = first; d->set->part[part] && f < first + FACES && f < d->seen->face_count; f++)
-        draw_face(d->set->part[part], d->isa, d->seen, &d->seen->face[f], otherwise, d->planes[part]);
+    shown_leaf *leaves = d->leaves + worker * LEAVES;
+    if (!d->set->part[part]) return;
+    for (size_t i = 0; i < LEAVES; i++) leaves[i].found.patch = SL_NO_INDEX;
+    for (size_t f = first; f < first + FACES && f < d->seen->face_count; f++)
+        draw_face(d, part, &d->seen->face[f], leaves);
 }
 
 static void draw_meshes(window *w, const mesh_copies *set, const sl_visible_pixels *seen, sl_merge *merge) {
@@ -240,7 +253,8 @@ static void draw_meshes(window *w, const mesh_copies *set, const sl_visible_pixe
     drawing d = {.set = set,
                  .seen = seen,
                  .pieces = (seen->face_count + FACES - 1) / FACES,
-                 .isa = sl_isa_best()};
+                 .isa = sl_isa_best(),
+                 .leaves = w->leaves};
     for (size_t i = 0; i < SL_COMPONENTS; i++) {
         if (!set->part[i]) continue;
         set->part[i]->primitives = w->primitives;
