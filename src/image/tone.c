@@ -87,11 +87,11 @@ static void find_first_codes(const double borders[256], uint8_t first[STEPS]) {
     }
 }
 
-/* Of a value above 0, or of NaN. */
+/* Without branches, which nobody could guess. */
 static uint8_t code_of(const double borders[256], const uint8_t first[STEPS], double x) {
     uint64_t bits;
-    if (!(x >= 0x1p-13)) return 0; /* below the first border */
-    if (x >= 1.0) return 255;
+    x = x >= 0x1p-13 ? x : 0x1p-13; /* below the first border; NaN, too */
+    x = x < 1.0 ? x : 0x1.fffffffffffffp-1;
     memcpy(&bits, &x, sizeof bits);
     const unsigned code = first[(bits >> STEP_BITS) - FIRST_STEP];
     return (uint8_t)(code + (x >= borders[code]));
@@ -105,8 +105,8 @@ static void map_planes(const float *const planes[3], size_t pixels, double expos
     find_first_codes(borders, first);
     for (size_t c = 0; c < 3; c++) {
         for (size_t i = 0; i < pixels; i++) {
-            double x = (double)planes[c][i] * exposure;
-            mapped[3 * i + c] = x > 0.0 ? code_of(borders, first, apply_curve(curve, x)) : 0;
+            const double x = (double)planes[c][i] * exposure;
+            mapped[3 * i + c] = code_of(borders, first, apply_curve(curve, x > 0.0 ? x : 0.0));
         }
     }
 }

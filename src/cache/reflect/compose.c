@@ -43,8 +43,13 @@ static void emit(const sl_composition *c, int row, size_t from, size_t to) {
     float *sum[3];
     for (int k = 0; k < 3; k++)
         memset((sum[k] = row_of(c, k, row)) + from, 0, (to - from) * sizeof **sum);
-    for (size_t x = from; x < to && shines(c->scene); x++) {
-        if (is_dark(c->scene, c->gbuffer->material[first + x])) continue;
+    const uint32_t *material = c->gbuffer->material + first;
+    for (size_t x = from, dark = to; x < to && shines(c->scene); x++) {
+        if (dark < to && material[x] == material[dark]) continue;
+        if (is_dark(c->scene, material[x])) {
+            dark = x;
+            continue;
+        }
         const sl_rgb light = emission_at(c, first + x, (int)x, row);
         sum[0][x] = sl_picture_value(light.r);
         sum[1][x] = sl_picture_value(light.g);
