@@ -2,13 +2,12 @@
 #include "app/auto_method.h"
 #include "app/clock.h"
 #include "app/commands.h"
-#include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/page.h"
 #include "app/picture.h"
 #include "app/same_file.h"
+#include "app/scene_of_ranks.h"
 #include "base/error.h"
-#include "base/ranks.h"
 #include "cache/frame/all_light.h"
 
 #include <stdio.h>
@@ -138,12 +137,6 @@ static sl_status render(sl_render_options *o, sl_scene *scene, sl_render_end *en
                                : sl_render_pictures(o, scene, end, error);
 }
 
-/* Ranks read the scene each for itself. */
-static sl_status check_ranks(const sl_scene *scene, const sl_render_options *o, sl_error *error) {
-    if (sl_ranks_here().count == 1 || sl_ranks_agree(sl_scene_hash(scene))) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: ranks have read different scenes", o->scene_path);
-}
-
 /* Lets a cache be kept in the file that it came from, and nothing else. */
 static bool loses_nothing(const sl_render_options *o) {
     const char *const read[] = {o->load_cache}, *const others[] = {o->output};
@@ -165,8 +158,7 @@ int sl_command_render(int argc, char **argv) {
     if (!sl_output_is_known(&o, &error)) return sl_complain(&error); /* before the work, not after */
     sl_status status = sl_output_is_open(&o, &error);
     if (status == SL_OK)
-        status = sl_load_within_memory(o.scene_path, &o.reading.load, &o.settings, &scene, &error);
-    if (status == SL_OK) status = check_ranks(scene, &o, &error);
+        status = sl_load_for_ranks(o.scene_path, &o.reading.load, &o.settings, &scene, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "output", o.output, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "save-cache", o.save_cache, &error);
     if (status == SL_OK && (at_given || o.frames))

@@ -40,4 +40,8 @@ static inline size_t sl_ranks_items(sl_ranks at, size_t count) {
 void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,
                        sl_counters *counted);
 
+/* Gives all ranks the files of the first one's folder, into folders of their own, if it says that there are
+ * some. Returns whether it did; ends the job where files cannot be read or written. */
+bool sl_ranks_share_files(const char *folder, bool some);
+
 #endif
