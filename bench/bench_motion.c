@@ -16,6 +16,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "app/bench/trials.h"
 #include "base/memory.h"
@@ -475,6 +476,10 @@ int main(int argc, char **argv) {
                                          "bench/scenes/motion-door.json", "bench/scenes/motion-walk.json",
                                          "bench/scenes/motion-all.json"};
     options o = parse(argc, argv);
+    if (o.csv && access(o.csv, W_OK) != 0) {
+        fprintf(stderr, "bench_motion: --csv %s: expected a folder that can be written to\n", o.csv);
+        return SL_ERROR_OUTPUT;
+    }
     bench_table("scene|method|>budget|>in motion %|>worst %|>at rest %|>s to half|>s to a tenth|>flicker|"
                 ">pictures/s|>dark|>splits|>krays");
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) run_scene(&o, scenes[i]);
