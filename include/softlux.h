@@ -496,8 +496,8 @@ SL_API sl_status sl_scene_builder_build(sl_scene_builder *builder, sl_scene **sc
 
 /** Writes a scene as it stands now, so that a fault can be shown to others: NAME.json, beside it its
  * triangles (NAME-0.obj and NAME.mtl, NAME-1.bpt and so on), textures (PNG) and sky (EXR). Read again it is
- * the same scene, to the same bits of every picture, but for curved surfaces that were moved, whose points are
- * rounded anew; keyframes are left out, and names changed where files cannot have them. Each file appears
+ * the same scene, to the same bits of every picture, but for curved surfaces that were moved, whose points
+ * are rounded anew; keyframes are left out, and names changed where files cannot have them. Each file appears
  * whole or not at all, NAME.json last. USAGE: a name that does not end in .json. OUTPUT: a file cannot be
  * written. */
 SL_API sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_error *error);

@@ -29,8 +29,8 @@ static void scene_in(const char *folder, char path[NAME + 16]) {
     snprintf(path, NAME + 16, "%s/scene.json", folder);
 }
 
-/* Tells whether files would hold all of it, to the bit: they leave keyframes out, and surfaces that were moved
- * are evaluated before they are moved. */
+/* Tells whether files would hold all of it, to the bit: they leave keyframes out, and surfaces that were
+ * moved are evaluated before they are moved. */
 static bool is_whole_in_files(const sl_scene *scene) {
     return sl_scene_duration(scene) == 0.0 && !scene->bicubic_count;
 }
@@ -47,9 +47,10 @@ static sl_status load_shared(const char *folder, const char *path, const sl_load
     const sl_load_options plain = {.allow_outside = false};
     char shared[NAME + 16];
     scene_in(folder, shared);
-    if (sl_ranks_here().rank)
-        return sl_ranks_share_files(folder, true) ? sl_load_within_memory(shared, &plain, settings, scene, error)
-                                                  : sl_load_within_memory(path, load, settings, scene, error);
+    if (sl_ranks_here().rank) {
+        const bool given = sl_ranks_share_files(folder, true);
+        return sl_load_within_memory(given ? shared : path, given ? &plain : load, settings, scene, error);
+    }
     sl_status status = sl_load_within_memory(path, load, settings, scene, error);
     if (status == SL_OK) give(*scene, folder);
     return status;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""tests/serve/browser_speed.py PROGRAM SCENE... [--methods a,b] [--size 512x512] [--seconds 5]: frames a second
-that a headless browser shows while its pointer orbits, and milliseconds from the pointer's event to the frame
-that shows it, as the page itself counts them. The browser takes its share of the processors."""
+"""tests/serve/browser_speed.py PROGRAM SCENE... [--methods a,b] [--size 512x512] [--seconds 5]: frames a
+second that a headless browser shows while its pointer orbits, and milliseconds from the pointer's event to
+the frame that shows it, as the page itself counts them. The browser takes its share of the processors."""
 import argparse
 import json
 import subprocess
@@ -10,7 +10,8 @@ import urllib.request
 
 from visitor import Server
 
-ARGUMENTS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--window-size=1200,900"]
+ARGUMENTS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu",
+             "--window-size=1200,900"]
 
 
 class Browser:
@@ -24,7 +25,8 @@ class Browser:
 
     def ask(self, verb, path, message=None):
         body = None if message is None else json.dumps(message).encode()
-        request = urllib.request.Request(self.root + path, body, {"Content-Type": "application/json"}, method=verb)
+        kind = {"Content-Type": "application/json"}
+        request = urllib.request.Request(self.root + path, body, kind, method=verb)
         with urllib.request.urlopen(request, timeout=120) as answer:
             return json.load(answer)["value"]
 

@@ -309,8 +309,9 @@ static sl_status look_at_rims(sl_film *f, const sl_raster *raster, sl_error *err
     return sl_rims_look(f->scene, raster, f->width, f->height, f->rim, f->rim_emission, &f->counters, error);
 }
 
-/* Adds a run of one row; the first sub-frame is whole, and nothing is there before it. The first sample behind
- * the pilot takes its place at edges, where more follow in any case: what the pilot saw has told how many. */
+/* Adds a run of one row; the first sub-frame is whole, and nothing is there before it. The first sample
+ * behind the pilot takes its place at edges, where more follow in any case: what the pilot saw has told how
+ * many. */
 static void add_run(const sl_film *f, const sl_image *picture, sl_pixel_run run) {
     const size_t pixels = pixels_of(f), at = image_place(f, run.first), count = run.end - run.first;
     const uint8_t *edge = f->edge + run.first;

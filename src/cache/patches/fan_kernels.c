@@ -56,7 +56,8 @@ static inline void find_places(const float *w1, const float *w2, fan_lanes *p) {
     for (int l = 0; l < LANES; l++) {
         const float a = w1[l], b = w2[l], c = 1.0f - a - b > 0.0f ? 1.0f - a - b : 0.0f;
         const int32_t edge = ((b <= c) & (b <= a)) ? 0 : c <= a ? 1 : 2;
-        const float least = edge == 0 ? b : edge == 1 ? c : a, from = (edge == 0 ? c : edge == 1 ? a : b) - least,
+        const float least = edge == 0 ? b : edge == 1 ? c : a,
+                    from = (edge == 0 ? c : edge == 1 ? a : b) - least,
                     to = (edge == 0 ? a : edge == 1 ? b : c) - least, sum = from + to;
         const float along = (sum > 0.0f ? to / (sum > 0.0f ? sum : 1.0f) : 0.5f) * (float)SL_PATCH_DYADIC;
         p->edge[l] = edge;
@@ -72,7 +73,8 @@ static inline void find_places(const float *w1, const float *w2, fan_lanes *p) {
 
 static inline void find_pieces(const sl_mesh_fan *fan, fan_lanes *p) {
     for (size_t k = 0; k < fan->count; k++) {
-        const int32_t at = fan->spoke[k].along, edge = fan->spoke[k].edge, vertex = (int32_t)fan->spoke[k].vertex;
+        const int32_t at = fan->spoke[k].along, edge = fan->spoke[k].edge,
+                      vertex = (int32_t)fan->spoke[k].vertex;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const bool here = p->edge[l] == edge, before = here & (at <= p->whole[l]),
