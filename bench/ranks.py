@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""How much faster many ranks would be: one rank's batches (SOFTLUX_BATCHES, bench/ranks/batch_log.c) on a network.
+"""How much faster many ranks would be: one rank's batches (SOFTLUX_BATCHES, bench/ranks/batch_log.c) on a
+network.
 
 bench/ranks.py [--check]       table of docs/many-machines.md; --check: what two ranks do here, beside it
 bench/ranks.py LOG...          of logs that are there
@@ -24,8 +25,8 @@ METHODS = {"splatting high": ["-m", "splatting", "-q", "high"], "path": ["-m", "
 
 
 def arguments(scene, method):
-    return ["render", SCENES[scene], "--allow-outside", *METHODS[method], "-s", "128x128", "-t", "1", "--quiet",
-            "-o", "build/ranks/picture.exr"]
+    return ["render", SCENES[scene], "--allow-outside", *METHODS[method], "-s", "128x128", "-t", "1",
+            "--quiet", "-o", "build/ranks/picture.exr"]
 
 
 def new_log(scene, method, name):
@@ -57,7 +58,7 @@ def exchange(size, ranks, latency, bandwidth):
 
 
 def predict(batches, ranks, network):
-    """Seconds from the first batch on, and of these what is serial, waiting for the slowest rank, the network."""
+    """Seconds from the first batch on; of these what is serial, waits for the slowest rank, is the network's."""
     serial = sum(b[0] for b in batches[1:])
     work = sum(b[2][0] for b in batches) / ranks
     most = sum(b[2][int(math.log2(ranks))] for b in batches)
@@ -84,7 +85,7 @@ def two_ranks(scene, method):
 
 
 def check(scene, method):
-    """The best of three of each, since other work disturbs them; what two ranks exchange costs nothing here."""
+    """The best of three of each, since other work disturbs them; an exchange of two costs nothing here."""
     logs = [read(new_log(scene, method, "build/ranks/one.0")) for _ in range(3)]
     one = min(predict(batches, 1, (0, 1))[0] for batches in logs)
     said = max(predict(b, 1, (0, 1))[0] / predict(b, 2, (0, math.inf))[0] for b in logs)

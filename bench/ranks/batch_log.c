@@ -50,8 +50,8 @@ static double most_of(const timed *t, unsigned ranks) {
     return most;
 }
 
-/* Writes serial seconds before; items, bytes of one; seconds of all items that are computed here, and of those
- * of the slowest of 2, 4 .. 64 ranks. */
+/* Writes serial seconds before; items, bytes of one; seconds of all items that are computed here, and of
+ * those of the slowest of 2, 4 .. 64 ranks. */
 static void write_line(double serial, const timed *t) {
     size_t bytes = t->batch->result_bytes;
     for (unsigned k = 0; k < t->batch->plane_count; k++) bytes += t->batch->planes[k].bytes;

@@ -34,9 +34,9 @@ static inline size_t sl_ranks_items(sl_ranks at, size_t count) {
     return rounds + (sl_ranks_item(at, rounds) < count);
 }
 
-/* Gives every rank all items of some planes, and adds up what all
- * have counted. All ranks call it in the same order; a rank whose items are others than the rest's ends the
- * job. Without memory for a copy it ends the job, too: others would wait. */
+/* Gives every rank all items of some planes, and adds up what all have counted. All ranks call it in the same
+ * order; a rank whose items are others than the rest's ends the job. Without memory for a copy it ends the
+ * job, too: others would wait. */
 void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,
                        sl_counters *counted);
 

@@ -25,11 +25,22 @@ static inline sl_fan_place sl_fan_place_of(bool triangle, float a, float b) {
         float ahead = edge == 0 ? x : edge == 1 ? y : edge == 2 ? -x : -y;
         return (sl_fan_place){edge, out > 0.0f ? 0.5f + 0.5f * (ahead / out) : 0.5f, out};
     }
-    float w[3] = {1.0f - a - b > 0.0f ? 1.0f - a - b : 0.0f, a, b};
-    int edge = w[2] <= w[0] && w[2] <= w[1] ? 0 : w[0] <= w[1] ? 1 : 2;
-    float least = w[(edge + 2) % 3], from = w[edge] - least, to = w[(edge + 1) % 3] - least;
-    return (sl_fan_place){edge, from + to > 0.0f ? to / (from + to) : 0.5f,
-                          from + to < 1.0f ? from + to : 1.0f};
+    /* by choice of numbers, so that lanes can have it */
+    const float c = 1.0f - a - b > 0.0f ? 1.0f - a - b : 0.0f;
+    const int edge = ((b <= c) & (b <= a)) ? 0 : c <= a ? 1 : 2;
+    const float least = edge == 0 ? b : edge == 1 ? c : a,
+                from = (edge == 0 ? c : edge == 1 ? a : b) - least,
+                to = (edge == 0 ? a : edge == 1 ? b : c) - least, sum = from + to;
+    return (sl_fan_place){edge, sum > 0.0f ? to / (sum > 0.0f ? sum : 1.0f) : 0.5f, sum < 1.0f ? sum : 1.0f};
+}
+
+/* Returns the value `out` of the way from the centre to a point s of the way along a piece of an edge, from a
+ * to b: exactly these at its ends. */
+static inline float sl_fan_value(float centre, float out, float s, float a, float b) {
+    const bool near = s <= 0.5f;
+    const float from = near ? a : b, to = near ? b : a;
+    const float on_edge = from + (near ? s : 1.0f - s) * (to - from);
+    return centre + out * (on_edge - centre);
 }
 
 /* A vertex on an edge of a leaf, so far along it in 1/SL_PATCH_DYADIC. */

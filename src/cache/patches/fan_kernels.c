@@ -1,16 +1,12 @@
-/* Points of a face side by side, in lanes: those that lie in one leaf, and what its fan shows there. The same
- * arithmetic as point by point (mesh.c). */
+/* Points of a face side by side, in lanes: those that lie in one leaf, and what its fan shows there. */
 #include "cache/patches/mesh.h"
 
 enum { LANES = SL_FAN_LANES };
 
-static inline double clamp_weight(float w) { return w > 0.0f ? (w < 1.0f ? (double)w : 1.0) : 0.0; }
-
 size_t SL_KERNEL(sl_mesh_run)(const sl_patch_place *place, size_t count, const float *w1, const float *w2,
                               float *leaf_w1, float *leaf_w2) {
-    const double margin = 1e-9, u0 = place->u[0], v0 = place->v[0],
-                 du = (double)place->u[1] - (double)place->u[0],
-                 dv = (double)place->v[place->corners - 1] - (double)place->v[0];
+    const double margin = 1e-9; /* beyond what rounding could do */
+    const sl_patch_place leaf = *place;
     int32_t inside[LANES];
     float a_of[LANES] = {0.0f}, b_of[LANES] = {0.0f};
     for (size_t l = 0; l < count; l++) {
@@ -19,10 +15,9 @@ size_t SL_KERNEL(sl_mesh_run)(const sl_patch_place *place, size_t count, const f
     }
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
-        double a = clamp_weight(a_of[l]), b = clamp_weight(b_of[l]);
-        const double sum = a + b > 1.0 ? a + b : 1.0;
-        a = (a / sum * SL_PATCH_DYADIC - u0) / du;
-        b = (b / sum * SL_PATCH_DYADIC - v0) / dv;
+        double a, b;
+        sl_mesh_clamp_weights(a_of[l], b_of[l], &a, &b);
+        sl_patch_local(&leaf, a * SL_PATCH_DYADIC, b * SL_PATCH_DYADIC, &a, &b);
         inside[l] = (a > margin) & (b > margin) & (a + b < 1.0 - margin);
         leaf_w1[l] = (float)a;
         leaf_w2[l] = (float)b;
@@ -54,20 +49,16 @@ typedef struct fan_lanes {
 static inline void find_places(const float *w1, const float *w2, fan_lanes *p) {
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
-        const float a = w1[l], b = w2[l], c = 1.0f - a - b > 0.0f ? 1.0f - a - b : 0.0f;
-        const int32_t edge = ((b <= c) & (b <= a)) ? 0 : c <= a ? 1 : 2;
-        const float least = edge == 0 ? b : edge == 1 ? c : a,
-                    from = (edge == 0 ? c : edge == 1 ? a : b) - least,
-                    to = (edge == 0 ? a : edge == 1 ? b : c) - least, sum = from + to;
-        const float along = (sum > 0.0f ? to / (sum > 0.0f ? sum : 1.0f) : 0.5f) * (float)SL_PATCH_DYADIC;
-        p->edge[l] = edge;
+        const sl_fan_place at = sl_fan_place_of(true, w1[l], w2[l]);
+        const float along = at.along * (float)SL_PATCH_DYADIC;
+        p->edge[l] = at.edge;
         p->along[l] = along;
-        p->out[l] = sum < 1.0f ? sum : 1.0f;
+        p->out[l] = at.out;
         p->whole[l] = (int32_t)along;
         p->low[l] = 0;
         p->high[l] = SL_PATCH_DYADIC;
-        p->from[l] = edge;
-        p->to[l] = edge == 2 ? 0 : edge + 1;
+        p->from[l] = at.edge;
+        p->to[l] = at.edge == 2 ? 0 : at.edge + 1;
     }
 }
 
@@ -104,13 +95,8 @@ static inline void fan_values(const sl_mesh_fan *fan, const float *w1, const flo
     for (int c = 0; c < fan->channels; c++) {
         const float centre = fan->centre[c];
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            /* exact at both ends */
-            const bool near = s[l] <= 0.5f;
-            const float from = near ? a[c][l] : b[c][l], to = near ? b[c][l] : a[c][l];
-            const float on_edge = from + (near ? s[l] : 1.0f - s[l]) * (to - from);
-            value[c][l] = centre + p.out[l] * (on_edge - centre);
-        }
+        for (int l = 0; l < LANES; l++)
+            value[c][l] = sl_fan_value(centre, p.out[l], s[l], a[c][l], b[c][l]);
     }
 }
 

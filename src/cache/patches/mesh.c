@@ -20,17 +20,9 @@ sl_status sl_mesh_split(sl_patches *mesh, const sl_patch_place *place, sl_error 
     return SL_OK;
 }
 
-/* Moves weights onto the face: NaN becomes 0. */
-static void clamp_weights(float w1, float w2, double *clamped1, double *clamped2) {
-    double a = w1 > 0.0f ? (double)fminf(w1, 1.0f) : 0.0, b = w2 > 0.0f ? (double)fminf(w2, 1.0f) : 0.0;
-    double sum = a + b;
-    *clamped1 = sum > 1.0 ? a / sum : a;
-    *clamped2 = sum > 1.0 ? b / sum : b;
-}
-
 void sl_mesh_weights_within(const sl_patch_place *place, float w1, float w2, float *leaf_w1, float *leaf_w2) {
     double a, b;
-    clamp_weights(w1, w2, &a, &b);
+    sl_mesh_clamp_weights(w1, w2, &a, &b);
     sl_patch_local(place, a * SL_PATCH_DYADIC, b * SL_PATCH_DYADIC, &a, &b);
     *leaf_w1 = (float)a;
     *leaf_w2 = (float)b;
@@ -38,7 +30,7 @@ void sl_mesh_weights_within(const sl_patch_place *place, float w1, float w2, flo
 
 sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, float w2) {
     double a, b;
-    clamp_weights(w1, w2, &a, &b);
+    sl_mesh_clamp_weights(w1, w2, &a, &b);
     return sl_patch_locate(mesh, face, a, b);
 }
 
@@ -196,11 +188,8 @@ void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value)
     sl_fan_place at = sl_fan_place_of(true, w1, w2);
     uint32_t end[2];
     float s = sl_fan_piece(3, corner, fan->count, fan->spoke, &at, end);
-    for (int i = 0; i < fan->channels; i++) {
-        float a = of[end[0]][i], b = of[end[1]][i];
-        float on_edge = s <= 0.5f ? a + s * (b - a) : b + (1.0f - s) * (a - b); /* exact at both ends */
-        value[i] = fan->centre[i] + at.out * (on_edge - fan->centre[i]);
-    }
+    for (int i = 0; i < fan->channels; i++)
+        value[i] = sl_fan_value(fan->centre[i], at.out, s, of[end[0]][i], of[end[1]][i]);
 }
 
 bool sl_mesh_interpolate(const sl_patches *mesh, const sl_patch_place *leaf, float w1, float w2, bool hanging,

@@ -456,7 +456,8 @@ static void threads_instruction_sets_and_strips_do_not_change_a_bit(void **state
         picture *first = NULL;
         for (int run = 0; run < 5; run++) {
             setenv("SOFTLUX_ISA", names[run % 3], 1);
-            picture *p = direct_light(scene, (options){8, 9, run == 3 ? 3 : 1, kind == 3, run == 4 ? (kind == 3 ? 24 : 7) : 64});
+            const int strip = run < 4 ? 64 : kind == 3 ? 24 : 7;
+            picture *p = direct_light(scene, (options){8, 9, run == 3 ? 3 : 1, kind == 3, strip});
             if (first) assert_memory_equal(first->rgb, p->rgb, sizeof p->rgb);
             if (first) picture_free(p);
             else first = p;
