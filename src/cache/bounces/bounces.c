@@ -112,27 +112,39 @@ static sl_status check_points(const sl_second_cache *cache, float *missed, sl_co
 
 /* ---- its life ---- */
 
-/* Again from direct light on, where there are records already: what the new places send to the old ones is
- * part of every bounce. Gathers live as long as light bounces. */
+/* Gathers live as long as light bounces. */
 static sl_status make_records(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                               sl_error *error) {
-    const bool again = cache->list.count > 0;
-    cache->shines = false;
     sl_status status = sl_second_open_gathers(cache, raster, counters, error);
     if (status == SL_OK) status = find_places(cache, counters, error);
-    if (status == SL_OK && again) status = sl_second_gather_first(cache, counters, error);
     if (status == SL_OK) status = sl_let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
     sl_record_gathers_destroy(&cache->gathers);
     return status;
 }
 
-/* What is new gathers the light of all bounces at once, from the others. */
-static sl_status add_places(sl_second_cache *cache, const sl_raster *raster, float missed,
-                            sl_counters *counters, sl_error *error) {
-    sl_status status = sl_second_open_gathers(cache, raster, counters, error);
-    if (status == SL_OK) status = find_places(cache, counters, error);
-    cache->report.missed = missed;
+/* Tells whether so much is new that what it sends to the others counts. */
+static bool is_grown(const sl_second_cache *cache) {
+    return 8 * (cache->list.count - cache->bounced) > cache->bounced;
+}
+
+/* Lets light bounce again, from direct light on. */
+static sl_status bounce_anew(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
+    cache->shines = false;
+    sl_status status = sl_second_gather_first(cache, counters, error);
+    return status == SL_OK ? sl_let_light_bounce(cache, counters, error) : status;
+}
+
+/* Has those from `first` on gather the light of all bounces, that of each other included: where they were made
+ * one after the other, each knows of those before. */
+static sl_status settle(sl_second_cache *cache, size_t first, const sl_raster *raster, sl_counters *counters,
+                        sl_error *error) {
+    enum { TIMES = 2 };
+    sl_status status = SL_OK;
+    for (int i = 0; status == SL_OK && i < TIMES; i++) {
+        cache->next = first;
+        status = sl_second_cache_renew(cache, raster, cache->list.count - first, counters, error);
+    }
     return status;
 }
 
@@ -162,8 +174,16 @@ sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster
     float missed = 0.0f;
     sl_status status = check_points(cache, &missed, counters, error);
     if (status != SL_OK || missed <= cache->report.missed + MANY_MISSED) return status;
-    if (cache->moved) return add_places(cache, raster, missed, counters, error);
-    return make_records(cache, raster, counters, error);
+    const size_t first = cache->list.count;
+    status = sl_second_open_gathers(cache, raster, counters, error);
+    if (status == SL_OK) status = find_places(cache, counters, error);
+    if (status == SL_OK && !cache->moved)
+        status = is_grown(cache) ? bounce_anew(cache, counters, error)
+                                 : settle(cache, first, raster, counters, error);
+    if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
+    if (!cache->moved) sl_record_gathers_destroy(&cache->gathers);
+    cache->report.records = cache->list.count;
+    return status;
 }
 
 void sl_second_cache_destroy(sl_second_cache *cache) {

@@ -220,7 +220,7 @@ static void let_bounce(bouncing *b, sl_second_cache *cache, sl_counters *counter
 sl_status sl_let_light_bounce(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
     bouncing b = {.cache = cache};
     cache->shines = true;
-    cache->report.records = cache->list.count;
+    cache->report.records = cache->bounced = cache->list.count;
     cache->report.converged = false;
     cache->report.bounces = 1;
     if (cache->settings.bounces < 3 || cache->list.count == 0) return SL_OK;

@@ -335,6 +335,38 @@ static void a_camera_that_goes_elsewhere_brings_second_level_records_there(void 
     world_free(w);
 }
 
+/* A large room, and a closet without a door: few records, whose light is that of each other. */
+static void a_camera_that_sees_a_little_more_has_that_gathered_and_no_more(void **state) {
+    (void)state;
+    world *w = world_new();
+    uint32_t wall = world_material(w, sl_grey(0.6f), sl_grey(0.0f));
+    const uint32_t walls[6] = {wall, wall, wall, wall, wall, wall};
+    world_box(w, sl_v3(0, 0, 0), sl_v3(4, 4, 4), true, walls);
+    world_box(w, sl_v3(5, 0, 0), sl_v3(5.5f, 0.5f, 0.5f), true, walls);
+    world_point_light(w, sl_v3(2.0f, 3.0f, 2.0f), 3.0f);
+    world_point_light(w, sl_v3(5.25f, 0.375f, 0.25f), 0.1f);
+    world_build(w);
+    const sl_gather_point inside = {sl_v3(5.175f, 0, 0.2f), sl_v3(0, 1, 0), sl_v3(0, 1, 0), SL_NO_INDEX, 3};
+    sl_error error;
+    look_from(w, sl_v3(3.9f, 2.4f, 3.9f), sl_v3(2, 2, 2));
+    bouncer b = bouncer_new(w, 8, 2);
+    const uint64_t before = w->counters.value[SL_COUNT_GATHERS];
+    look_from(w, sl_v3(5.47f, 0.3f, 0.47f), sl_v3(5.25f, 0.25f, 0.25f));
+    assert_int_equal(sl_second_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
+    const size_t more = sl_second_cache_report(b.cache).records - b.report.records;
+    assert_true(more > 0 && 8 * more <= b.report.records);
+    assert_true(w->counters.value[SL_COUNT_GATHERS] - before < b.report.records);
+    const float followed = irradiance_at(&b, &inside).value.g;
+    bouncer_free(&b);
+    bouncer anew = bouncer_new(w, 8, 2);
+    const float whole = irradiance_at(&anew, &inside).value.g;
+    print_message("[     INFO ] %zu records for %zu more; %.3f of the light\n", b.report.records, more,
+                  (double)(followed / whole));
+    assert_true(fabsf(followed / whole - 1.0f) < 0.1f);
+    bouncer_free(&anew);
+    world_free(w);
+}
+
 /* ---- what must not happen ---- */
 
 /* A room open at the front; its walls are of different quads, so that the two rooms' floors are one plane. */
@@ -405,6 +437,7 @@ int main(void) {
         cmocka_unit_test(the_light_of_a_sky_bounces_as_the_path_tracer_says),
         cmocka_unit_test(second_level_records_stay_as_long_as_the_light_does),
         cmocka_unit_test(a_camera_that_goes_elsewhere_brings_second_level_records_there),
+        cmocka_unit_test(a_camera_that_sees_a_little_more_has_that_gathered_and_no_more),
         cmocka_unit_test(no_bounce_leaks_through_a_thin_wall),
         cmocka_unit_test(a_scene_without_anything_to_see_has_no_second_level_records),
     };
