@@ -166,12 +166,17 @@ static unsigned share_of(const sl_film *f, unsigned index) {
     return index < PILOT ? PILOT : LATER_SHARE;
 }
 
+/* Of few sub-frames the first is nearest to the pixels' centres: most pixels are seen in no other. */
+static unsigned point_of(const sl_film *f, unsigned index) {
+    return is_quick(f) ? index ^ 2 : index < PILOT ? index : index - PILOT;
+}
+
 bool sl_film_next(const sl_film *f, sl_sub_frame *next) {
     const bool asking = f->asked < asks_of(f);
     const unsigned index = asking ? f->asked : f->drawn;
     float point[3];
     if (!asking && f->drawn >= f->most) return false;
-    sl_sequence_point(&f->sequence, 0, index < PILOT ? 0 : 1, index < PILOT ? index : index - PILOT, point);
+    sl_sequence_point(&f->sequence, 0, index < PILOT ? 0 : 1, point_of(f, index), point);
     sl_pixel_shape_place(&f->shape, point);
     *next = (sl_sub_frame){.right = point[0] - 0.5f,
                            .up = point[1] - 0.5f,
