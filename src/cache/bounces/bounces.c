@@ -17,9 +17,12 @@ enum { GENERATIONS = 2 };
 static const double few_uncovered[GENERATIONS] = {0.015, 0.04};
 /* Nor more records than that, of a place full of small things. */
 static const size_t most_records[GENERATIONS] = {4000, 5000};
-/* So many more points out of all records' reach than where the cache was made: the camera has gone elsewhere.
- */
+/* So many more points out of all records' reach than where the cache was made: the camera sees more than it
+ * did; or it has gone elsewhere. */
 #define MANY_MISSED 0.01f
+#define MOST_MISSED 0.1f
+/* Records that a view may add, and have gather again, where it sees a little more: few enough for a frame. */
+enum { MORE = 256, AGAIN = 32 };
 
 sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy,
                                           uint32_t bounces) {
@@ -62,8 +65,8 @@ static sl_radius_rules radii_of(const sl_second_settings *s, const sl_scene *sce
                              .metric = SL_METRIC_HARMONIC};
 }
 
-/* Covers what gathers at visible points see, and what gathers there see. */
-static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
+/* Covers what gathers at visible points see, and what gathers there see, by about `most` records. */
+static sl_status find_places(sl_second_cache *cache, size_t most, sl_counters *counters, sl_error *error) {
     const sl_second_settings *s = &cache->settings;
     sl_probed origins;
     sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, ORIGINS, &origins, counters, error);
@@ -71,14 +74,14 @@ static sl_status find_places(sl_second_cache *cache, sl_counters *counters, sl_e
     for (size_t generation = 0; status == SL_OK && generation < GENERATIONS; generation++) {
         sl_probed seen;
         size_t before = cache->list.count;
+        const size_t room = most < most_records[generation] ? most : most_records[generation];
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
         if (count == 0) break;
         status = sl_probe_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen,
                                counters, error);
         if (status == SL_OK)
-            status = sl_cover_points(cache, &seen, few_uncovered[generation],
-                                     start + most_records[generation], counters, error);
+            status = sl_cover_points(cache, &seen, few_uncovered[generation], start + room, counters, error);
         sl_probed_free(&seen);
         first = before;
     }
@@ -116,7 +119,7 @@ static sl_status check_points(const sl_second_cache *cache, float *missed, sl_co
 static sl_status make_records(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                               sl_error *error) {
     sl_status status = sl_second_open_gathers(cache, raster, counters, error);
-    if (status == SL_OK) status = find_places(cache, counters, error);
+    if (status == SL_OK) status = find_places(cache, SIZE_MAX, counters, error);
     if (status == SL_OK) status = sl_let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
     sl_record_gathers_destroy(&cache->gathers);
@@ -140,12 +143,37 @@ static sl_status bounce_anew(sl_second_cache *cache, sl_counters *counters, sl_e
 static sl_status settle(sl_second_cache *cache, size_t first, const sl_raster *raster, sl_counters *counters,
                         sl_error *error) {
     enum { TIMES = 2 };
+    const size_t next = cache->next;
     sl_status status = SL_OK;
     for (int i = 0; status == SL_OK && i < TIMES; i++) {
         cache->next = first;
         status = sl_second_cache_renew(cache, raster, cache->list.count - first, counters, error);
     }
+    cache->next = next;
     return status;
+}
+
+/* Has some more of those that wait for it gather again. */
+static sl_status take_turns(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
+                            sl_error *error) {
+    const size_t count = cache->waiting < AGAIN ? cache->waiting : AGAIN;
+    cache->waiting -= count;
+    return sl_second_cache_renew(cache, raster, count, counters, error);
+}
+
+/* Makes records where there are none. Once those of before lack the light of many they gather again, at once
+ * or with the views that follow. */
+static sl_status add_places(sl_second_cache *cache, const sl_raster *raster, float missed,
+                            sl_counters *counters, sl_error *error) {
+    const bool elsewhere = missed > MOST_MISSED;
+    const size_t first = cache->list.count;
+    sl_status status = sl_second_open_gathers(cache, raster, counters, error);
+    if (status == SL_OK) status = find_places(cache, elsewhere ? SIZE_MAX : MORE, counters, error);
+    if (cache->list.count == first) cache->report.missed = missed; /* as few as can be */
+    if (status != SL_OK || cache->moved) return status;
+    if (elsewhere && is_grown(cache)) return bounce_anew(cache, counters, error);
+    if (is_grown(cache)) cache->waiting = cache->bounced = cache->list.count;
+    return elsewhere ? settle(cache, first, raster, counters, error) : SL_OK;
 }
 
 sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
@@ -173,14 +201,9 @@ sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster
                                  sl_error *error) {
     float missed = 0.0f;
     sl_status status = check_points(cache, &missed, counters, error);
-    if (status != SL_OK || missed <= cache->report.missed + MANY_MISSED) return status;
-    const size_t first = cache->list.count;
-    status = sl_second_open_gathers(cache, raster, counters, error);
-    if (status == SL_OK) status = find_places(cache, counters, error);
-    if (status == SL_OK && !cache->moved)
-        status = is_grown(cache) ? bounce_anew(cache, counters, error)
-                                 : settle(cache, first, raster, counters, error);
-    if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
+    if (status == SL_OK && missed > cache->report.missed + MANY_MISSED)
+        status = add_places(cache, raster, missed, counters, error);
+    if (status == SL_OK) status = take_turns(cache, raster, counters, error);
     if (!cache->moved) sl_record_gathers_destroy(&cache->gathers);
     cache->report.records = cache->list.count;
     return status;

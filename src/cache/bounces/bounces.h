@@ -44,9 +44,10 @@ typedef struct sl_second_cache sl_second_cache;
 sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
                                  const sl_second_settings *settings, sl_second_cache **cache,
                                  sl_counters *counters, sl_error *error);
-/* The camera has moved: if gathers will now look where there are no records, such are made. They gather the
- * light of all bounces from the others; once there are an eighth more than when light last bounced it bounces
- * again, but for where things have moved, whose light is renewed in turns. */
+/* The camera has moved: if gathers will now look where there are no records, such are made, few for each view
+ * but where it has gone elsewhere. They gather the light of all bounces from the others; once there are an
+ * eighth more than when light last bounced it does so again: at once elsewhere, else in turns, some with each
+ * view. Where things have moved all light is renewed in turns. */
 sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                                  sl_error *error);
 /* Objects or lights have changed, and transport was made anew: records go along with what they lie on, and

@@ -126,7 +126,8 @@ struct sl_second_cache {
     sl_isa isa;
     sl_second_light light;
     bool shines;              /* before the first bounce is done there is no indirect light */
-    size_t bounced;           /* records that there were when light last bounced */
+    size_t bounced;           /* records that there were when light last bounced, or began to */
+    size_t waiting;           /* that are to gather again, in turns, for what more have come */
     bool moved;               /* things have: its light is renewed in turns */
     size_t next, renewed;     /* record whose turn it is; how many have had it since things last moved */
     sl_second_report report;
