@@ -152,7 +152,7 @@ static uint32_t rounds_of(const sl_multi_mesh_state *s) {
 /* Room for the lights' shares, and those of the last whole mesh that hold. Of few rays none are kept. */
 static sl_status begin_shares(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_rounds *r = &s->next;
-    if (!s->plan.lights || s->light.few_rays || r->rolls) return SL_OK;
+    if (!s->plan.lights || s->light.few_rays || r->rolls || r->hasty) return SL_OK;
     r->shares = sl_allocate(r->coarse->vertex_count * s->lights->count, sizeof *r->shares);
     if (!r->shares) return sl_fail_memory(error, "the coarse mesh's light");
     if (!s->kept.count) return SL_OK;
@@ -161,11 +161,13 @@ static sl_status begin_shares(sl_multi_mesh_state *s, sl_error *error) {
 
 sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error) {
     bool moves = s->whole.coarse && s->whole.lit != s->lit, rolls = moves && rounds_of(s) > 0;
-    float edge = (float)sl_multi_mesh_coarse_edge(s->scene, &s->settings);
-    /* a quarter of the vertices while things move: what has gone on is soon seen */
-    sl_coarse_settings coarse = {rolls ? 2.0f * edge : edge, s->settings.multi_mesh.coarse_depth - rolls};
+    bool hasty = !s->whole.coarse && s->world > 1;
+    /* a quarter of the vertices while things move, and of those another: what has gone on is soon seen */
+    int halvings = hasty ? 2 : rolls;
+    sl_coarse_settings coarse = {ldexpf((float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), halvings),
+                                 s->settings.multi_mesh.coarse_depth - halvings};
     if (coarse.depth < 0) coarse.depth = 0;
-    s->next = (sl_coarse_rounds){.world = s->world, .lit = s->lit, .rolls = rolls};
+    s->next = (sl_coarse_rounds){.world = s->world, .lit = s->lit, .rolls = rolls, .hasty = hasty};
     sl_status status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->next.coarse, error);
     if (status != SL_OK) return status;
     size_t count = s->next.coarse->vertex_count;
@@ -188,18 +190,20 @@ static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *er
     sl_root_place place[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) place[i] = sl_coarse_lit_place(r->coarse, r->done + i);
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
-    return sl_coarse_light_take(&s->light, count, place, r->rolls,
+    return sl_coarse_light_take(&s->light, count, place, r->rolls || r->hasty,
                                 r->shares ? r->shares + r->done * lights : NULL, r->direct + r->done,
                                 &s->counters, error);
 }
 
-/* U_dd, and E_i / pi where it is known, is what gathers see. */
-static void set_coarse(sl_coarse_rounds *r, unsigned threads) {
+/* U_dd and E_i / pi is what gathers see. Before E_i is known it is the ambient term where many bounces are soon
+ * to be seen, else nothing. */
+static void set_coarse(const sl_multi_mesh_state *s, const sl_coarse_rounds *r) {
+    const sl_rgb unknown = r->hasty && s->settings.bounces > 1 ? s->ambient_in_motion : sl_grey(0.0f);
     for (size_t i = 0; i < r->coarse->vertex_count; i++) {
-        sl_rgb more = r->indirect ? sl_rgb_scale(r->indirect[i], (float)(1.0 / SL_PI)) : sl_grey(0.0f);
-        sl_coarse_set(r->coarse, i, sl_rgb_add(r->direct[i], more));
+        const sl_rgb indirect = r->indirect ? r->indirect[i] : unknown;
+        sl_coarse_set(r->coarse, i, sl_rgb_add(r->direct[i], sl_rgb_scale(indirect, (float)(1.0 / SL_PI))));
     }
-    sl_coarse_finish(r->coarse, threads);
+    sl_coarse_finish(r->coarse, s->settings.threads);
 }
 
 /* All lights are hidden from all surfaces: nothing bounces, and there is nothing to be gathered. */
@@ -243,7 +247,16 @@ static sl_status keep_shares(sl_multi_mesh_state *s, sl_error *error) {
 
 /* While things move, a first coarse mesh is taken as soon as it has any light: those that follow see it, and
  * add a bounce each. */
-static bool is_awaited(const sl_multi_mesh_state *s) { return !s->whole.coarse && s->next.world != s->world; }
+static bool is_awaited(const sl_multi_mesh_state *s) {
+    return s->next.hasty || (!s->whole.coarse && s->next.world != s->world);
+}
+
+void sl_multi_mesh_hasten_coarse(sl_multi_mesh_state *s) {
+    const sl_coarse_rounds *r = &s->next;
+    if (s->whole.coarse || !r->coarse || r->hasty || r->indirect || 2 * r->done > r->coarse->vertex_count)
+        return;
+    sl_multi_mesh_forget_coarse(&s->next, s->settings.threads);
+}
 
 /* The light of lamps is there. The environment's is yet to be gathered, and so is each bounce after the
  * first. */
@@ -251,9 +264,9 @@ static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     bool sky = s->scene->environment.present;
     sl_status status = keep_shares(s, error);
     if (status != SL_OK) return status;
-    set_coarse(&s->next, s->settings.threads);
+    set_coarse(s, &s->next);
     sl_announce_pass(&s->announcer, "coarse mesh", "for equation (7)");
-    if (is_dark(s)) {
+    if (!s->next.hasty && is_dark(s)) {
         leave_out_indirect(s);
         return SL_OK;
     }
@@ -279,7 +292,7 @@ static sl_status gather_for_coarse(sl_multi_mesh_state *s, sl_coarse_rounds *see
 }
 
 static void finish_gathers(sl_multi_mesh_state *s) {
-    set_coarse(&s->next, s->settings.threads);
+    set_coarse(s, &s->next);
     sl_announce_pass(&s->announcer,
                      is_quick_round(s) ? "coarse mesh, one more bounce"
                                        : "coarse mesh, the environment's light",
@@ -288,8 +301,9 @@ static void finish_gathers(sl_multi_mesh_state *s) {
     if (!--s->next.gathers || is_awaited(s)) end_coarse(s);
 }
 
+/* Few rays a vertex are soon traced. */
 static size_t update_share(const sl_multi_mesh_state *s) {
-    return s->world > 1 ? sl_multi_mesh_share(s, COARSE_VERTICES) : COARSE_VERTICES;
+    return s->world > 1 && !s->next.hasty ? sl_multi_mesh_share(s, COARSE_VERTICES) : COARSE_VERTICES;
 }
 
 static sl_status extend(sl_multi_mesh_state *s, sl_error *error) {

@@ -54,9 +54,10 @@ typedef enum sl_gather_detail {
 typedef struct sl_coarse_rounds {
     sl_coarse *coarse;          /* NULL: there is none */
     uint32_t world, lit;        /* in which it was begun */
-    sl_coarse_share *shares;    /* F by vertex and light; NULL: few_rays, rolls, or all are there */
+    sl_coarse_share *shares;    /* F by vertex and light; NULL: few_rays, rolls, hasty, or all are there */
     /* while things move: one round of gathers that see the coarse mesh before it, with all bounces */
     bool rolls;
+    bool hasty;                 /* ... and the first of all: few vertices, of direct light by few rays */
     size_t done;                /* vertices of the round under way */
     sl_rgb *direct;             /* U_dd of lamps at its vertices, and ... */
     sl_rgb *indirect;           /* ... E_i of the environment or of later bounces; NULL: not yet, or none */
@@ -69,7 +70,8 @@ typedef struct sl_multi_mesh_state {
     sl_settings settings;
     sl_multi_mesh_plan plan;
     sl_perception perception;
-    sl_rgb ambient;                 /* indirect irradiance before anything of it is known */
+    sl_rgb ambient;                 /* indirect irradiance before anything of it is known; and ... */
+    sl_rgb ambient_in_motion;       /* ... where frames do not wait for it: of all bounces that count */
 
     /* what depends on geometry and lights */
     sl_raster *raster;
@@ -243,11 +245,14 @@ sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds,
                                sl_error *error);
 /* Makes a coarse mesh, its light not yet asked for. */
 sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error);
+/* Something has changed before there was a coarse mesh: unless it is half done, one that is soon made takes
+ * its place. */
+void sl_multi_mesh_hasten_coarse(sl_multi_mesh_state *s);
 /* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins, or is old. */
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error);
 /* Tells whether gathers see the world as it is now. */
 static inline bool sl_coarse_is_of_now(const sl_multi_mesh_state *s) {
-    return s->whole.coarse && s->whole.world == s->world && !s->whole.rolls;
+    return s->whole.coarse && s->whole.world == s->world && !s->whole.rolls && !s->whole.hasty;
 }
 
 /* ---- explanation.c: what made a pixel, and what can be seen of the meshes, for those who look on ---- */

@@ -103,6 +103,7 @@ static sl_status edit_world(sl_multi_mesh_state *s, unsigned changes, sl_error *
     s->done_count = 0;
     s->moves = !s->settled;
     s->settled = false;
+    sl_multi_mesh_hasten_coarse(s);
     s->gathers_wait = sl_coarse_is_of_now(s) || (s->gathers_wait && !s->next.coarse);
     s->world++;
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) s->lit = s->world;

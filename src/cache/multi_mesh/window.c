@@ -114,7 +114,7 @@ sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error) {
     for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
         status = copy_part(s->part[i], &set->part[i], error);
     if (status != SL_OK) return status;
-    set->ambient = s->plan.indirect ? s->ambient : sl_grey(0.0f);
+    set->ambient = s->plan.indirect ? s->ambient_in_motion : sl_grey(0.0f);
     set->made = s->made;
     sl_monitor_enter(&e->meeting);
     e->shown = hidden;

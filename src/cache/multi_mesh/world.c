@@ -161,6 +161,8 @@ static sl_status make_pictures(sl_multi_mesh_state *s, sl_error *error) {
 void sl_multi_mesh_set_perception(sl_multi_mesh_state *s) {
     const sl_multi_mesh_settings *m = &s->settings.multi_mesh;
     s->ambient = sl_ambient_irradiance(s->scene);
+    s->ambient_in_motion =
+        s->settings.bounces > 1 ? sl_ambient_irradiance_of_all_bounces(s->scene) : s->ambient;
     s->perception.threshold_scale = (float)m->threshold_scale;
     s->perception.exposure =
         m->exposure > 0.0 ? (float)m->exposure

@@ -294,6 +294,29 @@ static void a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once(v
     sl_scene_destroy(scene);
 }
 
+/* The coarse mesh of a picture at rest has more vertices than all these updates ask for light at. */
+static void indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_move(void **state) {
+    (void)state;
+    sl_scene *scene = moving_room();
+    sl_settings settings = mesh_settings(2);
+    settings.multi_mesh.coarse_edge = 0.05;
+    settings.multi_mesh.coarse_depth = 6;
+    sl_method *method = begin(scene, &settings);
+    for (int i = 1; i <= 12; i++) move_to(method, scene, 0.04 * i);
+    assert_true(sl_method_counters(method)->value[SL_COUNT_INDIRECT_SAMPLES] > 0);
+    finish(method);
+    sl_image *image = picture_of(method);
+    sl_method *fresh = begin(scene, &settings);
+    finish(fresh);
+    sl_image *reference = picture_of(fresh);
+    assert_true(difference(image, reference, "indirect.G") < 0.05);
+    sl_image_destroy(reference);
+    sl_method_destroy(fresh);
+    sl_image_destroy(image);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while),
@@ -301,6 +324,7 @@ int main(void) {
         cmocka_unit_test(after_edits_that_undo_each_other_a_picture_is_as_good_as_a_fresh_one),
         cmocka_unit_test(samples_that_survive_a_move_are_those_of_a_fresh_method),
         cmocka_unit_test(a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once),
+        cmocka_unit_test(indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_move),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
