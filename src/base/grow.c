@@ -12,6 +12,10 @@ void *sl_allocate_planes(size_t stride, size_t planes, float **const plane[]) {
     return block;
 }
 
+void sl_free_all(void *const blocks[], size_t count) {
+    for (size_t i = 0; i < count; i++) sl_free(blocks[i]);
+}
+
 void *sl_copy_of(const void *array, size_t count, size_t size) {
     void *copy = sl_allocate_unset(count, size);
     if (copy && count) memcpy(copy, array, count * size);

@@ -16,5 +16,9 @@ void *sl_allocate_planes(size_t stride, size_t planes, float **const plane[]);
  * lacked. */
 bool sl_memory_has_ended(void);
 void sl_free(void *block); /* NULL is allowed; only for blocks of sl_allocate() */
+/* Frees each of the blocks, whose pointers are all read before. */
+#define SL_FREE_ALL(...) \
+    sl_free_all((void *[]){__VA_ARGS__}, sizeof((void *[]){__VA_ARGS__}) / sizeof(void *))
+void sl_free_all(void *const blocks[], size_t count);
 
 #endif

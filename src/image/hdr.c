@@ -127,10 +127,7 @@ sl_status sl_hdr_read(const sl_bytes *bytes, sl_image **image, sl_error *error) 
     sl_status status = parse_header(&reader, &width, &height, error);
     if (status == SL_OK) status = sl_image_create(width, height, 3, NULL, &created, error);
     if (status == SL_OK) status = read_rows(&reader, created, error);
-    if (status != SL_OK) {
-        sl_image_destroy(created);
-        return status;
-    }
-    *image = created;
-    return SL_OK;
+    if (status == SL_OK) *image = created;
+    else sl_image_destroy(created);
+    return status;
 }

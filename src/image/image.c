@@ -90,12 +90,9 @@ static sl_status create(int width, int height, int channels, const char *const *
                             : sl_allocate_unset(values, sizeof *created->planes);
     if (!created->channel_name || !created->planes) status = sl_fail_memory(error, "an image");
     else status = name_channels(created, channel_names, error);
-    if (status != SL_OK) {
-        sl_image_destroy(created);
-        return status;
-    }
-    *image = created;
-    return SL_OK;
+    if (status == SL_OK) *image = created;
+    else sl_image_destroy(created);
+    return status;
 }
 
 sl_status sl_image_create(int width, int height, int channels, const char *const *channel_names,
@@ -112,9 +109,7 @@ void sl_image_destroy(sl_image *image) {
     if (!image) return;
     for (size_t i = 0; i < image->metadata_count; i++) free(image->metadata[i].value);
     free(image->metadata);
-    sl_free(image->channel_name);
-    sl_free(image->planes);
-    sl_free(image);
+    SL_FREE_ALL(image->channel_name, image->planes, image);
 }
 
 float *sl_image_channel(const sl_image *image, const char *name) {

@@ -436,10 +436,5 @@ sl_status sl_animation_place(sl_scene *scene, size_t count, const sl_placement *
 void sl_animation_destroy(sl_animation *a) {
     if (!a) return;
     for (size_t i = 0; i < a->track_count; i++) sl_free(a->tracks[i].keys);
-    sl_free(a->tracks);
-    sl_free(a->track_of_vertex);
-    sl_free(a->rest_position);
-    sl_free(a->rest_normal);
-    sl_free(a->rest_control);
-    sl_free(a);
+    SL_FREE_ALL(a->tracks, a->track_of_vertex, a->rest_position, a->rest_normal, a->rest_control, a);
 }

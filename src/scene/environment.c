@@ -88,9 +88,7 @@ sl_status sl_environment_complete(sl_environment *e, size_t *repaired, sl_error 
 }
 
 void sl_environment_release(sl_environment *e) {
-    sl_free(e->texels);
-    sl_free(e->row_cdf);
-    sl_free(e->column_cdf);
+    SL_FREE_ALL(e->texels, e->row_cdf, e->column_cdf);
     *e = (sl_environment){0};
 }
 

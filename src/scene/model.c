@@ -209,9 +209,8 @@ sl_status sl_model_add_texture(sl_model *m, const char *name, const sl_texture *
 }
 
 void sl_model_drop_geometry(sl_model *m) {
-    void *arrays[] = {m->positions,      m->normals,      m->uvs,     m->indices,
-                      m->material_index, m->object_index, m->bicubics};
-    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) sl_free(arrays[i]);
+    SL_FREE_ALL(m->positions, m->normals, m->uvs, m->indices, m->material_index, m->object_index,
+                m->bicubics);
     m->positions = m->normals = m->uvs = NULL;
     m->indices = m->material_index = m->object_index = NULL;
     m->bicubics = NULL;

@@ -44,9 +44,7 @@ sl_status sl_object_places_take(const sl_scene *scene, sl_object_places **places
 
 void sl_object_places_destroy(sl_object_places *p) {
     if (!p) return;
-    sl_free(p->hash);
-    sl_free(p->box);
-    sl_free(p);
+    SL_FREE_ALL(p->hash, p->box, p);
 }
 
 size_t sl_object_moves(const sl_object_places *before, const sl_object_places *now, bool *moved, sl_box *box) {

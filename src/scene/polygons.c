@@ -22,9 +22,7 @@ bool sl_polygons_add_corner(sl_polygons *p, sl_corner corner) {
 
 void sl_polygons_release(sl_polygons *p) {
     for (int part = 0; part < SL_CORNER_PARTS; part++) sl_free(p->value[part]);
-    sl_free(p->corner);
-    sl_free(p->gathered);
-    sl_free(p->cut);
+    SL_FREE_ALL(p->corner, p->gathered, p->cut);
     *p = (sl_polygons){0};
 }
 

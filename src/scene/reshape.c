@@ -131,11 +131,8 @@ static void release(sl_surfaces *surfaces) {
     sl_scene_array list[SL_SCENE_ARRAYS];
     sl_scene_arrays(&surfaces->scene, list);
     for (int k = 0; k < SURFACE_ARRAYS; k++) sl_free(pointer_of(&list[k]));
-    sl_free(surfaces->scene.bicubics);
-    sl_free(surfaces->scene.object_names);
-    sl_free(surfaces->track_of_vertex);
-    sl_free(surfaces->rest_position);
-    sl_free(surfaces->rest_normal);
+    SL_FREE_ALL(surfaces->scene.bicubics, surfaces->scene.object_names, surfaces->track_of_vertex,
+                surfaces->rest_position, surfaces->rest_normal);
 }
 
 static bool renew_arrays(sl_scene *s, const sl_scene *old, sl_scene *more, const numbering *vertices,

@@ -94,9 +94,7 @@ sl_status sl_light_sampler_plant_tree(sl_light_sampler *sampler, sl_error *error
 void sl_light_sampler_destroy(sl_light_sampler *sampler) {
     if (!sampler) return;
     sl_light_tree_destroy(sampler->tree);
-    sl_free(sampler->sums);
-    sl_free(sampler->chance);
-    sl_free(sampler);
+    SL_FREE_ALL(sampler->sums, sampler->chance, sampler);
 }
 
 /* ---- sampling -------------------------------------------------------------------------------- */

@@ -144,10 +144,7 @@ sl_status sl_light_tree_create(const sl_scene *scene, sl_light_tree **out, sl_er
 
 void sl_light_tree_destroy(sl_light_tree *tree) {
     if (!tree) return;
-    sl_free(tree->emitters);
-    sl_free(tree->order);
-    sl_free(tree->nodes);
-    sl_free(tree);
+    SL_FREE_ALL(tree->emitters, tree->order, tree->nodes, tree);
 }
 
 /* ---- choosing ---- */

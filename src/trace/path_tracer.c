@@ -57,12 +57,9 @@ sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer,
     /* the two tracers' numbers of one seed are not the same */
     path->stream_seed = settings->bidirectional ? sl_hash64(settings->seed) ^ 0x42696469u : settings->seed;
     sl_status status = make_film(path, tracer, error);
-    if (status != SL_OK) {
-        sl_path_tracer_destroy(path);
-        return status;
-    }
-    *out = path;
-    return SL_OK;
+    if (status == SL_OK) *out = path;
+    else sl_path_tracer_destroy(path);
+    return status;
 }
 
 void sl_path_tracer_destroy(sl_path_tracer *path) {

@@ -54,12 +54,9 @@ sl_status sl_error_probe_create(const sl_scene *scene, const sl_settings *settin
     p->blind = is_blind(scene, &transport);
     status = sl_probe_tracer_create(&p->tracer, scene, &transport, asked.width, asked.height, asked.threads,
                                     sl_hash64(asked.seed ^ probe_salt), error);
-    if (status != SL_OK) {
-        sl_error_probe_destroy(p);
-        return status;
-    }
-    *out = p;
-    return SL_OK;
+    if (status == SL_OK) *out = p;
+    else sl_error_probe_destroy(p);
+    return status;
 }
 
 void sl_error_probe_destroy(sl_error_probe *p) {
@@ -149,9 +146,7 @@ static sl_status audit_begin(audit *a, sl_error_probe *p, const sl_image *image,
 }
 
 static void audit_end(audit *a) {
-    sl_free(a->chance);
-    sl_free(a->chosen);
-    sl_free(a->pixel);
+    SL_FREE_ALL(a->chance, a->chosen, a->pixel);
 }
 
 /* ---- what they say --------------------------------------------------------------------------- */

@@ -42,9 +42,7 @@ void sl_probe_tracer_release(sl_probe_tracer *t) {
     sl_light_sampler_destroy(t->lights);
     sl_tracer_destroy(t->tracer);
     sl_image_destroy(t->surfaces);
-    sl_free(t->pilot);
-    sl_free(t->slot);
-    sl_free(t->probe);
+    SL_FREE_ALL(t->pilot, t->slot, t->probe);
     *t = (sl_probe_tracer){0};
 }
 

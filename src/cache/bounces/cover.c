@@ -10,9 +10,7 @@
 enum { CHUNK = 2048 };
 
 void sl_second_list_free(sl_second_list *list) {
-    sl_free(list->records);
-    sl_free(list->points);
-    sl_free(list->terms);
+    SL_FREE_ALL(list->records, list->points, list->terms);
     *list = (sl_second_list){0};
 }
 

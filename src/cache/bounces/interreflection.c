@@ -79,12 +79,7 @@ static void free_all(bouncing *b) {
         sl_free(b->sums[w].touched);
     }
     for (size_t i = 0; b->rows && i < b->cache->list.count; i++) sl_free(b->rows[i].row);
-    sl_free(b->sums);
-    sl_free(b->rows);
-    sl_free(b->gathers);
-    sl_free(b->now);
-    sl_free(b->next);
-    sl_free(b->all);
+    SL_FREE_ALL(b->sums, b->rows, b->gathers, b->now, b->next, b->all);
 }
 
 static bool allocate(bouncing *b) {

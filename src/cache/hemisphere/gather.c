@@ -99,12 +99,9 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->isa = sl_isa_best();
     gather->half_tangent = (float)sl_tan(0.5 * (double)settings->plane_fov);
     sl_status status = make_parts(gather, threads, counters, error);
-    if (status != SL_OK) {
-        sl_gather_destroy(gather);
-        return status;
-    }
-    *out = gather;
-    return SL_OK;
+    if (status == SL_OK) *out = gather;
+    else sl_gather_destroy(gather);
+    return status;
 }
 
 void sl_gather_destroy(sl_gather *gather) {
@@ -194,23 +191,16 @@ sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **
     sl_status status = room && s->pixels ? SL_OK : sl_fail_memory(error, "a gather's buffers");
     if (status == SL_OK && t->kind != SL_GATHER_RAYS)
         status = sl_raster_scratch_create(gather->raster, t->size, t->size, &s->raster, error);
-    if (status != SL_OK) {
-        sl_gather_scratch_destroy(s);
-        return status;
-    }
-    *out = s;
-    return SL_OK;
+    if (status == SL_OK) *out = s;
+    else sl_gather_scratch_destroy(s);
+    return status;
 }
 
 void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
     if (!scratch) return;
     sl_raster_scratch_destroy(scratch->raster);
     sl_light_scratch_destroy(scratch->light);
-    sl_free(scratch->block);
-    sl_free(scratch->ids);
-    sl_free(scratch->pixels);
-    sl_free(scratch->texel);
-    sl_free(scratch);
+    SL_FREE_ALL(scratch->block, scratch->ids, scratch->pixels, scratch->texel, scratch);
 }
 
 sl_gather_picture sl_gather_last_picture(const sl_gather_scratch *s) {

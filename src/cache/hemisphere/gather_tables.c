@@ -121,9 +121,7 @@ static sl_status allocate_tables(sl_gather_tables *t, sl_error *error) {
 
 void sl_gather_tables_destroy(sl_gather_tables *t) {
     if (!t) return;
-    sl_free(t->block);
-    sl_free(t->order);
-    sl_free(t);
+    SL_FREE_ALL(t->block, t->order, t);
 }
 
 size_t sl_gather_tables_bytes(const sl_gather_tables *t) {

@@ -99,9 +99,7 @@ sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, sl_ligh
 
 void sl_light_scratch_destroy(sl_light_scratch *s) {
     if (!s) return;
-    void *blocks[] = {s->block, s->from, s->drawn, s->sorted, s->of_source};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
-    sl_free(s);
+    SL_FREE_ALL(s->block, s->from, s->drawn, s->sorted, s->of_source, s);
 }
 
 /* ---- what may come ---- */

@@ -317,9 +317,7 @@ static sl_status allocate_list(sl_projection_list *list, int groups, int sides, 
 }
 
 static void free_list(sl_projection_list *list) {
-    sl_free(list->table);
-    sl_free(list->cell[0][0]);
-    sl_free(list->x);
+    SL_FREE_ALL(list->table, list->cell[0][0], list->x);
 }
 
 void sl_projection_destroy(sl_projection *p) {
@@ -364,12 +362,9 @@ sl_status sl_projection_create(const sl_gather_tables *tables, int order, unsign
     quadrant q = {.tables = tables, .projection = p};
     sl_hsh_recurrence_of(order, &q.recurrence);
     sl_status status = fill(&q, threads, error);
-    if (status != SL_OK) {
-        sl_projection_destroy(p);
-        return status;
-    }
-    *out = p;
-    return SL_OK;
+    if (status == SL_OK) *out = p;
+    else sl_projection_destroy(p);
+    return status;
 }
 
 /* ---- one projection -------------------------------------------------------------------------- */

@@ -298,9 +298,7 @@ sl_status sl_octree_create(const sl_scene *scene, const sl_octree_root *root, in
 
 void sl_octree_destroy(sl_octree *octree) {
     if (!octree) return;
-    sl_free(octree->leaf);
-    sl_free(octree->triangle);
-    sl_free(octree);
+    SL_FREE_ALL(octree->leaf, octree->triangle, octree);
 }
 
 size_t sl_octree_bytes(const sl_octree *octree) {

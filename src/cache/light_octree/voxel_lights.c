@@ -59,11 +59,7 @@ sl_status sl_voxel_lights_create(const sl_scene *scene, const sl_octree *octree,
 void sl_voxel_lights_destroy(sl_voxel_lights *lights) {
     if (!lights) return;
     for (unsigned i = 0; lights->worker && i < lights->workers; i++) sl_free(lights->worker[i].marks.mark);
-    sl_free(lights->worker);
-    sl_free(lights->first_set);
-    sl_free(lights->set);
-    sl_free(lights->light);
-    sl_free(lights);
+    SL_FREE_ALL(lights->worker, lights->first_set, lights->set, lights->light, lights);
 }
 
 size_t sl_voxel_lights_bytes(const sl_voxel_lights *lights) {

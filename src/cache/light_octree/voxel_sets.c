@@ -259,8 +259,6 @@ sl_status sl_voxel_sets_create(sl_voxel_lights *lights, sl_error *error) {
         sl_parallel_for(lights->workers, lights->leaf_count, find_sets, &g);
         status = list_sets(lights, &g, error);
     }
-    sl_free(g.pieces);
-    sl_free(g.sets);
-    sl_free(g.count);
+    SL_FREE_ALL(g.pieces, g.sets, g.count);
     return status;
 }

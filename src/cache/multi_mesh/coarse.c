@@ -176,9 +176,7 @@ sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitive
 void sl_coarse_destroy(sl_coarse *c) {
     if (!c) return;
     sl_patches_destroy(c->vertices);
-    void *blocks[] = {c->level, c->vertex, c->face, c->reflectance, c->colour};
-    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) sl_free(blocks[k]);
-    sl_free(c);
+    SL_FREE_ALL(c->level, c->vertex, c->face, c->reflectance, c->colour, c);
 }
 
 size_t sl_coarse_memory_bytes(const sl_coarse *c) {

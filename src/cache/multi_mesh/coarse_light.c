@@ -148,10 +148,7 @@ sl_status sl_coarse_light_take(const sl_irradiance_settings *light, size_t count
     for (unsigned t = 0; t < light->threads && room; t++)
         job.worker[t] = (light_worker){share + t * lights, most + t * lights, order + t * lights};
     if (room) sl_batch_run(&batch, light->threads, counters);
-    sl_free(job.worker);
-    sl_free(most);
-    sl_free(share);
-    sl_free(order);
+    SL_FREE_ALL(job.worker, most, share, order);
     return room ? SL_OK : sl_fail_memory(error, "the coarse mesh's light");
 }
 

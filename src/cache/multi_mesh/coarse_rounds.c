@@ -137,9 +137,7 @@ sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds,
 
 void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds, unsigned threads) {
     sl_multi_mesh_forget_eyes(rounds, threads);
-    sl_free(rounds->shares);
-    sl_free(rounds->direct);
-    sl_free(rounds->indirect);
+    SL_FREE_ALL(rounds->shares, rounds->direct, rounds->indirect);
     sl_coarse_destroy(rounds->coarse);
     *rounds = (sl_coarse_rounds){.coarse = NULL};
 }

@@ -21,19 +21,15 @@ sl_status sl_displayed_create(const sl_primitives *primitives, const sl_displaye
     const sl_patches_settings mesh = {.channels = 3, .max_depth = settings->max_depth};
     sl_status status = sl_patches_create(primitives, &mesh, &d->mesh, error);
     if (status == SL_OK) status = sl_displayed_grow(d, error);
-    if (status != SL_OK) {
-        sl_displayed_destroy(d);
-        return status;
-    }
-    *displayed = d;
-    return SL_OK;
+    if (status == SL_OK) *displayed = d;
+    else sl_displayed_destroy(d);
+    return status;
 }
 
 void sl_displayed_destroy(sl_displayed *d) {
     if (!d) return;
     sl_patches_destroy(d->mesh);
-    void *blocks[] = {d->first, d->order, d->root, d->highest, d->world_of, d->weight, d->touched, d};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
+    SL_FREE_ALL(d->first, d->order, d->root, d->highest, d->world_of, d->weight, d->touched, d);
 }
 
 size_t sl_displayed_memory_bytes(const sl_displayed *d) {

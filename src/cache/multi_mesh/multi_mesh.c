@@ -99,9 +99,7 @@ static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t
         sl_displayed_put(s->part[part], wanted[i].vertex,
                          direct_value(s, part, wanted[i].vertex, &share[i * lights]), valid[i],
                          &s->counters);
-    sl_free(valid);
-    sl_free(share);
-    sl_free(points);
+    SL_FREE_ALL(valid, share, points);
     return status;
 }
 
@@ -123,9 +121,7 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
         status = sl_multi_mesh_gather(s, &s->whole, detail, count, points, irradiance, error);
     for (size_t i = 0; i < count && status == SL_OK; i++)
         sl_displayed_put(part, wanted[i].vertex, irradiance[i], valid[i], &s->counters);
-    sl_free(valid);
-    sl_free(irradiance);
-    sl_free(points);
+    SL_FREE_ALL(valid, irradiance, points);
     return status;
 }
 

@@ -24,9 +24,7 @@ static void multi_mesh_destroy(void *state) {
     sl_multi_mesh_forget_view(s);
     sl_multi_mesh_forget_world(s);
     sl_mesh_exchange_leave(s->exchange);
-    sl_free(s->id);
-    sl_free(s->plane_memory);
-    sl_free(s);
+    SL_FREE_ALL(s->id, s->plane_memory, s);
 }
 
 static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *settings,

@@ -131,10 +131,7 @@ static void window_destroy(void *it) {
     sl_mesh_exchange_leave(w->exchange);
     sl_primitives_destroy(w->primitives);
     sl_raster_destroy(w->raster);
-    sl_free(w->id);
-    sl_free(w->planes);
-    sl_free(w->leaves);
-    sl_free(w);
+    SL_FREE_ALL(w->id, w->planes, w->leaves, w);
 }
 
 static sl_status window_open(window *w, sl_error *error) {

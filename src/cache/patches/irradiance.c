@@ -428,22 +428,16 @@ sl_status sl_irradiance_meshes_create(const sl_irradiance_settings *settings, sl
     for (size_t l = 0; l < lights && status == SL_OK; l++)
         status = sl_patches_create(settings->primitives, &mesh, &m->mesh[l], error);
     if (status == SL_OK) status = make_scratch(m, error);
-    if (status != SL_OK) {
-        sl_irradiance_meshes_destroy(m);
-        return status;
-    }
-    *meshes = m;
-    return SL_OK;
+    if (status == SL_OK) *meshes = m;
+    else sl_irradiance_meshes_destroy(m);
+    return status;
 }
 
 void sl_irradiance_meshes_destroy(sl_irradiance_meshes *m) {
     if (!m) return;
     for (size_t l = 0; m->mesh && l < m->settings.lights->count; l++) sl_patches_destroy(m->mesh[l]);
     forget_scratch(m);
-    sl_free(m->mesh);
-    sl_free(m->scratch);
-    sl_free(m->wanted);
-    sl_free(m);
+    SL_FREE_ALL(m->mesh, m->scratch, m->wanted, m);
 }
 
 size_t sl_irradiance_meshes_bytes(const sl_irradiance_meshes *m) {

@@ -31,9 +31,7 @@ sl_status sl_patches_create(const sl_primitives *primitives, const sl_patches_se
 
 void sl_patches_destroy(sl_patches *p) {
     if (!p) return;
-    void *all[] = {p->root, p->root_slot, p->patch, p->block, p->vertex, p->value, p->sets, p->slot};
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
-    sl_free(p);
+    SL_FREE_ALL(p->root, p->root_slot, p->patch, p->block, p->vertex, p->value, p->sets, p->slot, p);
 }
 
 /* Copies `count` elements into a block that had room for `had`, or into another. */

@@ -224,11 +224,9 @@ bool sl_triangle_is_degenerate(const sl_scene *scene, uint32_t triangle) {
 
 void sl_primitives_destroy(sl_primitives *p) {
     if (!p) return;
-    void *all[] = {p->kind,         p->turn,      p->first_triangle, p->bicubic,     p->of_triangle,
-                   p->mean_diffuse, p->edge_next, p->corner_first,   p->corner_next, p->edge_kind};
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
     sl_solids_destroy(p->solids);
-    sl_free(p);
+    SL_FREE_ALL(p->kind, p->turn, p->first_triangle, p->bicubic, p->of_triangle, p->mean_diffuse,
+                p->edge_next, p->corner_first, p->corner_next, p->edge_kind, p);
 }
 
 size_t sl_primitives_memory_bytes(const sl_primitives *p) {

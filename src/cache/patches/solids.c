@@ -184,10 +184,7 @@ sl_status sl_solids_find(const sl_scene *scene, sl_solids **out, sl_error *error
 
 void sl_solids_destroy(sl_solids *solids) {
     if (!solids) return;
-    sl_free(solids->body_of);
-    sl_free(solids->bodies);
-    sl_free(solids->solid);
-    sl_free(solids);
+    SL_FREE_ALL(solids->body_of, solids->bodies, solids->solid, solids);
 }
 
 /* ---- probe rays ------------------------------------------------------------------------------ */

@@ -72,12 +72,9 @@ static sl_status sampled_create(const sl_scene *scene, const sl_settings *settin
     s->samples_wanted = settings->spp;
     sl_status status = sl_tracer_create(scene, settings->threads, NULL, &s->tracer, error);
     if (status == SL_OK) status = start_film(s, error);
-    if (status != SL_OK) {
-        sampled_destroy(s);
-        return status;
-    }
-    *state = s;
-    return SL_OK;
+    if (status == SL_OK) *state = s;
+    else sampled_destroy(s);
+    return status;
 }
 
 static sl_status sampled_update(void *state, sl_progress *progress, sl_error *error) {

@@ -25,11 +25,7 @@ sl_rgb sl_reflections_throughput(const sl_reflections *r, size_t pixel) {
 
 void sl_reflections_destroy(sl_reflections *r) {
     if (!r) return;
-    sl_free(r->pixel);
-    sl_free(r->throughput);
-    sl_free(r->background);
-    sl_free(r->way);
-    sl_free(r);
+    SL_FREE_ALL(r->pixel, r->throughput, r->background, r->way, r);
 }
 
 static sl_status list_pixels(const sl_scene *scene, const sl_gbuffer *g, sl_reflections **reflections,

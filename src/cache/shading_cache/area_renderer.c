@@ -197,10 +197,7 @@ sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_rende
     r->settings = *settings;
     sl_sequence_make(&r->sequence);
     sl_status status = make_lights(r, error);
-    if (status != SL_OK) {
-        destroy(r);
-        return status;
-    }
-    renderer->state = r;
-    return SL_OK;
+    if (status == SL_OK) renderer->state = r;
+    else destroy(r);
+    return status;
 }

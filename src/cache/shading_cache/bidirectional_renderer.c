@@ -116,9 +116,7 @@ static void destroy(void *state) {
     if (!r) return;
     if (r->sets) forget_sets(r);
     for (unsigned w = 0; r->scratch && w < r->workers; w++) sl_bidirectional_scratch_destroy(r->scratch[w]);
-    sl_free(r->scratch);
-    sl_free(r->sets);
-    sl_free(r);
+    SL_FREE_ALL(r->scratch, r->sets, r);
 }
 
 static sl_status make(renderer *r, sl_error *error) {
@@ -146,10 +144,7 @@ sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sam
     r->settings = *settings;
     sl_sequence_make(&r->sequence);
     sl_status status = make(r, error);
-    if (status != SL_OK) {
-        destroy(r);
-        return status;
-    }
-    out->state = r;
-    return SL_OK;
+    if (status == SL_OK) out->state = r;
+    else destroy(r);
+    return status;
 }

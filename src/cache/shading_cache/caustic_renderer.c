@@ -137,10 +137,7 @@ sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_re
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;
     sl_status status = make_map(r, error);
-    if (status != SL_OK) {
-        destroy(r);
-        return status;
-    }
-    out->state = r;
-    return SL_OK;
+    if (status == SL_OK) out->state = r;
+    else destroy(r);
+    return status;
 }

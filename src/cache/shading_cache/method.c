@@ -24,10 +24,8 @@ static void shading_destroy(void *state) {
     sl_tracer_destroy(s->own_tracer);
     sl_fades_release(&s->fades);
     sl_layers_release(&s->layers);
-    void *buffers[] = {
-        s->ids.patch, s->id_memory, s->leaf_of_pixel, s->leaf,  s->choice,         s->place, s->vertex,
-        s->request,   s->sample,    s->part,          s->layer, s->stale, s->changes.object, s};
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++) sl_free(buffers[i]);
+    SL_FREE_ALL(s->ids.patch, s->id_memory, s->leaf_of_pixel, s->leaf, s->choice, s->place, s->vertex,
+                s->request, s->sample, s->part, s->layer, s->stale, s->changes.object, s);
 }
 
 static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
@@ -132,12 +130,9 @@ static sl_status shading_create(const sl_scene *scene, const sl_settings *settin
     s->last_update = settings->shading_cache.updates;
     s->last_sample = INFINITY;
     sl_status status = make_cache(s, error);
-    if (status != SL_OK) {
-        shading_destroy(s);
-        return status;
-    }
-    *state = s;
-    return SL_OK;
+    if (status == SL_OK) *state = s;
+    else shading_destroy(s);
+    return status;
 }
 
 /* ---- the view: every primitive has a root on the side that the eye may see ---- */

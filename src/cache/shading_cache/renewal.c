@@ -120,10 +120,7 @@ typedef struct renewals {
 } renewals;
 
 static void release(renewals *r) {
-    sl_free(r->weight);
-    sl_free(r->layers);
-    sl_free(r->list[0]);
-    sl_free(r->list[1]);
+    SL_FREE_ALL(r->weight, r->layers, r->list[0], r->list[1]);
 }
 
 static sl_status allocate(const sl_patches *p, renewals *r, sl_error *error) {

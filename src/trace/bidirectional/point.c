@@ -123,20 +123,15 @@ sl_status sl_bidirectional_points_create(const sl_scene *scene, const sl_tracer 
     if (p->settings.samples == 0) p->settings.samples = 400;
     if (p->settings.bounces == 0) p->settings.bounces = 6;
     sl_status status = make_points(p, scene, tracer, error);
-    if (status != SL_OK) {
-        sl_bidirectional_points_destroy(p);
-        return status;
-    }
-    *out = p;
-    return SL_OK;
+    if (status == SL_OK) *out = p;
+    else sl_bidirectional_points_destroy(p);
+    return status;
 }
 
 void sl_bidirectional_points_destroy(sl_bidirectional_points *p) {
     if (!p) return;
     sl_light_sampler_destroy(p->lights);
-    sl_free(p->first);
-    sl_free(p->vertex);
-    sl_free(p);
+    SL_FREE_ALL(p->first, p->vertex, p);
 }
 
 sl_status sl_bidirectional_scratch_create(sl_bidirectional_scratch **scratch, sl_error *error) {

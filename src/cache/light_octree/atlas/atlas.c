@@ -85,9 +85,7 @@ sl_status sl_atlas_create(const sl_scene *scene, const sl_atlas_settings *settin
 
 void sl_atlas_destroy(sl_atlas *a) {
     if (!a) return;
-    sl_free(a->chart_of);
-    sl_free(a->chart);
-    sl_free(a);
+    SL_FREE_ALL(a->chart_of, a->chart, a);
 }
 
 size_t sl_atlas_bytes(const sl_atlas *a) {

@@ -52,10 +52,7 @@ sl_status sl_atlas_canvas_create(sl_atlas *atlas, const sl_scene *scene, unsigne
 
 void sl_atlas_canvas_destroy(sl_atlas_canvas *c) {
     if (!c) return;
-    sl_free(c->texel);
-    sl_free(c->triangle);
-    sl_free(c->w1);
-    sl_free(c->w2);
+    SL_FREE_ALL(c->texel, c->triangle, c->w1, c->w2);
     for (int s = 0; s < 2; s++) sl_texture_image_destroy(c->side[s]);
     sl_atlas_destroy(c->atlas);
     sl_free(c);

@@ -257,8 +257,6 @@ sl_status sl_atlas_charts_create(const sl_atlas_faces *faces, double bend, sl_at
 }
 
 void sl_atlas_charts_release(sl_atlas_charts *c) {
-    sl_free(c->plane);
-    sl_free(c->face);
-    sl_free(c->of_face);
+    SL_FREE_ALL(c->plane, c->face, c->of_face);
     *c = (sl_atlas_charts){0};
 }

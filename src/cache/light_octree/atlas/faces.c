@@ -76,8 +76,6 @@ sl_status sl_atlas_faces_create(const sl_scene *scene, sl_atlas_faces *f, sl_err
 }
 
 void sl_atlas_faces_release(sl_atlas_faces *f) {
-    sl_free(f->opposite);
-    sl_free(f->normal);
-    sl_free(f->area);
+    SL_FREE_ALL(f->opposite, f->normal, f->area);
     *f = (sl_atlas_faces){0};
 }

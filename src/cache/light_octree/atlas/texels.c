@@ -156,8 +156,6 @@ sl_status sl_atlas_texels(const sl_atlas *atlas, const sl_scene *scene, unsigned
     memset(w2, 0, texels * sizeof *w2);
     bool good = m.distance && list_triangles(&m, bands);
     if (good) sl_parallel_for(sl_thread_count(threads), bands, map_band, &m);
-    sl_free(m.first);
-    sl_free(m.listed);
-    sl_free(m.distance);
+    SL_FREE_ALL(m.first, m.listed, m.distance);
     return good ? SL_OK : sl_fail_memory(error, "the texels of an atlas");
 }

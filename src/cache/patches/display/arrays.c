@@ -21,11 +21,7 @@ bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_b
 /* ---- life ------------------------------------------------------------------------------------ */
 
 static void release_copy(sl_display_copy *copy) {
-    sl_free(copy->root);
-    sl_free(copy->word);
-    sl_free(copy->middle);
-    sl_free(copy->value);
-    sl_free(copy->fans.spoke);
+    SL_FREE_ALL(copy->root, copy->word, copy->middle, copy->value, copy->fans.spoke);
 }
 
 void sl_display_destroy(sl_display *d) {
@@ -34,9 +30,7 @@ void sl_display_destroy(sl_display *d) {
     sl_window_close(&d->own);
     sl_free(d->curved);
     sl_monitor_close(&d->swap);
-    sl_free(d->left_out);
-    sl_free(d->root);
-    sl_free(d);
+    SL_FREE_ALL(d->left_out, d->root, d);
 }
 
 static bool allocate_arrays(sl_display *d) {

@@ -98,8 +98,7 @@ sl_status sl_visible_pixels_sort(const sl_primitives *primitives, const sl_raste
                     .pixels = (size_t)view->width * (size_t)view->height,
                     .out = out};
     sl_status status = sort(&job, raster, view, sl_thread_count(threads), counters, error);
-    void *const work[] = {job.weight[0], job.face, job.next};
-    for (size_t i = 0; i < sizeof work / sizeof work[0]; i++) sl_free(work[i]);
+    SL_FREE_ALL(job.weight[0], job.face, job.next);
     if (status == SL_OK) *pixels = out;
     else sl_visible_pixels_destroy(out);
     return status;
@@ -107,10 +106,5 @@ sl_status sl_visible_pixels_sort(const sl_primitives *primitives, const sl_raste
 
 void sl_visible_pixels_destroy(sl_visible_pixels *pixels) {
     if (!pixels) return;
-    sl_free(pixels->face);
-    sl_free(pixels->entry_of_face);
-    sl_free(pixels->pixel);
-    sl_free(pixels->w1);
-    sl_free(pixels->w2);
-    sl_free(pixels);
+    SL_FREE_ALL(pixels->face, pixels->entry_of_face, pixels->pixel, pixels->w1, pixels->w2, pixels);
 }

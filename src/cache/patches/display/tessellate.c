@@ -135,9 +135,8 @@ static void put_triangles(const sl_display *d, sl_tessellation *t) {
 void sl_tessellation_release(sl_tessellation *t) {
     if (t->scene) sl_free(t->scene->material_index);
     sl_free(t->scene);
-    void *all[] = {t->x,         t->y,         t->z,         t->u,     t->v,    t->vertex[0],
-                   t->vertex[1], t->vertex[2], t->primitive, t->point};
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) sl_free(all[i]);
+    SL_FREE_ALL(t->x, t->y, t->z, t->u, t->v, t->vertex[0], t->vertex[1], t->vertex[2], t->primitive,
+                t->point);
     sl_raster_destroy(t->raster);
     memset(t, 0, sizeof *t);
 }

@@ -32,8 +32,7 @@ sl_status sl_window_open(sl_display *d, const sl_scene *scene, unsigned threads,
 void sl_window_close(sl_window *w) {
     sl_tessellation_release(&w->tessellation);
     sl_raster_destroy(w->raster);
-    void *planes[] = {w->frame.id, w->frame.curved_id, w->frame.depth, w->frame.curved_depth, w->picture};
-    for (int i = 0; i < 5; i++) sl_free(planes[i]);
+    SL_FREE_ALL(w->frame.id, w->frame.curved_id, w->frame.depth, w->frame.curved_depth, w->picture);
 }
 
 sl_status sl_window_create(sl_display *d, const sl_scene *scene_copy, unsigned threads, sl_window **window,
