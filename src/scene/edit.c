@@ -44,9 +44,7 @@ uint32_t sl_scene_find_object(const sl_scene *scene, const char *name) {
 void sl_scene_edit_destroy(sl_scene_edit *edit) {
     if (!edit) return;
     sl_environment_release(&edit->sky);
-    sl_free(edit->materials);
-    sl_free(edit->lights);
-    sl_free(edit->placement);
+    SL_FREE_ALL(edit->materials, edit->lights, edit->placement);
     sl_reshaping_release(&edit->shape);
     sl_free(edit);
 }
@@ -338,16 +336,19 @@ static void swap_materials(sl_scene_edit *e) {
     }
 }
 
-/* Lamps come and go, and masks change what is left of them. What was there is kept in *before. */
-static sl_status renew_emitters(sl_scene *s, sl_scene *before, sl_error *error) {
-    *before = *s;
-    sl_status status = sl_scene_make_emitters(s, error);
-    if (status == SL_OK) return status;
+static void restore_emitters(sl_scene *s, const sl_scene *before) {
     sl_free(s->emitters);
     sl_free(s->opaque_share);
     s->emitters = before->emitters;
     s->opaque_share = before->opaque_share;
     s->emissive_count = before->emissive_count;
+}
+
+/* Lamps come and go, and masks change what is left of them. What was there is kept in *before. */
+static sl_status renew_emitters(sl_scene *s, sl_scene *before, sl_error *error) {
+    *before = *s;
+    sl_status status = sl_scene_make_emitters(s, error);
+    if (status != SL_OK) restore_emitters(s, before);
     return status;
 }
 
@@ -365,13 +366,13 @@ static sl_status change_surfaces(sl_scene_edit *e, unsigned *changes, sl_error *
         swap_materials(e);
     }
     if (!lamps || s->emitters == before.emitters) return status;
-    sl_free(status == SL_OK ? before.emitters : s->emitters);
-    sl_free(status == SL_OK ? before.opaque_share : s->opaque_share);
-    if (status == SL_OK) return status;
-    s->emitters = before.emitters;
-    s->opaque_share = before.opaque_share;
-    s->emissive_count = before.emissive_count;
-    sl_scene_derive(s);
+    if (status == SL_OK) {
+        sl_free(before.emitters);
+        sl_free(before.opaque_share);
+    } else {
+        restore_emitters(s, &before);
+        sl_scene_derive(s);
+    }
     return status;
 }
 

@@ -114,23 +114,21 @@ static sl_status make_names(writer *w) {
     return made ? SL_OK : sl_fail_memory(w->error, "the names of materials and objects");
 }
 
-/* Puts a string of JSON. */
-static void put_string(text *t, const char *string) {
+/* Puts a string of JSON, in two parts. */
+static void put_strings(text *t, const char *string, const char *rest) {
     put(t, "\"");
     for (const char *c = string; *c; c++) {
         if (*c == '"' || *c == '\\') put(t, "\\");
         if ((unsigned char)*c < ' ') put(t, "\\u%04x", (unsigned)*c);
         else put_bytes(t, c, 1);
     }
-    put(t, "\"");
+    put(t, "%s\"", rest);
 }
+static void put_string(text *t, const char *string) { put_strings(t, string, ""); }
 
 /* Puts the name of a file beside the JSON file. */
 static void put_file(writer *w, const char *suffix) {
-    char *path = path_of(w, suffix);
-    if (path) put_string(&w->json, sl_file_name(path));
-    w->json.failed = w->json.failed || !path;
-    sl_free(path);
+    put_strings(&w->json, sl_file_name(w->base), suffix);
 }
 
 static void put_number(text *t, float value) {
@@ -184,13 +182,11 @@ static void put_vertices(text *out, const sl_scene *s, uint32_t low, uint32_t hi
     }
 }
 
-static void put_library(writer *w, text *out) {
-    char *path = path_of(w, ".mtl");
+static void put_library(const writer *w, text *out) {
+    const char *name = sl_file_name(w->base);
     put(out, "mtllib ");
-    if (path) put_bytes(out, sl_file_name(path), strlen(sl_file_name(path)));
-    put(out, "\n");
-    out->failed = out->failed || !path;
-    sl_free(path);
+    put_bytes(out, name, strlen(name));
+    put(out, ".mtl\n");
 }
 
 /* With a library triangles name their materials; without, the scene file does. */

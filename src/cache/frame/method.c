@@ -490,46 +490,40 @@ sl_status sl_method_explanation(sl_method *method, const sl_image *picture, int 
 /* ---- the plan ---- */
 
 struct sl_plan_writer {
-    char *text;
-    size_t length, capacity;
-    bool failed;
+    FILE *out;
 };
 
-static void plan_append(sl_plan_writer *writer, const char *line) {
-    size_t length = strlen(line);
-    if (writer->length + length + 1 > writer->capacity) {
-        size_t capacity = 2 * (writer->length + length + 1);
-        char *text = realloc(writer->text, capacity);
-        if (!text) {
-            writer->failed = true;
-            return;
-        }
-        writer->text = text;
-        writer->capacity = capacity;
-    }
-    memcpy(writer->text + writer->length, line, length + 1);
-    writer->length += length;
-}
-
 void sl_plan_pass(sl_plan_writer *writer, bool runs, const char *pass, const char *why, ...) {
-    char reason[256], line[384];
     va_list arguments;
+    fprintf(writer->out, "%-4s %-28s ", runs ? "run" : "skip", pass);
     va_start(arguments, why);
-    sl_print_list(reason, sizeof reason, why, arguments);
+    vfprintf(writer->out, why, arguments);
     va_end(arguments);
-    snprintf(line, sizeof line, "%-4s %-28s %s\n", runs ? "run" : "skip", pass, reason);
-    plan_append(writer, line);
+    fputc('\n', writer->out);
 }
 
 void sl_plan_limit(sl_plan_writer *writer, const char *limit, ...) {
-    char text[384];
     va_list arguments;
+    fputs("limit ", writer->out);
     va_start(arguments, limit);
-    sl_print_list(text, sizeof text, limit, arguments);
+    vfprintf(writer->out, limit, arguments);
     va_end(arguments);
-    plan_append(writer, "limit ");
-    plan_append(writer, text);
-    plan_append(writer, "\n");
+    fputc('\n', writer->out);
+}
+
+static void write_plan(sl_plan_writer *writer, const sl_method_class *class, const sl_scene *scene,
+                       const sl_settings *settings, const sl_bounces_measured *found, const char *reduced) {
+    class->plan(scene, settings, writer);
+    if (sl_method_has_film(class, settings))
+        sl_plan_pass(writer, true, "film",
+                     "4 sub-frames of all pixels, others where edges are or light differs: "
+                     "%u samples at most",
+                     settings->sub_samples);
+    if (found->bounces)
+        sl_plan_pass(writer, true, "bounces",
+                     "%u: all others would add %.1f %% of the light, as a few paths tell", found->bounces,
+                     100.0 * found->left);
+    if (reduced[0]) sl_plan_pass(writer, true, "with less memory", "%s", reduced);
 }
 
 sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error) {
@@ -541,28 +535,19 @@ sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, cha
     sl_status status = sl_method_choose(scene, settings, &completed, &ignored, &found, error);
     if (status != SL_OK) return status;
     const sl_method_class *class = find_class(completed.method);
-    char reduced[512] = "";
+    char reduced[512] = "", *told = NULL;
+    size_t size;
     status = complete_settings(class, scene, &completed, 0.0, reduced, sizeof reduced, error);
     if (status != SL_OK) return status;
-    sl_plan_writer writer = {0};
-    plan_append(&writer, "");
-    class->plan(scene, &completed, &writer);
-    if (sl_method_has_film(class, &completed))
-        sl_plan_pass(&writer, true, "film",
-                     "4 sub-frames of all pixels, others where edges are or light differs: "
-                     "%u samples at most",
-                     completed.sub_samples);
-    if (found.bounces)
-        sl_plan_pass(&writer, true, "bounces",
-                     "%u: all others would add %.1f %% of the light, as a few paths tell", found.bounces,
-                     100.0 * found.left);
-    if (reduced[0]) sl_plan_pass(&writer, true, "with less memory", "%s", reduced);
-    if (writer.failed) {
-        free(writer.text);
-        return sl_fail_memory(error, "the plan");
-    }
-    *text = writer.text;
-    return SL_OK;
+    sl_plan_writer writer = {open_memstream(&told, &size)};
+    if (!writer.out) return sl_fail_memory(error, "the plan");
+    void *before = sl_c_locale_begin();
+    write_plan(&writer, class, scene, &completed, &found, reduced);
+    sl_c_locale_end(before);
+    const bool whole = !ferror(writer.out);
+    if (fclose(writer.out) == 0 && whole) *text = told;
+    else free(told);
+    return *text ? SL_OK : sl_fail_memory(error, "the plan");
 }
 
 /* ---- limits that showed ---- */
