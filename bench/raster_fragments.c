@@ -293,7 +293,6 @@ typedef struct reduction_pass {
 } reduction_pass;
 
 static void reduce(void *context, unsigned threads, sl_counters *counters) {
-    (void)threads;
     reduction_pass *p = context;
     sl_raster_reduce(p->planes, REDUCED, 4, p->final, p->scratch, p->sums, counters);
 }

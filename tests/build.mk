@@ -1,6 +1,7 @@
 # How tests, benchmarks and fuzzing's targets are built.
 # gcc 12 for Arm fails at fmax() in loops over floats: tests may have them, sources do without.
-$(BUILD)/o/tests/% $(BUILD)/o/bench/%: override DEFINES += -I. -Itests/support \
+# Tests are functions of a state that few of them use.
+$(BUILD)/o/tests/% $(BUILD)/o/bench/%: override DEFINES += -I. -Itests/support -Wno-unused-parameter \
   $(if $(filter gcc-12-aarch64-%,$(COMPILER)-$(TARGET)),-fno-tree-loop-vectorize)
 $(BUILD)/o/tests/support/osmesa.o: override DEFINES += -DSL_HAVE_$(OSMESA)
 

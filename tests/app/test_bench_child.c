@@ -15,21 +15,15 @@ static bool tell_much(void *context, char **report) {
 }
 
 static bool crash(void *context, char **report) {
-    (void)context;
-    (void)report;
     raise(SIGABRT);
     return true;
 }
 
 static bool leave(void *context, char **report) {
-    (void)context;
-    (void)report;
     _exit(7);
 }
 
 static bool never_end(void *context, char **report) {
-    (void)context;
-    (void)report;
     while (sleep(1) == 0) {}
     return true;
 }
@@ -45,7 +39,6 @@ static sl_child_end run(sl_child_work *work, void *context, sl_child_limits limi
 }
 
 static void a_report_longer_than_a_pipe_holds_arrives_whole(void **state) {
-    (void)state;
     size_t size = 300000;
     sl_child_end end = run(tell_much, &size, (sl_child_limits){0});
     assert_int_equal(end.outcome, SL_CHILD_DONE);
@@ -54,7 +47,6 @@ static void a_report_longer_than_a_pipe_holds_arrives_whole(void **state) {
 }
 
 static void a_child_that_crashes_is_told_by_its_signal(void **state) {
-    (void)state;
     sl_child_end end = run(crash, NULL, (sl_child_limits){0});
     assert_int_equal(end.outcome, SL_CHILD_CRASHED);
     assert_string_equal(end.why, "Aborted");
@@ -62,7 +54,6 @@ static void a_child_that_crashes_is_told_by_its_signal(void **state) {
 }
 
 static void a_child_that_leaves_without_a_word_has_crashed(void **state) {
-    (void)state;
     sl_child_end end = run(leave, NULL, (sl_child_limits){0});
     assert_int_equal(end.outcome, SL_CHILD_CRASHED);
     assert_non_null(strstr(end.why, "7"));
@@ -70,7 +61,6 @@ static void a_child_that_leaves_without_a_word_has_crashed(void **state) {
 }
 
 static void a_child_that_does_not_end_is_stopped_by_the_clock_or_by_somebody(void **state) {
-    (void)state;
     sl_child_end end = run(never_end, NULL, (sl_child_limits){.interrupted = is_interrupted});
     assert_int_equal(end.outcome, SL_CHILD_LEFT_OUT);
     free(end.text);

@@ -39,7 +39,6 @@ static double value_of(const sl_journal *journal, const char *key) {
 }
 
 static void what_is_added_is_there_in_the_next_run_and_a_line_cut_off_spoils_nothing(void **state) {
-    (void)state;
     const char *path = scene_file_text("journal.jsonl", "");
     sl_journal *journal = open_journal(path);
     add(journal, "a", 1.0);
@@ -101,7 +100,6 @@ static sl_bench_error judge(double wrong) {
 }
 
 static void the_noise_of_a_reference_is_no_error_of_the_picture(void **state) {
-    (void)state;
     sl_bench_error e = judge(0.1);
     double noise = 0.2 / sqrt(3.0) / sqrt(2.0); /* of the mean of two even distributions */
     assert_true(e.known && !e.lost);
@@ -110,7 +108,6 @@ static void the_noise_of_a_reference_is_no_error_of_the_picture(void **state) {
 }
 
 static void an_error_far_below_the_noise_is_only_bounded(void **state) {
-    (void)state;
     sl_bench_error e = judge(0.0);
     assert_true(e.known && e.lost);
     assert_true(e.rel_rmse > 0.05 * e.noise && e.rel_rmse < 0.3 * e.noise);
@@ -119,7 +116,6 @@ static void an_error_far_below_the_noise_is_only_bounded(void **state) {
 
 /* Var (x-A)(x-B) = 2 e^2 s^2 + s^4 for each of n values, A and B with the variance s^2. */
 static void what_noise_leaves_in_doubt_is_what_theory_says(void **state) {
-    (void)state;
     /* the channels of a pixel count as one */
     const double wrong = 0.1, variance = 0.2 * 0.2 / 3.0, values = 64.0 * 64.0;
     double doubt =
@@ -132,7 +128,6 @@ static void what_noise_leaves_in_doubt_is_what_theory_says(void **state) {
 /* ---- light paths that are the same in a scene ---- */
 
 static void sets_of_light_paths_that_a_scene_cannot_tell_apart_share_a_reference(void **state) {
-    (void)state;
     sl_bench_scene diffuse = {.base = "--bounces 1", .hash = "0123456789abcdef", .width = 8, .height = 8},
                    glossy = diffuse, mirrors = diffuse;
     char a[SL_BENCH_PATH], b[SL_BENCH_PATH];
@@ -176,7 +171,6 @@ static sl_bench_row row(const char *curve, double seconds, double error) {
 }
 
 static void times_are_read_along_the_settings_that_pay(void **state) {
-    (void)state;
     sl_bench_row rows[] = {row("splatting", 10.0, 0.01),
                            row("splatting", 0.1, 0.1),
                            row("splatting", 5.0, 0.2) /* beaten */,
@@ -197,7 +191,6 @@ static void times_are_read_along_the_settings_that_pay(void **state) {
 }
 
 static void missing_light_is_never_told_as_no_error(void **state) {
-    (void)state;
     static const struct {
         double energy, missing;
         const char *text;
@@ -216,7 +209,6 @@ static void missing_light_is_never_told_as_no_error(void **state) {
 /* ---- trials ---- */
 
 static void every_trial_s_arguments_are_its_own_and_name_its_light_paths(void **state) {
-    (void)state;
     sl_trials all;
     sl_error error;
     assert_int_equal(sl_trials_read(NULL, &all, &error), SL_OK);
@@ -233,7 +225,6 @@ static void every_trial_s_arguments_are_its_own_and_name_its_light_paths(void **
 }
 
 static void a_file_of_trials_is_read_line_by_line(void **state) {
-    (void)state;
     sl_trials all;
     sl_error error;
     size_t length;
@@ -260,7 +251,6 @@ static void a_file_of_trials_is_read_line_by_line(void **state) {
 }
 
 static void a_line_of_trials_that_means_nothing_is_named(void **state) {
-    (void)state;
     static const char *const lines[] = {"nonsense\n", "\ntrial a = -m path\n",
                                         "truth full\nwith -m path\ntrial a\n", "size 0x1\n", "table t\n"};
     static const char *const where[] = {

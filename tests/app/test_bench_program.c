@@ -102,7 +102,6 @@ static double number(const csv *c, size_t row, const char *name) { return strtod
 /* ---- the tests ---- */
 
 static void every_trial_is_a_row_with_its_time_and_its_errors(void **state) {
-    (void)state;
     assert_int_equal(finish(start("whole", "")), 0);
     csv c = table_of("whole");
     assert_int_equal(c.rows, 2); /* direct radiance mapping; the path tracer */
@@ -127,7 +126,6 @@ static void every_trial_is_a_row_with_its_time_and_its_errors(void **state) {
 }
 
 static void the_page_holds_every_row_and_fetches_nothing(void **state) {
-    (void)state;
     char *page = file_of("whole", "report.html"), *markdown = file_of("whole", "report.md");
     csv c = table_of("whole");
     assert_int_equal(c.rows, 2);
@@ -145,7 +143,6 @@ static void the_page_holds_every_row_and_fetches_nothing(void **state) {
 }
 
 static void interrupted_it_goes_on_to_the_same_rows(void **state) {
-    (void)state;
     const struct timespec moment = {0, 5000000};
     pid_t child = start("halves", "");
     char *text = file_of("halves", "journal.jsonl");
@@ -174,7 +171,6 @@ static void interrupted_it_goes_on_to_the_same_rows(void **state) {
 }
 
 static void a_report_alone_runs_no_trial(void **state) {
-    (void)state;
     char *before = file_of("halves", "journal.jsonl");
     assert_int_equal(finish(start("halves", "--report-only -m direct-radiance,multi-mesh")), 0);
     assert_string_equal(before, file_of("halves", "journal.jsonl"));
@@ -184,7 +180,6 @@ static void a_report_alone_runs_no_trial(void **state) {
 }
 
 static void a_trial_without_memory_is_a_row_that_says_so(void **state) {
-    (void)state;
     assert_int_equal(finish(start("little", "--memory 16 -m direct-radiance")), 0);
     csv c = table_of("little");
     assert_int_equal(c.rows, 1);
@@ -196,7 +191,6 @@ static void a_trial_without_memory_is_a_row_that_says_so(void **state) {
 
 /* The cheapest setting takes some tenths of a second. */
 static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **state) {
-    (void)state;
     assert_int_equal(finish(start("hurried", "-m shading-cache -q draft,normal,high,curve --limit 0.1")), 0);
     csv c = table_of("hurried");
     assert_true(c.rows > 3);
@@ -209,7 +203,6 @@ static void finer_settings_are_left_out_once_a_cheaper_one_was_stopped(void **st
 }
 
 static void two_programs_measure_and_a_third_tells(void **state) {
-    (void)state;
     pid_t a = start("shared", "--trials-only -m direct-radiance -s 16x16"),
           b = start("shared", "--trials-only -m path -s 16x16");
     assert_int_equal(finish(a), 0);
@@ -227,7 +220,6 @@ static void two_programs_measure_and_a_third_tells(void **state) {
 }
 
 static void a_file_of_trials_becomes_a_table_with_its_columns(void **state) {
-    (void)state;
     scene_file_text("my.trials", "truth matched:direct-radiance\nwith -m direct-radiance -q draft\n"
                                  "table light: cpu, matched, part.direct, counter.map_photons, nothing\n"
                                  "trial as it is =\ntrial polygons = --set weight=polygon\n");

@@ -219,7 +219,6 @@ static void a_phone_needs_no_sideways_scrolling(void **state) {
 }
 
 int main(int argc, char **argv) {
-    (void)argc;
     const char *slash = strrchr(argv[0], '/');
     snprintf(program, sizeof program, "%.*s/../softlux", slash ? (int)(slash - argv[0]) : 1,
              slash ? argv[0] : ".");

@@ -75,7 +75,6 @@ static bool are_same_files(const char *a, const char *b) {
 static const char cornell[] = "scenes/cornell.json -s 12x12 -q draft --quiet";
 
 static void two_runs_write_the_same_bytes(void **state) {
-    (void)state;
     static const char *const ends[] = {"exr", "png", "pfm"};
     char line[300];
     for (int i = 0; i < 3; i++) {
@@ -93,7 +92,6 @@ static void two_runs_write_the_same_bytes(void **state) {
 }
 
 static void a_picture_stopped_by_the_clock_is_the_file_of_its_batches(void **state) {
-    (void)state;
     char line[300], batches[32];
     const char *rest = "scenes/cornell.json -s 12x12 -m path --quiet -t 1";
     snprintf(line, sizeof line, "%s --time 0.05 -o %%/timed.exr", rest);
@@ -133,7 +131,6 @@ static void write_greys(void) {
 }
 
 static void automatic_and_different_exposures_draw_a_warning(void **state) {
-    (void)state;
     write_greys();
     expect(0, sl_command_compare, "%/dim-auto.png %/bright-auto.png --identical");
     assert_true(says(err, "warning: ") && says(err, "automatic"));
@@ -148,7 +145,6 @@ static void automatic_and_different_exposures_draw_a_warning(void **state) {
 }
 
 static void json_tells_the_tones(void **state) {
-    (void)state;
     write_greys();
     expect(0, sl_command_compare, "%/dim.exr %/bright-auto.png --json");
     cJSON *root = cJSON_Parse(out);
@@ -162,7 +158,6 @@ static void json_tells_the_tones(void **state) {
 }
 
 static void a_png_and_an_exr_are_compared_after_the_pngs_tone(void **state) {
-    (void)state;
     write_greys();
     expect(0, sl_command_compare, "%/dim.exr %/dim-auto.png --identical");
     expect(0, sl_command_compare, "%/dim-fixed.png %/dim.exr --identical");
@@ -171,7 +166,6 @@ static void a_png_and_an_exr_are_compared_after_the_pngs_tone(void **state) {
 }
 
 static void a_png_that_tells_no_tone_is_not_compared_with_radiance(void **state) {
-    (void)state;
     sl_image *bricks;
     assert_int_equal(sl_image_read("scenes/bricks.png", &bricks, NULL), SL_OK);
     assert_string_equal(sl_image_metadata(bricks, "softlux.tone"), "unknown");
@@ -184,7 +178,6 @@ static void a_png_that_tells_no_tone_is_not_compared_with_radiance(void **state)
 }
 
 static void a_rendered_png_tells_its_exposure(void **state) {
-    (void)state;
     expect(0, sl_command_render, "scenes/cornell.json -s 8x8 -m path --spp 1 --quiet -o %/auto.png --json");
     cJSON *root = cJSON_Parse(out), *tone = cJSON_GetObjectItem(root, "tone");
     char line[300];
@@ -203,7 +196,6 @@ static void a_rendered_png_tells_its_exposure(void **state) {
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
 static void json_is_utf_8_whatever_files_are_called(void **state) {
-    (void)state;
     static const char *const names[][2] = {
         {"\xff\xfe.pfm", "/??.pfm"},
         {"a\xc3.pfm", "/a?.pfm"},
@@ -231,7 +223,6 @@ static void json_is_utf_8_whatever_files_are_called(void **state) {
 /* Each has another mistake, too, which comes to light later: the scene, the picture or the method is not
  * there. */
 static void what_cannot_be_written_is_noticed_before_the_work(void **state) {
-    (void)state;
     static const struct { command *run_it; const char *line; } cases[] = {
         {sl_command_render, "nowhere.json -o %/none/a.exr"},
         {sl_command_render, "nowhere.json --frames 3 -o %/none/a%d.png"},
@@ -257,7 +248,6 @@ static void what_cannot_be_written_is_noticed_before_the_work(void **state) {
 
 /* Neither half a file is left by the look, nor is one that is there touched; a pipe's reader sees no end. */
 static void looking_whether_a_file_can_be_written_leaves_no_trace(void **state) {
-    (void)state;
     FILE *file = fopen(scene_file_path("kept.pfm"), "wb");
     assert_true(file && fputs("kept", file) >= 0 && fclose(file) == 0);
     expect(3, sl_command_render, "nowhere.json -o %/kept.pfm");
@@ -305,7 +295,6 @@ static void expect_kept(const char *rest, int signal_number, const char *picture
 }
 
 static void what_is_done_is_kept_whatever_ends_it_and_the_status_tells(void **state) {
-    (void)state;
     expect_kept("", SIGINT, "int.pfm");
     assert_true(says(err, "holds what was done"));
     expect_kept("", SIGTERM, "term.pfm");
@@ -315,7 +304,6 @@ static void what_is_done_is_kept_whatever_ends_it_and_the_status_tells(void **st
 }
 
 static void who_ignores_that_the_terminal_closes_goes_on(void **state) { /* nohup */
-    (void)state;
     char line[300];
     snprintf(line, sizeof line, "%s -o %%/nohup.pfm", endless);
     signal(SIGHUP, SIG_IGN);
@@ -332,7 +320,6 @@ static void who_ignores_that_the_terminal_closes_goes_on(void **state) { /* nohu
 /* Whoever runs these tests may ignore signals: a shell does for what it runs in the background, nohup does.
  */
 static int take_signals(void **state) {
-    (void)state;
     signal(SIGINT, SIG_DFL);
     signal(SIGHUP, SIG_DFL);
     return 0;

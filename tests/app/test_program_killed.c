@@ -410,7 +410,6 @@ static void try_work(const work *w) {
 }
 
 static void killed_programs_leave_whole_files_or_none_and_run_again(void **state) {
-    (void)state;
     for (int i = 0; i < WORKS; i++) try_work(&works[i]);
 }
 

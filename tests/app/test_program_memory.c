@@ -113,14 +113,12 @@ static void check_least(command *c, const char *name, const char *method, const 
 }
 
 static void pictures_of_every_method_stay_within_what_is_allowed(void **state) {
-    (void)state;
     for (size_t i = 0; sl_method_name(i); i++)
         check_least(sl_command_render, "a.exr", sl_method_name(i), "-s 256x256 --spp 1");
 }
 
 /* The scene_copy that moves, the frames, and what is written of them are in it. */
 static void shows_of_every_method_stay_within_what_is_allowed(void **state) {
-    (void)state;
     for (size_t i = 0; sl_method_name(i); i++)
         check_least(sl_command_live, "a.y4m", sl_method_name(i), "-s 128x128 --spp 1 --fps 8 --frames 8");
     /* so large that what the program has to spare hides nothing */
@@ -130,7 +128,6 @@ static void shows_of_every_method_stay_within_what_is_allowed(void **state) {
 /* The pictures that pages show of passes are not in it; that their scenes are loaded within it, and that
  * there is an answer to too little, is. */
 static void pages_load_their_scene_within_what_is_allowed(void **state) {
-    (void)state;
     if (SL_SANITIZED) skip(); /* nothing limits them there */
     write_hills("many.obj", 401);
     const char *scene = scene_file_path("many.obj");

@@ -70,7 +70,6 @@ static sl_image *render_small(const sl_scene *scene, sl_settings settings) {
 }
 
 static void the_settings_that_a_picture_tells_make_it_again(void **state) {
-    (void)state;
     static const char *const lines[] = {
         "-m splatting",
         "-m splatting -a 0.712345678901234 --set gather=trace --set splatting.hit-samples=2 --set "
@@ -142,7 +141,6 @@ static bool is_apart(const sl_setting *s) {
 }
 
 static void every_option_is_set_by_name_and_told_by_the_pictures_of_its_methods(void **state) {
-    (void)state;
     const sl_setting *s;
     int count = 0;
     for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
@@ -156,7 +154,6 @@ static void every_option_is_set_by_name_and_told_by_the_pictures_of_its_methods(
 }
 
 static void every_option_has_a_name_of_its_own_and_a_line_of_help(void **state) {
-    (void)state;
     const sl_setting *s;
     for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
         assert_ptr_equal(sl_setting_named(s->name), s);

@@ -30,7 +30,6 @@ static void run(unsigned threads, size_t count, uint32_t *results, sl_counters *
 }
 
 static void every_item_is_computed_once_into_its_own_place_and_counted(void **state) {
-    (void)state;
     for (unsigned threads = 1; threads <= WORKERS; threads++) {
         uint32_t results[ITEMS + 1] = {[ITEMS] = 77};
         sl_counters counters = {{0}};
@@ -43,7 +42,6 @@ static void every_item_is_computed_once_into_its_own_place_and_counted(void **st
 }
 
 static void without_memory_for_counters_the_caller_computes_everything(void **state) {
-    (void)state;
     uint32_t results[ITEMS];
     sl_counters counters = {{0}};
     allocations_left = 0;

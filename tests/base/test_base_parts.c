@@ -30,7 +30,6 @@ static void assert_uniform(const uint32_t *histogram, int bins, double draws) {
 }
 
 static void random_numbers_are_uniform_within_and_across_streams(void **state) {
-    (void)state;
     enum { BINS = 256, DRAWS = 1 << 17 };
     for (uint64_t seed = 0; seed < 4; seed++) {
         uint32_t within[BINS] = {0}, low_bits[BINS] = {0}, across[BINS] = {0};
@@ -57,7 +56,6 @@ static double correlation(uint64_t key_a, uint64_t key_b, uint64_t offset, uint6
 }
 
 static void streams_and_seeds_are_not_correlated(void **state) {
-    (void)state;
     enum { N = 20000 };
     double bound = 5.0 / sqrt(N);
     for (uint64_t k = 0; k < 16; k++) {
@@ -74,7 +72,6 @@ static void streams_and_seeds_are_not_correlated(void **state) {
 /* ---- vec.h ---- */
 
 static void normalizing_gives_a_unit_vector_or_the_fallback(void **state) {
-    (void)state;
     sl_vec3 fallback = sl_v3(0.0f, 0.0f, 1.0f);
     float sizes[] = {1.0f, 1e-45f, 1e-40f, FLT_MIN, 1e-20f, 1e20f, FLT_MAX};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
@@ -102,7 +99,6 @@ static void assert_orthonormal(sl_vec3 n) {
 }
 
 static void frames_are_orthonormal_for_every_normal(void **state) {
-    (void)state;
     float v[] = {0.0f, -0.0f, 1.0f, -1.0f};
     for (int i = 0; i < 2; i++) {
         for (int j = 0; j < 2; j++) {
@@ -141,7 +137,6 @@ static void hold_scratch(void *context, size_t index, unsigned worker) {
 }
 
 static void a_worker_runs_one_task_at_a_time(void **state) {
-    (void)state;
     scratch_record r;
     for (int i = 0; i < 7; i++) atomic_flag_clear(&r.busy[i]);
     atomic_init(&r.clashes, 0);
@@ -162,13 +157,11 @@ static void inner_task(void *context, size_t index, unsigned worker) {
 }
 
 static void outer_task(void *context, size_t index, unsigned worker) {
-    (void)worker;
     inner_record *records = context;
     sl_parallel_for(4, 50, inner_task, &records[index]);
 }
 
 static void nested_loops_run_alone_and_in_order(void **state) {
-    (void)state;
     inner_record records[20];
     memset(records, 0, sizeof records);
     sl_parallel_for(3, 20, outer_task, records);
@@ -181,7 +174,6 @@ static void nested_loops_run_alone_and_in_order(void **state) {
 /* ---- memory.h ---- */
 
 static void allocation_is_aligned_and_zeroed(void **state) {
-    (void)state;
     size_t counts[] = {0, 1, 63, 64, 65, 1000};
     for (int i = 0; i < 6; i++) {
         unsigned char *block = sl_allocate(counts[i], 3);
@@ -197,7 +189,6 @@ static void allocation_is_aligned_and_zeroed(void **state) {
 /* ---- error.h, counters.h, isa.h ---- */
 
 static void an_error_is_one_line_that_ends(void **state) {
-    (void)state;
     sl_error error;
     memset(&error, 'x', sizeof error);
     assert_int_equal(sl_fail(&error, SL_ERROR_INPUT, "%s:%d: expected\na number\r\n", "scene.json", 12),
@@ -217,7 +208,6 @@ static void an_error_is_one_line_that_ends(void **state) {
 }
 
 static void counters_add_up_and_have_distinct_names(void **state) {
-    (void)state;
     sl_counters a, b;
     for (int i = 0; i < SL_COUNTERS; i++) {
         a.value[i] = (uint64_t)i;
@@ -233,7 +223,6 @@ static void counters_add_up_and_have_distinct_names(void **state) {
 }
 
 static void the_environment_lowers_the_instruction_set_and_never_raises_it(void **state) {
-    (void)state;
     unsetenv("SOFTLUX_ISA");
     sl_isa best = sl_isa_best();
     for (int isa = 0; isa < SL_ISAS; isa++) {

@@ -136,7 +136,6 @@ static bool survives(const uint8_t *bytes, size_t size) {
 }
 
 static void files_cut_short_at_any_length_are_refused(void **state) {
-    (void)state;
     sample_file samples[SAMPLES];
     make_samples(samples);
     for (int i = 0; i < SAMPLES; i++) {
@@ -150,7 +149,6 @@ static void files_cut_short_at_any_length_are_refused(void **state) {
 }
 
 static void changed_bytes_never_crash_a_reader(void **state) {
-    (void)state;
     enum { ROUNDS = 300 };
     sample_file samples[SAMPLES];
     make_samples(samples);
@@ -182,7 +180,6 @@ static void check_refused(const char *name, const void *bytes, size_t size, cons
 }
 
 static void absurd_sizes_are_refused_before_memory_is_asked_for(void **state) {
-    (void)state;
 #define REFUSED(name, text, words) check_refused(name, text, sizeof text - 1, words)
     REFUSED("huge.pfm", "PF\n46341 46341\n-1.0\nabc", "too many for its");
     REFUSED("wide.pfm", "PF\n2147483648 1\n-1.0\nabc", "no size for a picture");
@@ -200,7 +197,6 @@ static void absurd_sizes_are_refused_before_memory_is_asked_for(void **state) {
 }
 
 static void a_huge_exr_window_is_refused(void **state) {
-    (void)state;
     static const float value[16] = {0};
     const exr_test_channel channels[] = {{"R", EXR_PIXEL_FLOAT, value, 1}};
     const exr_attr_box2i_t displays[] = {
@@ -219,7 +215,6 @@ static void a_huge_exr_window_is_refused(void **state) {
 
 /* A small file of many channels may not claim a large picture in each. */
 static void the_channels_of_an_exr_count_in_its_claim(void **state) {
-    (void)state;
     enum { CHANNELS = 1000 };
     static const float value[1] = {0};
     static char names[CHANNELS][16];
@@ -247,7 +242,6 @@ static void a_jpeg_behind_fill_bytes_is_checked_too(void **state) {
     int width, height;
     bool has_alpha;
     sl_error error = {0};
-    (void)state;
     memcpy(file, start, sizeof start);
     for (size_t fill = 0; fill < 2; fill++) {
         assert_int_equal(sl_decode_texels("t.jpg", file + fill, sizeof file - fill, &width, &height,
@@ -258,7 +252,6 @@ static void a_jpeg_behind_fill_bytes_is_checked_too(void **state) {
 }
 
 static void what_cannot_be_opened_is_named(void **state) {
-    (void)state;
     sl_error error = {0};
     sl_image *image;
     assert_int_equal(sl_image_read("/nowhere/x.exr", &image, &error), SL_ERROR_INPUT);

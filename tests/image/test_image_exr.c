@@ -37,7 +37,6 @@ static void assert_same_image(const sl_image *a, const sl_image *b) {
 }
 
 static void a_layered_image_comes_back_bit_for_bit(void **state) {
-    (void)state;
     static const int sizes[][2] = {{1, 1}, {1, 40}, {17, 16}, {33, 35}, {128, 3}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         sl_image *image = layered_image(sizes[i][0], sizes[i][1]), *back;
@@ -52,7 +51,6 @@ static void a_layered_image_comes_back_bit_for_bit(void **state) {
 }
 
 static void every_kind_of_float_survives(void **state) {
-    (void)state;
     static const uint32_t bits[] = {0x7fc00000, 0xffc12345, 0x7f800001, 0x7f800000, 0xff800000,
                                     0x00000001, 0x80000001, 0x007fffff, 0x80000000, 0x00000000,
                                     0x7f7fffff, 0xff7fffff, 0x3f800001, 0x00800000};
@@ -69,7 +67,6 @@ static void every_kind_of_float_survives(void **state) {
 
 /* OpenEXR 3.1's C library takes a chunk that does not shrink at all for one that does. */
 static void chunks_that_zip_to_their_own_size_survive(void **state) {
-    (void)state;
     enum { ACROSS = 4, CHUNKS = 4000, CHUNK = ACROSS * 16 };
     static const char *const name = "Z";
     sl_image *image, *back;
@@ -90,7 +87,6 @@ static void chunks_that_zip_to_their_own_size_survive(void **state) {
 }
 
 static void metadata_comes_back(void **state) {
-    (void)state;
     static const char long_key[] = "softlux.a.key.that.is.longer.than.thirty.one.bytes";
     char *long_value = malloc(100001);
     memset(long_value, 'v', 100000);
@@ -113,7 +109,6 @@ static void metadata_comes_back(void **state) {
 }
 
 static void metadata_with_a_name_of_the_format_is_refused(void **state) {
-    (void)state;
     static const char *const keys[] = {"dataWindow", "chromaticities", "envmap",    "timeCode",
                                        "preview",    "multiView",      "keyCode",   "framesPerSecond",
                                        "focus",      "tStop",          "worldToNDC"};
@@ -199,7 +194,6 @@ static void check_layout(exr_compression_t compression, int tile_width, int tile
 }
 
 static void every_compression_of_half_float_and_uint_is_read(void **state) {
-    (void)state;
     static const struct {
         exr_compression_t compression;
         double half_error, float_error; /* 0: lossless */
@@ -216,7 +210,6 @@ static void every_compression_of_half_float_and_uint_is_read(void **state) {
 }
 
 static void special_halves_are_converted_exactly(void **state) {
-    (void)state;
     static const uint16_t halves[] = {0x0000, 0x8000, 0x0001, 0x83ff, 0x0400, 0x7bff,
                                       0xfbff, 0x7c00, 0xfc00, 0x7e00, 0x3c01};
     static const float expected[] = {0.0f,      -0.0f,    0x1p-24f,  -0x3ffp-24f, 0x1p-14f,       65504.0f,
@@ -235,7 +228,6 @@ static void special_halves_are_converted_exactly(void **state) {
 }
 
 static void the_display_window_is_the_picture(void **state) {
-    (void)state;
     static const float values[6] = {1, 2, 3, 4, 5, 6}; /* 3 x 2 at (-1, 1) */
     const exr_test_channel channels[] = {{"R", EXR_PIXEL_FLOAT, values, 1}};
     const exr_attr_box2i_t display = {.min = {.x = 0, .y = 0}, .max = {.x = 3, .y = 2}};
@@ -261,7 +253,6 @@ static void the_display_window_is_the_picture(void **state) {
 }
 
 static void subsampled_channels_are_refused_by_name(void **state) {
-    (void)state;
     static const float values[16] = {0};
     const exr_test_channel channels[] = {{"RY", EXR_PIXEL_FLOAT, values, 2},
                                          {"Y", EXR_PIXEL_FLOAT, values, 1}};

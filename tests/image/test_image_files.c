@@ -35,7 +35,6 @@ static sl_image *read_image(const char *path) {
 /* ---- PFM ------------------------------------------------------------------------------------- */
 
 static void a_pfm_begins_with_its_bottom_row(void **state) {
-    (void)state;
     static const uint8_t little[] =
         "Pf\n2 2\n-1.0\n\x00\x00\x80\x3f\x00\x00\x00\x40\x00\x00\x40\x40\x00\x00\x80\x40";
     static const uint8_t big[] =
@@ -51,7 +50,6 @@ static void a_pfm_begins_with_its_bottom_row(void **state) {
 }
 
 static void a_pfm_comes_back_bit_for_bit(void **state) {
-    (void)state;
     static const uint32_t special[] = {0x7fc01234, 0xff800000, 0x7f800000,
                                        0x00000001, 0x80000000, 0x7f7fffff};
     sl_image *image;
@@ -70,7 +68,6 @@ static void a_pfm_comes_back_bit_for_bit(void **state) {
 /* ---- Radiance HDR ---------------------------------------------------------------------------- */
 
 static void a_flat_hdr_is_read_top_row_first(void **state) {
-    (void)state;
     static const uint8_t file[] =
         "#?RADIANCE\n# made by hand\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=1.0\n\n-Y 2 +X 2\n"
         "\x80\x40\x20\x81\x00\x00\x00\x00\xff\x01\x80\x90\x80\x00\x00\x01";
@@ -83,7 +80,6 @@ static void a_flat_hdr_is_read_top_row_first(void **state) {
 }
 
 static void a_run_length_coded_hdr_is_read(void **state) {
-    (void)state;
     /* 8 pixels: red 128 in all, green 1..8, blue 5 six times then 6 7, exponent 129 + 7 = 2^(136-136). */
     static const uint8_t by_component[] =
         "#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n\x02\x02\x00\x08\x88\x80"
@@ -102,7 +98,6 @@ static void a_run_length_coded_hdr_is_read(void **state) {
 /* ---- PNG and JPEG ---------------------------------------------------------------------------- */
 
 static void texels_of_every_png_kind_are_decoded(void **state) {
-    (void)state;
     static const uint8_t pixels[16] = {10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150, 160};
     for (int channels = 1; channels <= 4; channels++) {
         const char *path = scene_file_path("kinds.png");
@@ -125,7 +120,6 @@ static void texels_of_every_png_kind_are_decoded(void **state) {
 }
 
 static void pngs_of_palettes_and_sixteen_bits_are_decoded(void **state) {
-    (void)state;
     /* linear gray for libpng: the file is 16-bit */
     static const uint16_t deep[4] = {0, 0x8080, 0xffff, 0x1234};
     static const uint8_t map[6] = {1, 2, 3, 200, 100, 50}, indices[4] = {0, 1, 1, 0};
@@ -170,12 +164,10 @@ static void expect_waves(const char *name, const uint8_t *bytes, size_t size, in
 }
 
 static void a_jpeg_is_decoded(void **state) { /* the file holds test_value(), at quality 90 */
-    (void)state;
     expect_waves("tests/data/waves.jpg", NULL, 0, 12);
 }
 
 static void bmp_and_tga_are_decoded_exactly(void **state) {
-    (void)state;
     enum { W = 24, H = 20 };
     uint8_t rgb[W * H * 3];
     for (int i = 0; i < W * H * 3; i++) rgb[i] = (uint8_t)(255.0f * test_value(i % 3, i / 3 % W, i / 3 / W));
@@ -190,7 +182,6 @@ static void bmp_and_tga_are_decoded_exactly(void **state) {
 }
 
 static void a_png_read_as_an_image_is_linear(void **state) {
-    (void)state;
     static const uint8_t rgba[8] = {0, 255, 128, 51, 10, 11, 188, 255};
     const char *path = scene_file_path("linear.png");
     assert_true(stbi_write_png(path, 2, 1, 4, rgba, 8));
@@ -229,7 +220,6 @@ static void check_codes(sl_tone tone, const float *values, const int *codes, int
 }
 
 static void tone_curves_give_known_codes(void **state) {
-    (void)state;
     static const float values[] = {0.0f,  1.0f, 0.5f,     0.18f,     0.0031308f, 2.0f,
                                    -1.0f, NAN,  INFINITY, -INFINITY, 1e-9f,      4.0f};
     static const int clipped[] = {0, 255, 188, 118, 10, 255, 0, 0, 255, 0, 0, 255};
@@ -241,7 +231,6 @@ static void tone_curves_give_known_codes(void **state) {
 }
 
 static void automatic_exposure_brings_the_log_average_to_middle_gray(void **state) {
-    (void)state;
     static const float values[] = {2.0f, 32.0f, 8.0f, 0.0f, NAN}; /* their log average is 8 */
     static const int codes[] = {60, 221, 118, 0, 0};
     static const int one_stop_up[] = {85, 255, 162, 0, 0};
@@ -253,7 +242,6 @@ static void automatic_exposure_brings_the_log_average_to_middle_gray(void **stat
 }
 
 static void frames_after_the_first_one_keep_its_exposure(void **state) {
-    (void)state;
     sl_image *image;
     sl_tone tone = {SL_TONE_CLIP, 0.0f, true};
     uint8_t first[3], second[3], alone[3];
@@ -287,7 +275,6 @@ static int files_there(void) {
 }
 
 static void a_write_that_fails_keeps_the_old_file(void **state) {
-    (void)state;
     static const char *const names[] = {"kept.exr", "kept.pfm", "kept.png"};
     static const char *const channels[] = {"R", "G", "B"};
     sl_image *image;
@@ -323,7 +310,6 @@ static void a_write_that_fails_keeps_the_old_file(void **state) {
 }
 
 static void impossible_targets_are_named(void **state) {
-    (void)state;
     sl_image *image;
     sl_error error;
     assert_int_equal(sl_image_create(2, 2, 3, NULL, &image, NULL), SL_OK);
@@ -338,7 +324,6 @@ static void impossible_targets_are_named(void **state) {
 }
 
 static void a_link_is_followed_and_permissions_are_kept(void **state) {
-    (void)state;
     sl_image *image;
     struct stat status;
     assert_int_equal(sl_image_create(2, 2, 3, NULL, &image, NULL), SL_OK);

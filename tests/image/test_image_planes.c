@@ -7,7 +7,6 @@
 
 static void a_new_image_is_black_and_its_planes_follow_each_other(void **state) {
     static const char *const names[] = {"R", "G", "B", "direct.R"};
-    (void)state;
     sl_image *image;
     assert_int_equal(sl_image_create(5, 3, 4, names, &image, NULL), SL_OK);
     for (int i = 0; i < 60; i++) assert_true(image->planes[i] == 0.0f);
@@ -22,7 +21,6 @@ static void a_new_image_is_black_and_its_planes_follow_each_other(void **state) 
 }
 
 static void channels_without_names_are_rgb_or_y(void **state) {
-    (void)state;
     sl_image *image;
     assert_int_equal(sl_image_create(1, 1, 3, NULL, &image, NULL), SL_OK);
     assert_non_null(sl_image_channel(image, "G"));
@@ -37,7 +35,6 @@ static void channels_without_names_are_rgb_or_y(void **state) {
 static void impossible_images_are_refused(void **state) {
     static const char *const twice[] = {"R", "R"}, *const nameless[] = {""};
     static const char *const endless[] = {"a.channel.name.of.more.bytes.than.the.sixty.three.that.have.room"};
-    (void)state;
     sl_error error;
     sl_image *image;
     assert_int_equal(sl_image_create(0, 4, 3, NULL, &image, &error), SL_ERROR_USAGE);
@@ -54,7 +51,6 @@ static void impossible_images_are_refused(void **state) {
 }
 
 static void metadata_is_copied_and_replaced(void **state) {
-    (void)state;
     sl_image *image;
     char value[8] = "first";
     assert_int_equal(sl_image_create(1, 1, 3, NULL, &image, NULL), SL_OK);

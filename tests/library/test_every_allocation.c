@@ -133,7 +133,6 @@ static void render_twice(const fault_case *c, fault_outcome *o) {
 /* ---- running --------------------------------------------------------------------------------- */
 
 static void methods_where_memory_ends_say_so_and_lose_nothing(void **state) {
-    (void)state;
     static const char *const scenes[] = {"glossy.json", "mirrors.json"};
     char name[64];
     for (size_t m = 0; m < sizeof methods / sizeof methods[0]; m++) {

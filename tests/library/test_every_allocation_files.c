@@ -103,7 +103,6 @@ static sl_status add_parts(sl_scene_builder *b, sl_error *error) {
 static void build_scene(const fault_case *c, fault_outcome *o) {
     sl_scene_builder *builder;
     sl_scene *scene = NULL;
-    (void)c;
     o->status = sl_scene_builder_create(&builder, &o->error);
     if (o->status == SL_OK) o->status = add_parts(builder, &o->error);
     if (o->status == SL_OK) o->status = sl_scene_builder_build(builder, &scene, &o->error);
@@ -125,7 +124,6 @@ static void load_to_write(const fault_case *c) {
 static void write_scene(const fault_case *c, fault_outcome *o) {
     const char *path = scene_file_path("written.json");
     sl_scene *again = NULL;
-    (void)c;
     remove(path);
     o->status = sl_scene_write(loaded, path, &o->error);
     atomic_store(&window_open, false);
@@ -139,7 +137,6 @@ static void write_scene(const fault_case *c, fault_outcome *o) {
 }
 
 static void scenes_where_memory_ends_are_not_half_read(void **state) {
-    (void)state;
     static const char *const names[] = {"all.json", "tile.obj", "tile.gltf", "tile.ply"};
     faults = 0;
     for (size_t i = 0; i < 4; i++) {
@@ -174,7 +171,6 @@ static void read_picture(const fault_case *c, fault_outcome *o) {
 static sl_image *picture, *other; /* of a child */
 
 static void make_pictures(const fault_case *c) {
-    (void)c;
     if (sl_image_create(24, 16, 3, NULL, &picture, NULL) != SL_OK ||
         sl_image_create(24, 16, 3, NULL, &other, NULL) != SL_OK)
         _exit(1);
@@ -205,7 +201,6 @@ static void compare_pictures(const fault_case *c, fault_outcome *o) {
     sl_image *difference = NULL;
     sl_tone tone = {SL_TONE_REINHARD, 0.0f, true};
     uint8_t bytes[24 * 16 * 3];
-    (void)c;
     o->status = sl_image_compare(picture, other, NULL, &result, &difference, &o->error);
     if (o->status == SL_OK) o->hash = hash_image(hash_bytes(0, &result.flip, sizeof result.flip), difference);
     else if (difference) o->status = SL_OK;
@@ -215,7 +210,6 @@ static void compare_pictures(const fault_case *c, fault_outcome *o) {
 }
 
 static void pictures_where_memory_ends_are_whole_or_not_there(void **state) {
-    (void)state;
     faults = 0;
     static const char *const read[] = {"sky.exr", "sky.pfm", "sky.png", "bricks.png", "waves.jpg"},
                              *const written[] = {".exr", ".pfm", ".png"};
@@ -256,7 +250,6 @@ static void save_and_load(const fault_case *c, fault_outcome *o) {
     sl_progress progress = {0};
     sl_image *image = NULL;
     char path[64];
-    (void)c;
     snprintf(path, sizeof path, "/tmp/softlux-every-%ld.cache", (long)getppid());
     o->status = sl_method_create(scene, &settings, &method, &o->error);
     while (o->status == SL_OK && !progress.done) o->status = sl_method_update(method, &progress, &o->error);
@@ -295,7 +288,6 @@ static void show(const fault_case *c, fault_outcome *o) {
 }
 
 static sl_status give_scene(void *context, sl_scene **updated, sl_error *error) {
-    (void)context, (void)error;
     *updated = scene;
     return SL_OK;
 }
@@ -332,7 +324,6 @@ static void estimate(const fault_case *c, fault_outcome *o) {
     sl_error_probe *probe = NULL;
     sl_error_estimate e[2];
     sl_image *image = NULL;
-    (void)c;
     o->status = sl_image_create(24, 16, 3, NULL, &image, &o->error);
     if (o->status == SL_OK) o->status = sl_error_probe_create(scene, &settings, &probe, &o->error);
     if (o->status == SL_OK) o->status = sl_error_probe_estimate(probe, image, 30, 1, &e[0], &o->error);
@@ -344,7 +335,6 @@ static void estimate(const fault_case *c, fault_outcome *o) {
 }
 
 static void caches_shows_and_estimates_where_memory_ends_say_so(void **state) {
-    (void)state;
     faults = 0;
     faults += try_named(
         &(fault_case){.name = "keeping a cache", .prepare = load_for_all, .work = save_and_load}, most);

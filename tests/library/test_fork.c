@@ -60,7 +60,6 @@ static void assert_ends_well(pid_t child, const char *name) {
 }
 
 static void a_forked_child_renders_the_same_bits_by_every_method_at_any_threads(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(room);
     for (size_t m = 0; sl_method_name(m); m++) {
         const char *name = sl_method_name(m);
@@ -96,7 +95,6 @@ static sl_scene *hills(void) {
 }
 
 static void a_forked_child_builds_hierarchies_of_many_triangles(void **state) {
-    (void)state;
     sl_scene *scene = hills();
     for (int i = 0; i < 4; i++) {
         sl_method *begun = made(scene, "path", 3);
@@ -127,7 +125,6 @@ static bool play(sl_scene *scene) {
 }
 
 static void a_show_plays_in_the_child_of_a_process_that_has_played_one(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(room);
     assert_true(play(scene));
     pid_t child = fork();

@@ -69,7 +69,6 @@ static void *const anything = (void *)(uintptr_t)0x5a5a5a5a5a5a5a40u;
 /* ---- names and numbers ----------------------------------------------------------------------- */
 
 static void nothing_can_be_destroyed(void **state) {
-    (void)state;
     sl_counters counters;
     memset(&counters, 1, sizeof counters);
     sl_image_destroy(NULL);
@@ -84,7 +83,6 @@ static void nothing_can_be_destroyed(void **state) {
 
 /* A program that was built with an earlier header made room for just this. */
 static void structs_that_callers_make_room_for_keep_their_sizes(void **state) {
-    (void)state;
     assert_string_equal(sl_version(), SL_VERSION);
     assert_int_equal(sizeof(sl_error), 1028);
     assert_int_equal(sizeof(sl_counters), 768);
@@ -111,7 +109,6 @@ static const char moving[] =
 static const char triangle[] = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
 
 static void a_scene_moves_to_times_at_which_it_can_be_seen(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(moving, triangle);
     const uint64_t still = sl_scene_hash(scene);
     const double no_times[] = {NAN, INFINITY, -INFINITY};
@@ -133,7 +130,6 @@ static void a_scene_moves_to_times_at_which_it_can_be_seen(void **state) {
 static const float eye[3] = {0, 0, 4}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
 
 static void a_camera_has_a_frame_and_a_field_of_view(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(box);
     const uint64_t still = sl_scene_hash(scene);
     const float zero[3] = {0, 0, 0}, along[3] = {0, 0, -2}, none[3] = {0, NAN, 0},
@@ -156,7 +152,6 @@ static void a_camera_has_a_frame_and_a_field_of_view(void **state) {
 
 /* A field of view of next to nothing, and one of next to everything. */
 static void every_camera_that_is_taken_gives_numbers(void **state) {
-    (void)state;
     const float angles[] = {1e-40f, 1e-6f, 3.1415925f};
     sl_scene *scene = load_scene(box);
     for (size_t m = 0; m < METHODS; m++) {
@@ -206,7 +201,6 @@ static void assert_not_settable(const sl_setting *setting, const char *value) {
 }
 
 static void no_option_takes_a_value_that_is_none_or_out_of_its_range(void **state) {
-    (void)state;
     static const char *const never[] = {"", " ", "x", "-1", "nan", "1x", "1e999"};
     const sl_setting *s;
     for (size_t i = 0; (s = sl_setting_at(i)) != NULL; i++) {
@@ -222,7 +216,6 @@ static void no_option_takes_a_value_that_is_none_or_out_of_its_range(void **stat
 
 /* Fields set by the library's own callers are checked like that, too. */
 static void fields_out_of_range_are_refused_by_whatever_takes_them(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(box);
     static const double wrong[] = {0.0009, 2.001, NAN, INFINITY, -1.0};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
@@ -272,7 +265,6 @@ static void assert_choices_are_taken(const sl_scene *scene, const sl_setting *se
 
 /* Of numbers the least, of what there are a few of all, and every choice. */
 static void settings_within_their_range_are_taken_whole(void **state) {
-    (void)state;
     enum { A_FEW = 14 };
     const sl_setting *s;
     sl_scene *scene = load_scene(box);
@@ -292,7 +284,6 @@ static void settings_within_their_range_are_taken_whole(void **state) {
 }
 
 static void methods_and_light_paths_that_do_not_exist_are_refused(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(box);
     static const char *const names[] = {NULL, "", "Path", "path ", "splatting, path"};
     static const char *const transports[] = {
@@ -317,7 +308,6 @@ static void methods_and_light_paths_that_do_not_exist_are_refused(void **state) 
 }
 
 static void what_takes_settings_takes_no_null(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(box);
     const sl_settings settings = least_settings("path", SIDE, SIDE);
     sl_method *method = anything;
@@ -347,7 +337,6 @@ static void what_takes_settings_takes_no_null(void **state) {
 /* ---- methods --------------------------------------------------------------------------------- */
 
 static void a_method_takes_no_null(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(box);
     sl_method *method = method_of(scene, "splatting");
     sl_progress progress = {.batches = 77};
@@ -378,7 +367,6 @@ static void a_method_takes_no_null(void **state) {
 }
 
 static void a_explanation_is_of_a_pixel_of_the_last_picture(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(box);
     for (size_t m = 0; m < METHODS; m++) {
         sl_method *method = method_of(scene, methods[m]);
@@ -412,7 +400,6 @@ static void a_explanation_is_of_a_pixel_of_the_last_picture(void **state) {
 
 /* It would be a picture of two scenes. */
 static void nothing_is_asked_of_a_method_that_does_not_know_what_has_changed(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/moving-ball.json");
     for (size_t m = 0; m < METHODS; m++) {
         assert_int_equal(sl_scene_set_time(scene, 0.0, NULL, NULL), SL_OK);
@@ -438,7 +425,6 @@ static void nothing_is_asked_of_a_method_that_does_not_know_what_has_changed(voi
 }
 
 static void caches_go_to_files_and_come_from_files_of_the_kind(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(box);
     for (size_t m = 0; m < METHODS; m++) {
         sl_method *method = method_of(scene, methods[m]);
@@ -460,7 +446,6 @@ static void caches_go_to_files_and_come_from_files_of_the_kind(void **state) {
 
 /* Of all methods: what there is to say about it afterwards is no more than that. */
 static void after_a_failed_update_a_method_can_only_be_destroyed(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(box);
     int failed = 0;
     for (size_t m = 0; m < METHODS; m++) {
@@ -491,7 +476,6 @@ static void after_a_failed_update_a_method_can_only_be_destroyed(void **state) {
 /* The tracers hold their rays' hierarchy, and the others more than that: nobody follows objects without
  * memory. */
 static void after_a_failed_edit_another_one_makes_all_anew(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(box);
     for (size_t m = 0; m < METHODS; m++) {
         sl_method *method = method_of(scene, methods[m]);
@@ -525,7 +509,6 @@ static void after_a_failed_edit_another_one_makes_all_anew(void **state) {
 /* ---- live ------------------------------------------------------------------------------------ */
 
 static void a_show_goes_on_after_what_it_refuses(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(moving, triangle);
     const char *const names[] = {"shading-cache", "path"};
     for (int m = 0; m < 2; m++) {
@@ -567,7 +550,6 @@ static void a_show_goes_on_after_what_it_refuses(void **state) {
 /* ---- errors ---------------------------------------------------------------------------------- */
 
 static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
-    (void)state;
     static const char *const depth[] = {"Z"};
     sl_scene *scene = load_scene(box);
     const sl_settings settings = least_settings("path", SIDE, SIDE);

@@ -15,7 +15,6 @@ static char folder[] = "/tmp/softlux-locale-XXXXXX";
 
 /* Few machines have such a locale: one is made. */
 static int make_locale(void **state) {
-    (void)state;
     char command[256];
     if (!mkdtemp(folder)) return -1;
     snprintf(command, sizeof command, "localedef -f UTF-8 -i de_DE %s/de_DE.UTF-8 >%s/said 2>&1", folder,
@@ -48,7 +47,6 @@ static uint64_t hash_of(const char *path) {
 }
 
 static void files_of_all_kinds_are_read_alike(void **state) {
-    (void)state;
     scene_file_text("m.mtl", "newmtl m\nKd 0.25 .5 0.75\nNs 1.5\n");
     const char *const files[] = {
         scene_file_text("m.obj", "mtllib m.mtl\nv 0.5 0 0\nv 1.25 .5 0\nv 0 1.5e-1 0\nusemtl m\nf 1 2 3\n"),
@@ -70,7 +68,6 @@ static void files_of_all_kinds_are_read_alike(void **state) {
 }
 
 static void what_is_wrong_in_a_file_is_told_with_points(void **state) {
-    (void)state;
     char with_points[512];
     const char *path = scene_file_text("bad.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"m.obj\"}], "
                                                    "\"materials\": {\"m\": {\"diffuse\": 1000000.5}}}");
@@ -82,7 +79,6 @@ static void what_is_wrong_in_a_file_is_told_with_points(void **state) {
 }
 
 static void scenes_are_written_with_points(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     const char *path = scene_file_text("written.json", "");
     begin_comma();

@@ -63,7 +63,6 @@ static uint64_t hash_hits(const sl_scene *scene, uint64_t rays) {
 }
 
 static void rays_at_vertices_edges_and_insides_hit_the_same(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 2.0f, 40, 0.3f, true, 0);
@@ -77,7 +76,6 @@ static void rays_at_vertices_edges_and_insides_hit_the_same(void **state) {
 enum { WIDTH = 96, HEIGHT = 80, PIXELS = WIDTH * HEIGHT };
 
 static void frames_of_triangles_of_every_kind_are_the_same(void **state) {
-    (void)state;
     static uint32_t id[PIXELS];
     static float depth[PIXELS];
     uint64_t hash = 0;
@@ -111,7 +109,6 @@ static uint64_t hash_surfaces(const sl_scene *scene) {
 }
 
 static void surfaces_of_a_frame_are_the_same(void **state) {
-    (void)state;
     sl_scene *scene = NULL;
     sl_error error;
     if (sl_scene_load("scenes/bricks.json", &scene, &error) != SL_OK) fail_msg("%s", error.message);

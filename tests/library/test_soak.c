@@ -177,7 +177,6 @@ static void edit_for_ever(const char *name) {
 }
 
 static void edits_and_pictures_leave_nothing_behind_in_any_method(void **state) {
-    (void)state;
     for (size_t i = 0; sl_method_name(i); i++) edit_for_ever(sl_method_name(i));
 }
 
@@ -198,7 +197,6 @@ static void show(const char *name) {
 }
 
 static void shows_that_start_and_stop_leave_nothing_behind(void **state) {
-    (void)state;
     static const char *const names[] = {"shading-cache", "splatting", "direct-radiance"};
     soak s = start_soak(1.0 / 3.0);
     bool warm;

@@ -77,7 +77,6 @@ static void follow_at_once(follower *followers, size_t count) {
 }
 
 static void a_method_a_thread_follows_one_scene_as_alone(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_scene_edit *edit;
     const float eye[3] = {278, 273, -700}, target[3] = {278, 273, 0}, up[3] = {0, 1, 0};
@@ -107,7 +106,6 @@ static void a_method_a_thread_follows_one_scene_as_alone(void **state) {
 }
 
 static void in_a_parallel_region_every_thread_gets_the_same_picture(void **state) {
-    (void)state;
     job alone = {"scenes/cornell.json", "splatting", 1, NULL}, within[3];
     for (int i = 0; i < 3; i++) within[i] = (job){"scenes/cornell.json", "splatting", 4, NULL};
     work(&alone);
@@ -139,7 +137,6 @@ static int render_all_on_little_stacks(const char *scene) {
 }
 
 static void every_method_works_on_the_stacks_that_the_header_names(void **state) {
-    (void)state;
     if (SL_SANITIZED) skip(); /* whose frames are larger */
     for (int i = 0; i < 2; i++) {
         int ended = -1;

@@ -71,7 +71,6 @@ static void note(void *context, size_t index, unsigned worker) {
 }
 
 static void loops_are_done_by_the_threads_that_there_are(void **state) {
-    (void)state;
     if (SL_SANITIZED) skip();
     for (int more = 0; more <= 3; more++) {
         static tasks t;
@@ -92,7 +91,6 @@ static sl_settings of_threads(const char *name, unsigned threads) {
 }
 
 static void without_any_thread_what_needs_one_says_so(void **state) {
-    (void)state;
     if (SL_SANITIZED) skip();
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = of_threads("path", 4);
@@ -105,7 +103,6 @@ static void without_any_thread_what_needs_one_says_so(void **state) {
 }
 
 static void with_fewer_threads_than_were_asked_for_pictures_are_the_same(void **state) {
-    (void)state;
     if (SL_SANITIZED) skip();
     sl_scene *scene = load_scene("scenes/cornell.json");
     int wanted_more = 0;

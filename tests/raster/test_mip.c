@@ -35,7 +35,6 @@ static sl_scene *textured_square(int width, int height, bool colours) {
 }
 
 static void every_level_has_the_texture_s_mean(void **state) {
-    (void)state;
     static const int sizes[][2] = {{16, 16}, {5, 3}, {1, 7}, {13, 1}, {1, 1}, {31, 64}};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         sl_scene *scene = textured_square(sizes[i][0], sizes[i][1], true);
@@ -61,7 +60,6 @@ static void every_level_has_the_texture_s_mean(void **state) {
 }
 
 static void only_textures_that_colour_surfaces_are_filtered(void **state) {
-    (void)state;
     sl_scene *scene = textured_square(16, 16, false);
     sl_mip *mips;
     assert_int_equal(scene->texture_count, 1);
@@ -72,7 +70,6 @@ static void only_textures_that_colour_surfaces_are_filtered(void **state) {
 }
 
 static void a_level_s_texels_are_no_wider_than_the_footprint(void **state) {
-    (void)state;
     const struct { float squared; int32_t level;
     } cases[] = {{0.0f, 0}, {3.99f, 0}, {4.0f, 1}, {15.9f, 1}, {16.0f, 2}, {1e20f, 9},
                  {INFINITY, 9}, {-1.0f, 0}, {NAN, 0}};
@@ -82,7 +79,6 @@ static void a_level_s_texels_are_no_wider_than_the_footprint(void **state) {
 }
 
 static void a_wide_footprint_sees_the_mean_and_a_narrow_one_the_texture(void **state) {
-    (void)state;
     sl_scene *scene = textured_square(32, 32, true);
     sl_mip *mips;
     assert_int_equal(sl_mips_create(scene, 1, &mips, NULL), SL_OK);

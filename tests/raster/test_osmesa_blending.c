@@ -11,7 +11,6 @@ typedef struct splat_field {
 /* value * (x - centre_x) of the pixel's centre: one exact subtraction, one rounded product. */
 static uint64_t add_slope(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect rect) {
     const splat_field *field = context;
-    (void)tile;
     for (int y = rect.y0; y < rect.y1; y++) {
         float *row = field->plane + (size_t)y * (size_t)field->width;
         for (int x = rect.x0; x < rect.x1; x++)
@@ -93,7 +92,6 @@ static void compare_splats(int width, int height, size_t count, unsigned threads
 }
 
 static void sums_of_splats_agree_in_every_bit(void **state) {
-    (void)state;
     open_or_skip();
     compare_splats(1000, 1000, soup_share(4000) + 200, 1);
     compare_splats(640, 480, soup_share(4000) + 200, 2);
@@ -101,7 +99,6 @@ static void sums_of_splats_agree_in_every_bit(void **state) {
 }
 
 static int close_group(void **state) {
-    (void)state;
     osmesa_close();
     return 0;
 }

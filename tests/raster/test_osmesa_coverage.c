@@ -157,7 +157,6 @@ static void narrow_and_tall_agrees_in_every_bit(void **state) { (void)state, com
 static void single_pixel_agrees_in_every_bit(void **state) { (void)state, compare_size(5); }
 
 static int print_table(void **state) {
-    (void)state;
     char a[32], b[32];
     tally sum = {0};
     print_message("%-16s %12s %16s %18s %12s %12s\n", "class", "triangles", "fragments", "coverage differs",

@@ -264,7 +264,6 @@ static void compare_values(const sl_raster_mesh *m, const sl_view *view, const s
 
 static void judge_gouraud(void *context, const sl_raster *raster, const sl_view *as_drawn, const uint32_t *id,
                           const sl_gouraud_pass *as_asked) {
-    (void)context;
     if (judging || raster->masked) return;
     judging = true;
     sl_view view = with_window_depth(as_drawn);
@@ -292,7 +291,6 @@ static void judge_gouraud(void *context, const sl_raster *raster, const sl_view 
 /* ---- methods --------------------------------------------------------------------------------- */
 
 static void judge_draw_of(void *context, const sl_raster *raster, const sl_view *view, bool small) {
-    (void)context;
     judge_view(raster, view, small);
 }
 
@@ -323,7 +321,6 @@ static void run_all(const char *path) { run_all_on(load_scene(path)); }
 
 /* A floor before a mirror on the wall. */
 static void every_pass_of_every_method_draws_what_osmesa_draws(void **state) {
-    (void)state;
     open_or_skip();
     const char *named = getenv("SOFTLUX_GENERATE"), *generator = named && *named ? named : "build/generate";
     char folder[] = "/tmp/softlux-test-XXXXXX", command[600], path[64];
@@ -351,7 +348,6 @@ static void every_pass_of_every_method_draws_what_osmesa_draws(void **state) {
 
 /* Each kind of pass that methods have. */
 static void no_kind_of_pass_is_missing(void **state) {
-    (void)state;
     open_or_skip();
     assert_true(tallies[0][SL_VIEW_CAMERA].judged > 0);
     assert_true(tallies[0][SL_VIEW_PYRAMID].judged > 0);
@@ -362,7 +358,6 @@ static void no_kind_of_pass_is_missing(void **state) {
 }
 
 static int print_table(void **state) {
-    (void)state;
     uint64_t differing = gouraud_tally.differing;
     print_message("%-24s %10s %10s %12s %10s %10s %10s\n", "pass", "drawn", "judged", "pixels", "id", "depth",
                   "steps");

@@ -44,7 +44,6 @@ static void wall(world *w, float x0, float y0, float x1, float y1, float depth, 
 }
 
 static void borders_are_outlines_and_diagonals_are_not(void **state) {
-    (void)state;
     static outlined o;
     world *w = world_new();
     wall(w, 16.5f, 16.5f, 48.5f, 48.5f, 4, world_material(w, sl_grey(0.5f), sl_grey(0)));
@@ -59,7 +58,6 @@ static void borders_are_outlines_and_diagonals_are_not(void **state) {
 }
 
 static void what_is_hidden_has_no_outline(void **state) {
-    (void)state;
     static outlined o;
     world *w = world_new();
     const uint32_t grey = world_material(w, sl_grey(0.5f), sl_grey(0));
@@ -71,7 +69,6 @@ static void what_is_hidden_has_no_outline(void **state) {
 }
 
 static void where_the_material_changes_is_an_outline(void **state) {
-    (void)state;
     static outlined o;
     world *w = world_new();
     wall(w, -8, -8, 32, 72, 2, world_material(w, sl_grey(0.5f), sl_grey(0)));
@@ -83,7 +80,6 @@ static void where_the_material_changes_is_an_outline(void **state) {
 }
 
 static void a_hair_that_no_sample_meets_is_an_outline_along_all_its_length(void **state) {
-    (void)state;
     static outlined o;
     world *w = world_new();
     const uint32_t grey = world_material(w, sl_grey(0.5f), sl_grey(0));
@@ -98,7 +94,6 @@ static void a_hair_that_no_sample_meets_is_an_outline_along_all_its_length(void 
 }
 
 static void a_smooth_sphere_has_its_silhouette_alone(void **state) {
-    (void)state;
     static outlined o;
     world *w = world_new();
     uint32_t grey = world_material(w, sl_grey(0.5f), sl_grey(0));
@@ -132,7 +127,6 @@ static void add_random_triangle(world *w, uint64_t key, float slab, bool floors,
 }
 
 static void two_surfaces_in_a_pixel_are_never_missed(void **state) {
-    (void)state;
     enum { SCENES = 16, TRIANGLES = 120, LOOKS = 8 };
     static outlined o;
     static uint32_t seen[LOOKS][PIXELS];

@@ -9,7 +9,6 @@ static sl_view random_pyramid(uint64_t key, uint64_t n, sl_vec3 eye, float tange
 }
 
 static void plane_through_the_eyes_height_ends_at_the_horizon(void **state) {
-    (void)state;
     /* A floor one below the eye, reaching far behind it; the view looks level. Depth: w = -1 / tangent. */
     const float far = 4000.0f;
     const float xyz[18] = {-far, -1, -far, far, -1, -far, far,  -1, far,
@@ -36,7 +35,6 @@ static void plane_through_the_eyes_height_ends_at_the_horizon(void **state) {
  * not upright. Two corners of each of the wall's triangles are above it and some behind the eye: those are
  * not before it for that. */
 static void an_oblique_near_plane_keeps_triangles_that_reach_behind_the_eye(void **state) {
-    (void)state;
     static float xyz[9 * 12];
     size_t count = add_box(xyz, 0, sl_v3(0, 0, 0), sl_v3(4, 3, 5), 1, NULL, NULL);
     sl_scene *scene = scene_of_triangles(xyz, count);
@@ -58,7 +56,6 @@ static void an_oblique_near_plane_keeps_triangles_that_reach_behind_the_eye(void
 }
 
 static void a_view_that_meets_nothing_draws_nothing_and_some_are_found_to_meet_nothing(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(2, 3);
     sl_raster *raster = raster_of(scene);
     uint64_t key = sl_random_key(41, 0);
@@ -84,7 +81,6 @@ static void a_view_that_meets_nothing_draws_nothing_and_some_are_found_to_meet_n
 }
 
 static void vertices_that_are_not_finite_are_dropped_and_counted(void **state) {
-    (void)state;
     float xyz[6 * 9];
     for (size_t t = 0; t < 6; t++) {
         const float triangle[9] = {-1, -1, 0, 1, -1, 0, 0, 1, 0};
@@ -114,7 +110,6 @@ static void vertices_that_are_not_finite_are_dropped_and_counted(void **state) {
 }
 
 static void every_triangle_is_accounted_for(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(20, 4);
     sl_raster *raster = raster_of(scene);
     for (uint64_t n = 0; n < 20; n++) {

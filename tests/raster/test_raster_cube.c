@@ -23,7 +23,6 @@ static sl_frame turned_frame(uint64_t n) {
 }
 
 static void every_direction_above_the_horizon_is_in_one_face_of_a_hemicube(void **state) {
-    (void)state;
     for (uint64_t n = 0; n < 20000; n++) {
         sl_frame frame = turned_frame(n % 10);
         sl_vec3d d = sl_to_double(random_direction(sl_random_key(73, 0), n));
@@ -45,7 +44,6 @@ static void every_direction_above_the_horizon_is_in_one_face_of_a_hemicube(void 
 
 /* Pixel areas over (1 + x^2 + y^2)^(3/2), summed over the faces: 2 pi, and with the cosine pi. */
 static void pixels_of_a_hemicube_add_up_to_the_hemisphere(void **state) {
-    (void)state;
     enum { SIZE = 128 };
     sl_frame frame = turned_frame(3);
     double angle = 0.0, projected = 0.0;
@@ -81,7 +79,6 @@ static void pixels_of_a_hemicube_add_up_to_the_hemisphere(void **state) {
 
 /* Unfolded: across the edge between the top and a side, coordinates along the edge agree. */
 static void sides_of_a_hemicube_fold_out_from_the_top(void **state) {
-    (void)state;
     sl_frame frame = turned_frame(5);
     sl_view top = sl_view_hemicube_face(&frame, sl_v3(0, 0, 0), 0, 32, 1e-3f);
     const double outwards[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};

@@ -82,7 +82,6 @@ static void check(const lamp *l, sl_vec3 eye, sl_vec3 normal, uint64_t key, outc
 /* ---- tests ---- */
 
 static void every_visible_point_of_a_random_light_projects_inside(void **state) {
-    (void)state;
     uint64_t key = sl_random_key(41, 0);
     outcomes o = {0, 0, 0};
     for (uint64_t n = 0; n < 4000; n++) {
@@ -102,7 +101,6 @@ static void every_visible_point_of_a_random_light_projects_inside(void **state) 
 }
 
 static void lights_at_the_horizon_or_nearly_touched_stay_inside(void **state) {
-    (void)state;
     uint64_t key = sl_random_key(41, 2);
     outcomes o = {0, 0, 0};
     for (uint64_t n = 0; n < 2000; n++) { /* above a unit square's point or just beside it, ever lower */
@@ -123,7 +121,6 @@ static void lights_at_the_horizon_or_nearly_touched_stay_inside(void **state) {
 }
 
 static void what_cannot_shine_on_the_point_is_hidden(void **state) {
-    (void)state;
     lamp l;
     sl_light_view view;
     sl_vec3 up = sl_v3(0, 0, 1), zero = sl_v3(0, 0, 0);

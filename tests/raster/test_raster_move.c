@@ -73,7 +73,6 @@ static void shift_vertices(sl_scene *scene, size_t first, size_t end, sl_vec3 by
 }
 
 static void an_object_that_moved_is_drawn_as_if_it_had_always_been_there(void **state) {
-    (void)state;
     enum { BALLS = 10, N = 6, ROOM = 12 * 8 * 8 };
     sl_scene *scene = furnished_room(BALLS, N);
     sl_raster *raster = raster_of(scene);
@@ -111,7 +110,6 @@ static sl_vec3 wave(sl_vec3 p, float phase) {
 }
 
 static void a_mesh_that_deforms_is_drawn_as_if_it_were_made_anew_each_frame(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(10, 6);
     sl_raster *raster = raster_of(scene);
     sl_vec3 *rest = malloc(scene->vertex_count * sizeof *rest);
@@ -163,7 +161,6 @@ static void make_sheet(soup *s) {
 }
 
 static void positions_that_become_infinite_or_nan_are_drawn_as_they_would_be_anew(void **state) {
-    (void)state;
     static soup s;
     static const float odd[] = {NAN, INFINITY, -INFINITY, 3e38f, -0.0f, 1e-42f};
     make_sheet(&s);

@@ -214,7 +214,6 @@ static void compare(make_triangle *make, uint64_t seed, size_t count, uint64_t v
 }
 
 static void triangles_of_every_size_agree(void **state) {
-    (void)state;
     compare(any_size, 0, 400, 64, 5000);
     compare(any_size, 1, 3000, 24, 5000);
     compare(below_a_pixel, 2, 4000, 32, 250);
@@ -225,7 +224,6 @@ static void triangles_of_every_size_agree(void **state) {
 
 /* Later triangles lie in the plane of earlier ones, so that what hides a cluster is as near as it. */
 static void equal_depths_over_tiles_and_clusters_go_to_the_lowest_index(void **state) {
-    (void)state;
     soup s = soup_of(4000);
     uint64_t key = sl_random_key(92, 0);
     for (size_t t = 0; t < s.triangles; t++) {
@@ -246,7 +244,6 @@ static void equal_depths_over_tiles_and_clusters_go_to_the_lowest_index(void **s
 /* ---- places and sizes ---- */
 
 static void sizes_around_a_tiles_agree(void **state) {
-    (void)state;
     static const int sizes[] = {1, 2, 255, 256, 257, 511, 512, 513};
     soup s = random_soup(sl_random_key(93, 0), 600);
     for (size_t n = 0; n < 8; n++) {
@@ -260,7 +257,6 @@ static void sizes_around_a_tiles_agree(void **state) {
 }
 
 static void adjacent_viewports_do_not_touch_each_other(void **state) {
-    (void)state;
     enum { WIDTH = 307, HEIGHT = 283, X = 133, Y = 141 };
     soup s = random_soup(sl_random_key(96, 0), 500);
     const sl_raster *raster = raster_soup(&s);
@@ -291,7 +287,6 @@ static void adjacent_viewports_do_not_touch_each_other(void **state) {
 }
 
 static void scissors_that_leave_nothing_touch_nothing_and_count_the_same(void **state) {
-    (void)state;
     soup s = random_soup(sl_random_key(97, 0), 100);
     static const sl_scissor scissors[] = {
         {256, 256, 256, 300}, {5, 5, 5, 9}, {1000, 0, 1001, 1}, {9, 9, 2, 2}, {-5, -5, -1, -1}};
@@ -311,7 +306,6 @@ static void scissors_that_leave_nothing_touch_nothing_and_count_the_same(void **
 /* Culling by bounding spheres asks for the length of a plane's normal, whose square is 0 in float long before
  * it is. */
 static void planes_of_next_to_no_length_cull_nothing_that_shows(void **state) {
-    (void)state;
     soup s = random_soup(sl_random_key(100, 0), 400);
     static const float scales[] = {1e-42f, 1e-30f, 1e-25f, 1e-22f, 1e-19f, 1e12f};
     for (size_t n = 0; n < sizeof scales / sizeof *scales; n++) {
@@ -328,7 +322,6 @@ static void planes_of_next_to_no_length_cull_nothing_that_shows(void **state) {
 }
 
 static void matrices_that_mean_nothing_agree(void **state) {
-    (void)state;
     soup s = random_soup(sl_random_key(101, 0), 200);
     static const float odd[] = {NAN, INFINITY, -INFINITY, 0.0f, FLT_MAX, -FLT_MAX, 1e30f, FLT_MIN, 1e-42f};
     for (size_t n = 0; n < 9; n++) {
@@ -349,7 +342,6 @@ static void matrices_that_mean_nothing_agree(void **state) {
 }
 
 static void near_planes_from_nothing_to_beyond_everything_agree(void **state) {
-    (void)state;
     static const float nears[] = {0.0f, 1e-42f, 1e-38f, 1e-30f, 1e-10f, 0.5f, 1e10f, 1e30f};
     soup s = random_soup(sl_random_key(102, 0), 250);
     for (uint64_t n = 0; n < 8; n++) {
@@ -371,7 +363,6 @@ static void near_planes_from_nothing_to_beyond_everything_agree(void **state) {
 
 /* So near the eye that 1/w is no float. */
 static void triangles_at_denormal_distances_agree(void **state) {
-    (void)state;
     static const float scales[] = {1e-36f, 1e-38f, 2e-39f, 1e-40f, 1e-42f};
     for (size_t n = 0; n < 5; n++) {
         soup s = random_soup(sl_random_key(107, n), 250);
@@ -389,7 +380,6 @@ static void triangles_at_denormal_distances_agree(void **state) {
 
 /* Clusters with bounds that are infinite, NaN, or wider than floats go. */
 static void clusters_without_finite_bounds_agree(void **state) {
-    (void)state;
     static const float odd[] = {NAN, INFINITY, -INFINITY, FLT_MAX, -FLT_MAX, 1e30f, 1e19f, 1e-42f};
     uint64_t key = sl_random_key(104, 0);
     for (uint64_t n = 0; n < 24; n++) {
@@ -410,7 +400,6 @@ static void clusters_without_finite_bounds_agree(void **state) {
 /* A screen of squares, each with a hole, before thousands of triangles: what shows through must not be taken
  * for hidden. */
 static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
-    (void)state;
     enum { BEHIND = 3000, COUNT = BEHIND + 2, SIZE = 270 };
     float *xyz = malloc(9 * COUNT * sizeof *xyz), *uv = calloc(6 * COUNT, sizeof *uv);
     uint32_t *indices = malloc(3 * COUNT * sizeof *indices), *materials = calloc(COUNT, sizeof *materials);

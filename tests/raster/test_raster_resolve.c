@@ -161,7 +161,6 @@ static void attributes_are_as_accurate_as_floats_allow(void **state) {
 /* A pixel that the snapping draws beside a right triangle: half a pixel beyond its slanted edge the nearest
  * point is half way between the legs' ends, moved by the pixel's place along the edge. */
 static void a_pixel_beside_its_triangle_takes_the_nearest_point_of_the_edge(void **state) {
-    (void)state;
     sl_view view = flat_view(64, 32); /* pixels are not square in clip space */
     const float xyz[9] = {-0.5f, -0.5f, 0, 0.5f, -0.5f, 0, -0.5f, 0.5f, 0}; /* legs of 32 and 16 pixels */
     sl_scene *scene = scene_of_triangles(xyz, 1);
@@ -181,7 +180,6 @@ static void a_pixel_beside_its_triangle_takes_the_nearest_point_of_the_edge(void
 }
 
 static void weights_of_a_triangle_that_is_not_finite_are_weights(void **state) {
-    (void)state;
     const float bad[3] = {NAN, INFINITY, -3e38f};
     const uint32_t corner[3] = {0, 1, 2}, zero = 0, pixel = 40;
     sl_view view = forward_view(9, 9);
@@ -198,7 +196,6 @@ static void weights_of_a_triangle_that_is_not_finite_are_weights(void **state) {
 }
 
 static void triangle_seen_edge_on_has_finite_weights(void **state) {
-    (void)state;
     const float xyz[9] = {0, 0, 1, 0, 0, 2, 0, 0.0f, 3.5f};
     const float flat[9] = {-1, 0, 1, 1, 0, 1, 0, 0, 3};
     sl_frame frame = {sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1)};
@@ -222,7 +219,6 @@ static void triangle_seen_edge_on_has_finite_weights(void **state) {
 }
 
 static void flip_turns_rows_over(void **state) {
-    (void)state;
     const float plane[6] = {0, 1, 2, 3, 4, 5};
     float image[6];
     sl_raster_flip(plane, 2, 3, image);
@@ -378,7 +374,6 @@ static void expect_surfaces(const sl_scene *scene, const sl_view *view, const sl
 }
 
 static void surfaces_are_those_of_the_scene_bit_by_bit(void **state) {
-    (void)state;
     for (int l = 0; l < LOOKS; l++) {
         sl_scene *scene = dressed_room((look)l);
         for (size_t isa = 0; isa < sizeof isas / sizeof *isas; isa++) {

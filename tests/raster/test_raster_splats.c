@@ -48,7 +48,6 @@ static void check_sphere(const sl_camera *camera, int width, int height, float n
 }
 
 static void bounds_are_never_smaller_than_the_sphere(void **state) {
-    (void)state;
     sl_camera camera;
     size_t useful = 0;
     for (uint64_t i = 0; i < 100000; i++) {
@@ -68,7 +67,6 @@ static void bounds_are_never_smaller_than_the_sphere(void **state) {
 }
 
 static void camera_inside_or_sphere_behind(void **state) {
-    (void)state;
     sl_camera camera;
     assert_true(sl_camera_look_at(&camera, sl_v3(1, 2, 3), sl_v3(0, 0, 0), sl_v3(0, 1, 0), 1.0f));
     sl_splat_rect r = sl_sphere_bounds(&camera, 64, 48, 0.1f, sl_v3(1, 2, 3.2f), 0.5f);
@@ -90,7 +88,6 @@ typedef struct canvas {
 } canvas;
 
 static uint64_t add_values(void *context, const sl_splat_tile *tile, size_t index, sl_splat_rect rect) {
-    (void)tile;
     canvas *c = context;
     uint64_t blended = 0;
     for (int y = rect.y0; y < rect.y1; y++) {
@@ -122,7 +119,6 @@ static sl_splat_rect on_target(sl_splat_rect r) {
 }
 
 static void tiles_blend_in_index_order_bit_for_bit(void **state) {
-    (void)state;
     static sl_splat_rect rects[SPLATS];
     static canvas expected, got;
     make_rects(rects);
@@ -170,7 +166,6 @@ static void ping_pong(const float *plane, int size, int final, float *out) {
 }
 
 static void reduction_has_the_bits_of_ping_pong_halving(void **state) {
-    (void)state;
     enum { SIZE = 256 };
     static float planes[CHANNELS * SIZE * SIZE], scratch[SIZE * SIZE / 2 + 1], out[CHANNELS * SIZE * SIZE],
         expected[SIZE * SIZE];

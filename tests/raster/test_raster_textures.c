@@ -29,7 +29,6 @@ static const float odd_values[] = {0.0f,       -0.0f,   1.0f,     -1.0f,        
 enum { ODD = sizeof odd_values / sizeof *odd_values };
 
 static void any_coordinate_gives_a_texel_of_the_texture(void **state) {
-    (void)state;
     sl_texture_image *image = random_image(5, 3, 9);
     for (int i = 0; i < ODD * ODD; i++) {
         float rgba[4];
@@ -48,7 +47,6 @@ static long double within(float u) { return u < 0.0f ? 0.0L : u > 1.0f ? 1.0L : 
 static int clamped(int i, int n) { return i < 0 ? 0 : i < n ? i : n - 1; }
 
 static void the_result_is_exact_filtering_rounded_once(void **state) {
-    (void)state;
     const int sizes[][2] = {{1024, 512}, {1000, 333}, {3, 1}};
     for (int k = 0; k < 3; k++) {
         int w = sizes[k][0], h = sizes[k][1];
@@ -84,7 +82,6 @@ static double mean_of(const float *texels, int width, int height, int channel) {
 }
 
 static void half_a_picture_has_its_mean_whatever_its_size(void **state) {
-    (void)state;
     const int sizes[][2] = {{64, 64}, {256, 16}, {37, 81}, {1, 100}, {255, 3}, {640, 480}, {127, 127}};
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
         int w = sizes[k][0], h = sizes[k][1], width = sl_half_size(w), height = sl_half_size(h);
@@ -98,7 +95,6 @@ static void half_a_picture_has_its_mean_whatever_its_size(void **state) {
 }
 
 static void impossible_sizes_are_refused(void **state) {
-    (void)state;
     sl_texture_image *image;
     assert_int_equal(sl_texture_image_create(0, 4, &image, NULL), SL_ERROR_USAGE);
     assert_int_equal(sl_texture_image_create(4, 16385, &image, NULL), SL_ERROR_USAGE);

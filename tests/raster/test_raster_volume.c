@@ -3,7 +3,6 @@
 #include "raster/textures/textures.h"
 
 static void bytes_are_fetched_exactly_and_places_beyond_are_the_nearest(void **state) {
-    (void)state;
     enum { W = 6, H = 5, D = 7 };
     sl_volume *volume = NULL;
     assert_int_equal(sl_volume_create(W, H, D, &volume, NULL), SL_OK);
@@ -20,7 +19,6 @@ static void bytes_are_fetched_exactly_and_places_beyond_are_the_nearest(void **s
 }
 
 static void impossible_sizes_are_refused(void **state) {
-    (void)state;
     sl_volume *volume;
     assert_int_equal(sl_volume_create(0, 1, 1, &volume, NULL), SL_ERROR_USAGE);
     assert_int_equal(sl_volume_create(2048, 2048, 2048, &volume, NULL), SL_ERROR_USAGE);

@@ -150,7 +150,6 @@ static sl_view view_of_all(uint64_t key, uint64_t n) {
 }
 
 static void closed_meshes_seen_from_outside_are_entered_as_often_as_left(void **state) {
-    (void)state;
     double seen = 0;
     for (uint64_t seed = 0; seed < soup_share(60); seed++) {
         uint64_t key = sl_random_key(51, seed);
@@ -166,7 +165,6 @@ static void closed_meshes_seen_from_outside_are_entered_as_often_as_left(void **
 
 /* Vertices behind the eye all around. */
 static void meshes_around_the_eye_cover_every_pixel_an_odd_number_of_times(void **state) {
-    (void)state;
     for (uint64_t seed = 0; seed < soup_share(40); seed++) {
         uint64_t key = sl_random_key(54, seed);
         float rough = seed % 2 ? 0.0f : 0.5f;

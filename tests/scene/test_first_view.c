@@ -42,7 +42,6 @@ static const sl_vec3 room_low = {0, 0, 0}, room_high = {4, 3, 6};
 /* ---- the camera ---------------------------------------------------------------------------------------- */
 
 static void a_solid_is_framed_from_outside_at_an_angle_under_sun_and_sky(void **state) {
-    (void)state;
     sl_scene *s = obj(ROOM SIDES RIGHT);
     sl_vec3 back = s->camera.back;
     assert_true(back.x > 0.3f && back.y > 0.3f && back.z > 0.3f &&
@@ -56,7 +55,6 @@ static void a_solid_is_framed_from_outside_at_an_angle_under_sun_and_sky(void **
 }
 
 static void a_closed_room_is_seen_from_inside_in_the_light_of_a_lamp(void **state) {
-    (void)state;
     sl_scene *s = obj(ROOM SIDES_INWARDS RIGHT_INWARDS);
     assert_true(is_within(s->camera.eye, room_low, room_high));
     assert_true(fabsf(s->camera.back.z) > 0.7f); /* along the room's length */
@@ -69,7 +67,6 @@ static void a_closed_room_is_seen_from_inside_in_the_light_of_a_lamp(void **stat
 }
 
 static void a_room_without_one_side_is_seen_through_it(void **state) {
-    (void)state;
     sl_scene *s = obj(ROOM SIDES_INWARDS);
     assert_true(s->camera.eye.x > 4.0f && s->camera.back.x > 0.9f);
     assert_int_equal(s->lights[0].type, SL_LIGHT_DIRECTIONAL);
@@ -77,7 +74,6 @@ static void a_room_without_one_side_is_seen_through_it(void **state) {
 }
 
 static void lamps_that_are_all_shut_in_are_looked_for_inside(void **state) {
-    (void)state;
     scene_file_text("lamp.mtl", lamp_library);
     sl_scene *s = obj("mtllib lamp.mtl\n" ROOM SIDES_INWARDS RIGHT_INWARDS WALLS_AROUND LAMP);
     assert_true(is_within(s->camera.eye, room_low, room_high));
@@ -90,7 +86,6 @@ static void lamps_that_are_all_shut_in_are_looked_for_inside(void **state) {
 }
 
 static void a_room_whose_outside_is_blank_is_seen_from_inside(void **state) {
-    (void)state;
     scene_file_text("four.mtl", "newmtl a\nKd 0.1\nnewmtl b\nKd 0.2\nnewmtl c\nKd 0.3\n");
     sl_scene *s = obj(
         "mtllib four.mtl\n" ROOM
@@ -101,7 +96,6 @@ static void a_room_whose_outside_is_blank_is_seen_from_inside(void **state) {
 }
 
 static void what_has_its_lamps_in_a_solid_is_lit_from_outside(void **state) {
-    (void)state;
     scene_file_text("lamp.mtl", lamp_library);
     sl_scene *s = obj("mtllib lamp.mtl\n" ROOM SIDES RIGHT LAMP);
     assert_false(is_within(s->camera.eye, s->box_min, s->box_max));
@@ -113,7 +107,6 @@ static void what_has_its_lamps_in_a_solid_is_lit_from_outside(void **state) {
 /* ---- the light ----------------------------------------------------------------------------------------- */
 
 static void the_sun_stands_to_the_left_behind_the_camera_wherever_that_looks(void **state) {
-    (void)state;
     static const char *const targets[] = {"0,1,0", "99,1,0", "-3,-40,70", "0.001,-90,30"};
     char json[300];
     scene_file_text("first.obj", ROOM SIDES RIGHT);
@@ -131,7 +124,6 @@ static void the_sun_stands_to_the_left_behind_the_camera_wherever_that_looks(voi
 }
 
 static void a_camera_that_stands_in_a_dark_room_gets_a_lamp_there(void **state) {
-    (void)state;
     static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"first.obj\"}], \"camera\": "
                                "{\"eye\": [1,1,1], \"target\": [3,1,5]}}";
     scene_file_text("first.obj", ROOM SIDES_INWARDS RIGHT_INWARDS WALLS_AROUND);
@@ -156,7 +148,6 @@ static void a_camera_that_stands_in_a_dark_room_gets_a_lamp_there(void **state) 
     "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 3\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
 
 static void a_mesh_file_is_turned_where_one_asks_for_it(void **state) {
-    (void)state;
     sl_scene *s = load(scene_file_text("spire.obj", SPIRE_ON_Z));
     assert_true(s->box_max.z == 3.0f && s->box_min.z == 0.0f);
     sl_scene_destroy(s);
@@ -175,7 +166,6 @@ static void a_mesh_file_is_turned_where_one_asks_for_it(void **state) {
 /* ---- a viewpoint of the caller's ----------------------------------------------------------------------- */
 
 static void a_viewpoint_takes_the_place_of_the_files_camera_and_its_keyframes(void **state) {
-    (void)state;
     static const char json[] =
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"first.obj\"}], \"camera\": {\"eye\": [0,1,30], "
         "\"target\": [0,1,0], \"fov_deg\": 30,\n"
@@ -201,7 +191,6 @@ static void a_viewpoint_takes_the_place_of_the_files_camera_and_its_keyframes(vo
 }
 
 static void a_viewpoint_that_shows_nothing_is_refused(void **state) {
-    (void)state;
     const sl_viewpoint bad[] = {{.has_eye = true, .has_target = true, .eye = {1, 2, 3}, .target = {1, 2, 3}},
                                 {.has_fov = true, .vertical_fov_rad = 4.0f},
                                 {.has_eye = true, .eye = {NAN, 0, 0}},
@@ -221,7 +210,6 @@ static void a_viewpoint_that_shows_nothing_is_refused(void **state) {
 }
 
 static void a_lamp_is_put_where_the_viewpoint_stands_in_the_dark(void **state) {
-    (void)state;
     const sl_viewpoint inside = {.has_eye = true, .eye = {1, 1, 1}},
                        outside = {.has_eye = true, .eye = {9, 9, 9}};
     const char *path = scene_file_text("first.obj", ROOM SIDES_INWARDS RIGHT_INWARDS WALLS_AROUND);

@@ -64,7 +64,6 @@ static void near(float a, float b) {
 
 /* glTF's v runs down from the picture's top. */
 static void pictures_inside_the_file_colour_and_mask(void **state) {
-    (void)state;
     sl_scene *s = load_scene(file("",
                                   "\"alphaMode\":\"MASK\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{"
                                   "\"index\":0},\"metallicFactor\":0,\"roughnessFactor\":1}",
@@ -82,7 +81,6 @@ static void pictures_inside_the_file_colour_and_mask(void **state) {
 }
 
 static void specular_glossiness_gives_kd_ks_and_exponent(void **state) {
-    (void)state;
     sl_scene *s =
         load_scene(file("\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"],"
                         "\"extensionsRequired\":[\"KHR_materials_pbrSpecularGlossiness\"],",
@@ -114,7 +112,6 @@ static void specular_glossiness_gives_kd_ks_and_exponent(void **state) {
 static sl_rgb seen(const sl_scene *s, float u, float v) { return sl_scene_diffuse_nearest(s, 0, u, v); }
 
 static void texture_transforms_are_applied_to_the_base_texture(void **state) {
-    (void)state;
     /* At uv (0.1, 0.1), from the top: red; half a picture further blue; a quarter turn counter-clockwise
      * there too (u' = v, v' = -u); scaled by 4 and moved up, green. */
     static const struct {
@@ -152,7 +149,6 @@ static void texture_transforms_are_applied_to_the_base_texture(void **state) {
 /* Materials a, b, c and cameras of 0.5 and 1 radian, of which the nodes lead to c, a and the second camera; a
  * child comes before its parent. */
 static void what_is_read_of_materials_and_cameras_is_that_of_their_own(void **state) {
-    (void)state;
     static char text[8192];
     snprintf(text, sizeof text, form,
              "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.5,\"znear\":1}},{\"type\":"
@@ -182,7 +178,6 @@ static void what_is_read_of_materials_and_cameras_is_that_of_their_own(void **st
 }
 
 static void what_is_unlit_is_diffuse_of_its_base_colour(void **state) {
-    (void)state;
     sl_scene *s =
         load_scene(file("\"extensionsUsed\":[\"KHR_materials_unlit\"],",
                         "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,1,1]},\"extensions\":{"
@@ -200,7 +195,6 @@ static void what_is_unlit_is_diffuse_of_its_base_colour(void **state) {
 /* ---- told ------------------------------------------------------------------------------------ */
 
 static void features_that_are_not_had_are_told_by_name(void **state) {
-    (void)state;
     tells(file("", DULL ",\"normalTexture\":{\"index\":0}", "", ""),
           "normal maps are not used");
     tells(
@@ -219,7 +213,6 @@ static void features_that_are_not_had_are_told_by_name(void **state) {
 /* ---- refused --------------------------------------------------------------------------------- */
 
 static void a_file_that_requires_what_is_not_had_is_refused(void **state) {
-    (void)state;
     static const char *const lacking[] = {
         "KHR_materials_unlit",     "KHR_materials_transmission", "KHR_materials_volume",
         "KHR_materials_clearcoat", "KHR_materials_sheen",        "KHR_materials_specular",

@@ -117,7 +117,6 @@ static void assert_refused(const char *name, sl_status expected, const char *why
 }
 
 static void however_the_importer_crashes_one_line_says_so_and_the_next_file_loads(void **state) {
-    (void)state;
     static const char *const ways[] = {"segment.stl", "bus.stl",    "divide.stl", "trap.stl",
                                        "abort.stl",   "nested.stl", "null.stl"};
     use_own_importer();
@@ -132,7 +131,6 @@ static void however_the_importer_crashes_one_line_says_so_and_the_next_file_load
 }
 
 static void answers_that_make_no_sense_are_refused(void **state) {
-    (void)state;
     use_own_importer();
     assert_refused("answer-cut.stl", SL_ERROR_INPUT, "ended without a whole answer");
     assert_refused("answer-twice.stl", SL_ERROR_INPUT, "ended without a whole answer");
@@ -155,7 +153,6 @@ static sl_status run_within(const char *name, sl_import_limits limits, sl_error 
 }
 
 static void an_importer_that_does_not_end_is_ended(void **state) {
-    (void)state;
     sl_error error;
     use_own_importer();
     assert_int_equal(run_within("sleeps.stl", (sl_import_limits){1, 60, 1u << 30}, &error), SL_ERROR_INPUT);
@@ -169,7 +166,6 @@ static void an_importer_that_does_not_end_is_ended(void **state) {
 }
 
 static void an_importer_has_so_much_memory_and_no_more(void **state) {
-    (void)state;
     if (SL_SANITIZED) skip();
     sl_error error;
     use_own_importer();
@@ -178,7 +174,6 @@ static void an_importer_has_so_much_memory_and_no_more(void **state) {
 }
 
 static void where_the_importer_is_not_one_line_names_it(void **state) {
-    (void)state;
     setenv("SOFTLUX_IMPORTER", "/nowhere/softlux-import", 1);
     assert_refused(
         "sound.stl", SL_ERROR_RESOURCES,
@@ -190,14 +185,12 @@ static void where_the_importer_is_not_one_line_names_it(void **state) {
 /* ---- the caller's own ---------------------------------------------------------------------------------- */
 
 static void reap_all(int number) {
-    (void)number;
     int before = errno;
     while (waitpid(-1, NULL, WNOHANG) > 0) {}
     errno = before;
 }
 
 static void whatever_the_caller_does_about_children_files_load(void **state) {
-    (void)state;
     static void (*const ways[])(int) = {SIG_IGN, reap_all, SIG_DFL};
     const char *path = scene_file_text("sound.stl", sound);
     use_own_importer();
@@ -223,7 +216,6 @@ static int open_descriptors(void) {
 }
 
 static void the_callers_children_and_descriptors_stay_its_own(void **state) {
-    (void)state;
     use_own_importer();
     int before = open_descriptors(), how = 0;
     assert_int_equal(dup2(STDOUT_FILENO, CALLERS), CALLERS);
@@ -240,7 +232,6 @@ static void the_callers_children_and_descriptors_stay_its_own(void **state) {
 }
 
 static void without_standard_streams_files_load(void **state) {
-    (void)state;
     const char *path = scene_file_text("sound.stl", sound);
     use_real_importer();
     int how = 0;
@@ -267,7 +258,6 @@ static void *load_often(void *context) {
 }
 
 static void threads_load_at_the_same_time(void **state) {
-    (void)state;
     pthread_t thread[4];
     int loaded[4] = {0};
     scene_file_text("sound.stl", sound);
@@ -297,7 +287,6 @@ static bool is_read(const void *bytes, size_t size) {
 }
 
 static void every_word_of_an_answer_may_be_wrong(void **state) {
-    (void)state;
     static const uint32_t wrong[] = {0, 1, 2, 0x7f, 0x7fffffff, 0xffffffff, 0x7fc00000};
     void *reply;
     size_t size;

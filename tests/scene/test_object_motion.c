@@ -11,7 +11,6 @@ static const sl_affine flat = {{{1, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 1, 0}}};
 static void assert_near(sl_vec3d a, sl_vec3d b) { assert_true(sl_lengthd(sl_subd(a, b)) < 1e-12); }
 
 static void a_point_goes_where_its_place_at_rest_goes(void **state) {
-    (void)state;
     const sl_vec3d rest = sl_v3d(0.3, -2.0, 7.0);
     const sl_object_motion m = sl_object_motion_between(&turned, &grown);
     assert_true(m.moves);
@@ -19,7 +18,6 @@ static void a_point_goes_where_its_place_at_rest_goes(void **state) {
 }
 
 static void a_normal_stays_square_to_the_surface(void **state) {
-    (void)state;
     const sl_object_motion m = sl_object_motion_between(&turned, &grown);
     const sl_vec3d along = sl_affine_vector(&m.places, sl_v3d(1.0, 2.0, 0.0));
     const sl_vec3 normal = sl_affine_unit(&m.turns, sl_v3(2.0f, -1.0f, 0.0f));
@@ -28,7 +26,6 @@ static void a_normal_stays_square_to_the_surface(void **state) {
 }
 
 static void what_stays_or_was_flat_moves_nothing(void **state) {
-    (void)state;
     assert_false(sl_object_motion_between(&turned, &turned).moves);
     assert_false(sl_object_motion_between(&flat, &turned).moves);
     assert_true(sl_object_motion_between(&turned, &flat).moves);

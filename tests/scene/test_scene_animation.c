@@ -26,7 +26,6 @@ static unsigned at(sl_scene *scene, double time) {
 static bool near(float a, double b) { return fabs((double)a - b) < 1e-5; }
 
 static void quaternions_turn_about_the_axes_in_order(void **state) {
-    (void)state;
     /* about x: y becomes z; then about z: x becomes y */
     sl_quaternion q = sl_quaternion_from_euler(0.5 * SL_PI, 0, 0.5 * SL_PI);
     sl_affine a = sl_key_placement(&(sl_key){.scale = {1, 1, 1}, .rotate = q});
@@ -35,7 +34,6 @@ static void quaternions_turn_about_the_axes_in_order(void **state) {
 }
 
 static void slerp_turns_at_constant_speed_along_the_shorter_arc(void **state) {
-    (void)state;
     sl_quaternion a = sl_quaternion_from_euler(0, 0, 0), b = sl_quaternion_from_euler(0, 1.2, 0);
     sl_quaternion minus_b = {-b.w, -b.x, -b.y, -b.z};
     for (int i = 0; i <= 8; i++) {
@@ -59,7 +57,6 @@ static const char moving[] =
     " \"camera\": {\"eye\": [0, 0, 20], \"target\": [0, 0, 0]}}";
 
 static void objects_move_between_keys_and_rest_beyond_them(void **state) {
-    (void)state;
     sl_scene *s = load(moving);
     uint32_t mover = s->vertex[0][1];
     assert_int_equal(s->version, 0);
@@ -81,7 +78,6 @@ static void objects_move_between_keys_and_rest_beyond_them(void **state) {
 }
 
 static void lights_and_camera_move_and_are_reported_by_kind(void **state) {
-    (void)state;
     sl_scene *s =
         load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
              " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"power\": 1, \"keyframes\": "
@@ -102,7 +98,6 @@ static void lights_and_camera_move_and_are_reported_by_kind(void **state) {
 }
 
 static void moving_emitters_count_as_lights_and_keep_their_area(void **state) {
-    (void)state;
     sl_scene *s =
         load("{\"softlux\": 1, \"meshes\": [{\"file\": \"triangle.obj\"}],\n"
              " \"lights\": [{\"type\": \"quad\", \"corner\": [0, 2, 0], \"edge1\": [1, 0, 0], \"edge2\": [0, "
@@ -123,7 +118,6 @@ static void transform(sl_scene *scene, const double columns[16]) {
 }
 
 static void an_object_that_was_placed_is_given_back_to_its_keyframes(void **state) {
-    (void)state;
     const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 7, 0, 1};
     bool keyed;
     sl_scene *s = load(moving), *plain = load(moving);
@@ -142,7 +136,6 @@ static void an_object_that_was_placed_is_given_back_to_its_keyframes(void **stat
 }
 
 static void a_z_up_scene_moves_as_its_y_up_twin(void **state) {
-    (void)state;
     sl_scene *z =
         load("{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"triangle.obj\", \"keyframes\": [\n"
              " {\"time\": 0}, {\"time\": 1, \"translate\": [1, 2, 3], \"rotate_deg\": [0, 0, 90]}]}]}");

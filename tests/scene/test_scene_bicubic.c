@@ -26,7 +26,6 @@ static sl_bicubic hill(void) {
 /* ---- the surface ---- */
 
 static void a_surface_passes_through_its_corners_and_lies_within_its_control_points(void **state) {
-    (void)state;
     sl_bicubic b = hill();
     for (int c = 0; c < 4; c++) {
         sl_vec3 p, corner = b.point[c / 2 * 3][c % 2 * 3];
@@ -56,7 +55,6 @@ static sl_bicubic cap(bool cone) {
 }
 
 static void the_normal_at_a_pole_is_the_limit(void **state) {
-    (void)state;
     sl_bicubic smooth = cap(false), tip = cap(true);
     for (int i = 0; i <= 16; i++) {
         sl_vec3 at_pole, near;
@@ -71,7 +69,6 @@ static void the_normal_at_a_pole_is_the_limit(void **state) {
 }
 
 static void a_normal_is_found_where_whole_derivatives_vanish(void **state) {
-    (void)state;
     sl_bicubic b = hill();
     for (int k = 0; k < 16; k++) b.point[k / 4][k % 4].z = 0.0f;
     /* no derivative at (0, 0), of first or second order */
@@ -103,7 +100,6 @@ static uint32_t missing_triangles(const sl_scene *scene, const sl_bicubic *b) {
 }
 
 static void the_scene_holds_each_surface_as_a_grid_less_what_has_no_area(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/vase.json");
     assert_int_equal(scene->bicubic_count, 16);
     for (size_t i = 0; i < scene->bicubic_count; i++) {
@@ -139,7 +135,6 @@ static const char *bpt(const char *text, const char *points) {
 }
 
 static void a_file_of_surfaces_alone_is_a_scene(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(bpt("# one\r\n1\r\n3 3\r\n", flat));
     assert_int_equal(scene->bicubic_count, 1);
     assert_int_equal(scene->triangle_count, 512);
@@ -157,7 +152,6 @@ static void assert_refused(const char *path, const char *where, const char *why)
 }
 
 static void every_mistake_is_reported_with_its_line(void **state) {
-    (void)state;
     assert_refused(bpt("", ""), "surface.bpt:1:", "number of surfaces, got the end");
     assert_refused(bpt("# nothing\n\n", ""), "surface.bpt:3:", "number of surfaces");
     assert_refused(bpt("1.5\n3 3\n", flat), "surface.bpt:1:", "number of surfaces, got '1.5'");
@@ -196,7 +190,6 @@ static void every_mistake_is_reported_with_its_line(void **state) {
 /* ---- transforms, motion, hash ---- */
 
 static void fronts_stay_fronts_where_a_transform_mirrors(void **state) {
-    (void)state;
     bpt("1\n3 3\n", flat);
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         char text[256];
@@ -219,7 +212,6 @@ static void fronts_stay_fronts_where_a_transform_mirrors(void **state) {
 }
 
 static void control_points_move_with_their_object(void **state) {
-    (void)state;
     bpt("1\n3 3\n", flat);
     sl_scene *scene = load_scene(
         scene_file_text("a.json", "{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"surface.bpt\"}, "

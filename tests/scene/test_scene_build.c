@@ -26,7 +26,6 @@ static void refuse(const sl_scene_parts *parts, const char *because) {
 }
 
 static void facets_without_normals_stay_facets(void **state) {
-    (void)state;
     /* a corner: three facets at right angles */
     static const float roof[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const uint32_t faces[9] = {0, 1, 2, 0, 2, 3, 0, 3, 1};
@@ -43,7 +42,6 @@ static void facets_without_normals_stay_facets(void **state) {
 }
 
 static void given_normals_are_made_unit_and_bad_ones_replaced(void **state) {
-    (void)state;
     const float normals[12] = {0, 0, 5, 0, 0, 0, NAN, 0, 1, 1e30f, 0, 1e30f};
     sl_scene_parts parts = square_parts();
     parts.normals = normals;
@@ -59,7 +57,6 @@ static void given_normals_are_made_unit_and_bad_ones_replaced(void **state) {
 }
 
 static void triangles_that_cannot_be_drawn_are_dropped_and_counted(void **state) {
-    (void)state;
     const float positions[21] = {0, 0, 0, 1, 0, 0, 0, 1, 0, NAN, 0, 0, INFINITY, 0, 0, 2, 0, 0, 0, 0, 0};
     const uint32_t faces[15] = {0, 1, 2, 0, 1, 3, 0, 4, 2, 0, 1, 5, 0, 0, 1};
     sl_scene_parts parts = {.vertex_count = 7, .positions = positions, .triangle_count = 5, .indices = faces};
@@ -72,7 +69,6 @@ static void triangles_that_cannot_be_drawn_are_dropped_and_counted(void **state)
 }
 
 static void tiny_and_huge_triangles_keep_a_normal(void **state) {
-    (void)state;
     const float sizes[4] = {1e-38f, 1e-20f, 1e20f, 1e38f};
     for (int i = 0; i < 4; i++) {
         const float positions[9] = {0, 0, 0, sizes[i], 0, 0, 0, sizes[i], 0};
@@ -88,7 +84,6 @@ static void tiny_and_huge_triangles_keep_a_normal(void **state) {
 }
 
 static void reflectance_above_one_is_scaled_per_channel(void **state) {
-    (void)state;
     sl_material m = grey;
     m.name = (char *)"shiny";
     m.diffuse = (sl_rgb){0.9f, 0.5f, 0.2f};
@@ -106,7 +101,6 @@ static void reflectance_above_one_is_scaled_per_channel(void **state) {
 }
 
 static void unphysical_materials_and_lights_are_refused(void **state) {
-    (void)state;
     sl_scene_parts parts = square_parts();
     sl_material m = grey;
     m.name = (char *)"wall";
@@ -136,7 +130,6 @@ static void unphysical_materials_and_lights_are_refused(void **state) {
 }
 
 static void a_mirror_has_no_other_lobe(void **state) {
-    (void)state;
     sl_material m = grey;
     m.mirror = (sl_rgb){2.0f, 0.5f, 0.5f};
     sl_scene_parts parts = square_parts();
@@ -151,7 +144,6 @@ static void a_mirror_has_no_other_lobe(void **state) {
 }
 
 static void emissive_triangles_become_emitters_in_order(void **state) {
-    (void)state;
     sl_material both[2] = {grey, grey};
     both[1].emission = (sl_rgb){3, 2, 1};
     const uint32_t index[2] = {0, 1};
@@ -170,7 +162,6 @@ static void emissive_triangles_become_emitters_in_order(void **state) {
 }
 
 static void emitters_whose_area_vanishes_give_no_light_and_say_so(void **state) {
-    (void)state;
     sl_material m = grey;
     m.emission = (sl_rgb){1, 1, 1};
     const float positions[9] = {0, 0, 0, 1e-38f, 0, 0, 0, 1e-38f, 0};
@@ -189,7 +180,6 @@ static void emitters_whose_area_vanishes_give_no_light_and_say_so(void **state) 
 }
 
 static void a_dark_scene_gets_the_stated_light_only_if_asked(void **state) {
-    (void)state;
     sl_scene_parts parts = square_parts();
     sl_scene *s = scene_built(&parts);
     assert_false(s->environment.present);
@@ -212,7 +202,6 @@ static void a_dark_scene_gets_the_stated_light_only_if_asked(void **state) {
 }
 
 static void a_missing_camera_frames_the_whole_box(void **state) {
-    (void)state;
     const int films[3][2] = {{512, 512}, {100, 400}, {400, 100}};
     for (int f = 0; f < 3; f++) {
         sl_scene_parts parts = square_parts();
@@ -235,7 +224,6 @@ static void a_missing_camera_frames_the_whole_box(void **state) {
 }
 
 static void moving_the_camera_raises_the_version_and_changes_the_hash(void **state) {
-    (void)state;
     sl_scene_parts parts = square_parts();
     sl_scene *s = scene_built(&parts), *same = scene_built(&parts);
     assert_true(sl_scene_hash(s) == sl_scene_hash(same));
@@ -250,7 +238,6 @@ static void moving_the_camera_raises_the_version_and_changes_the_hash(void **sta
 }
 
 static void the_hash_sees_whatever_reaches_a_pixel(void **state) {
-    (void)state;
     sl_scene_parts parts = square_parts();
     sl_material m = grey;
     parts.material_count = 1;

@@ -109,7 +109,6 @@ static void assert_same_scene(sl_scene *made, sl_scene *loaded) {
 }
 
 static void the_cornell_box_from_arrays_is_that_of_its_file_by_every_method(void **state) {
-    (void)state;
     sl_scene *loaded = load_scene("scenes/cornell.json");
     sl_scene_builder *b = give_all(loaded);
     GOOD(sl_scene_builder_camera(b, (float[3]){278, 273, -800}, (float[3]){278, 273, 0}, (float[3]){0, 1, 0},
@@ -147,7 +146,6 @@ static sl_scene *load_bricks(void) {
 }
 
 static void a_textured_scene_under_a_sky_is_that_of_its_file_by_every_method(void **state) {
-    (void)state;
     sl_scene *loaded = load_bricks();
     sl_scene_builder *b = give_all(loaded);
     look_likewise(b);
@@ -193,7 +191,6 @@ static void add_lights(sl_scene_builder *b) {
 }
 
 static void lights_and_placed_meshes_are_those_of_a_file(void **state) {
-    (void)state;
     static const double mirrored[16] = {-0.7, 0, 0.1, 0, 0.2, 0.9, 0, 0, 0, 0.3, 1, 0, 0.5, 0.25, -2, 1};
     scene_file_text("floor.obj",
                     "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\no floor\nf 1 3 2\nf 1 4 3\n");
@@ -225,7 +222,6 @@ static void lights_and_placed_meshes_are_those_of_a_file(void **state) {
 }
 
 static void what_is_not_given_is_as_in_a_file_that_does_not_say(void **state) {
-    (void)state;
     sl_scene_builder *b = new_builder();
     const uint32_t mesh = add_floor(b);
     for (int i = 0; i < 2; i++) {
@@ -245,7 +241,6 @@ static void what_is_not_given_is_as_in_a_file_that_does_not_say(void **state) {
 }
 
 static void texels_in_linear_light_are_the_nearest_bytes(void **state) {
-    (void)state;
     float linear[2 * 256 * 2];
     uint8_t srgb[2 * 256 * 2];
     for (int i = 0; i < 512; i++) {
@@ -288,7 +283,6 @@ static void refused(sl_status status, const sl_error *error, sl_status wanted, c
 #define USAGE(words, call) REFUSED(SL_ERROR_USAGE, words, call)
 
 static void meshes_and_instances_that_break_a_rule_are_told_by_name_and_index(void **state) {
-    (void)state;
     static const uint32_t wild[] = {0, 2, 1, 0, 12, 2}, materials[] = {0, 9};
     static const double flat[16] = {1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     sl_scene_builder *b = new_builder();
@@ -319,7 +313,6 @@ static void meshes_and_instances_that_break_a_rule_are_told_by_name_and_index(vo
 }
 
 static void surfaces_that_break_a_rule_are_told_by_name(void **state) {
-    (void)state;
     const float texels[] = {0, 1, 0.5f, 0, NAN, 0};
     const uint8_t bytes[6] = {0};
     uint32_t number;
@@ -350,7 +343,6 @@ static void surfaces_that_break_a_rule_are_told_by_name(void **state) {
 }
 
 static void lights_cameras_and_films_that_break_a_rule_are_told(void **state) {
-    (void)state;
     const float here[3] = {0, 0, 1}, up[3] = {0, 1, 0};
     sl_scene_builder *b = new_builder();
     sl_light_data l = {.size = sizeof l, .type = SL_LIGHT_SPOT, .name = "lamp", .direction = {0, -1, 0},
@@ -384,7 +376,6 @@ static void lights_cameras_and_films_that_break_a_rule_are_told(void **state) {
 }
 
 static void nulls_are_refused(void **state) {
-    (void)state;
     sl_scene_builder *b = new_builder();
     uint32_t n;
     const float v[3] = {0, 0, 1};
@@ -485,7 +476,6 @@ static void add_anything(sl_scene_builder *b) {
 }
 
 static void random_inputs_give_a_scene_or_one_line_and_never_crash(void **state) {
-    (void)state;
     enum { TRIALS = 4000 };
     int built = 0;
     for (uint32_t k = 0; k < TRIALS; k++) {

@@ -55,7 +55,6 @@ static sl_surface surface_at(const sl_scene *scene, sl_vec3 to_viewer) {
 }
 
 static void a_flat_height_map_changes_no_normal(void **state) {
-    (void)state;
     sl_scene *scene = floor_with(even, 0.1f);
     sl_surface s = surface_at(scene, sl_v3(0.3f, 1, 0.2f));
     assert_true(s.normal.x == 0.0f && s.normal.y == 1.0f && s.normal.z == 0.0f);
@@ -65,7 +64,6 @@ static void a_flat_height_map_changes_no_normal(void **state) {
 /* Twenty of 255 steps a texel, eight texels a width of 2: the raised surface has a slope of 0.1 * 8 * 20 /
  * 255. */
 static void a_ramp_tilts_the_normal_by_its_slope_seen_from_either_side(void **state) {
-    (void)state;
     float slope = 0.1f * 8.0f * 20.0f / 255.0f;
     sl_scene *along_x = floor_with(ramp, 0.1f), *along_z = floor_with(slope_up, 0.1f);
     for (int side = -1; side <= 1; side += 2) {
@@ -84,7 +82,6 @@ static void a_ramp_tilts_the_normal_by_its_slope_seen_from_either_side(void **st
 
 /* v_xy (s h + b) with b = -s / 2 (Welsh 2004). */
 static void what_is_above_the_surface_is_seen_nearer_to_the_viewer(void **state) {
-    (void)state;
     sl_scene *scene = floor_with(even, 0.1f);
     sl_surface s = surface_at(scene, sl_v3(0, 1, 0));
     float u = 0.5f, v = 0.5f, above = 0.1f * (200.0f / 255.0f - 0.5f);
@@ -96,7 +93,6 @@ static void what_is_above_the_surface_is_seen_nearer_to_the_viewer(void **state)
 }
 
 static void without_texture_coordinates_nothing_is_raised(void **state) {
-    (void)state;
     sl_scene *scene = floor_with(hills, 0.5f);
     for (size_t i = 0; i < scene->vertex_count; i++) scene->texture_u[i] = scene->texture_v[i] = 0.25f;
     sl_surface s = surface_at(scene, sl_v3(0.1f, 1, 0));
@@ -106,7 +102,6 @@ static void without_texture_coordinates_nothing_is_raised(void **state) {
 
 /* Bricks lit by way of a ceiling: the lobes of the voxels see each brick's own normal. */
 static void the_octrees_lobes_light_bumps_as_paths_do(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/bricks.json");
     sl_settings octree = small_settings("light-octree", 64, 48), path = small_settings("path", 64, 48);
     octree.quality = SL_QUALITY_DRAFT;

@@ -42,7 +42,6 @@ static void nothing_has_changed(void *context) {
 }
 
 static void after_any_series_of_edits_the_scene_is_one_that_is_built_so(void **state) {
-    (void)state;
     sl_error error;
     attempted a = {.before = room_at_first(7)};
     long failures = 0;
@@ -64,7 +63,6 @@ static void after_any_series_of_edits_the_scene_is_one_that_is_built_so(void **s
 }
 
 static void what_has_changed_is_told_by_its_kind(void **state) {
-    (void)state;
     static const unsigned changes[ROOM_EDITS] = {
         SL_CHANGED_MATERIALS, SL_CHANGED_KINDS | SL_CHANGED_MATERIALS, SL_CHANGED_POWER, SL_CHANGED_POWER,
         SL_CHANGED_LIGHTS,    SL_CHANGED_SKY, SL_CHANGED_CAMERA,
@@ -103,7 +101,6 @@ static void what_has_changed_is_told_by_its_kind(void **state) {
 
 /* Its number stands for nothing then, and what is written has it no more. */
 static void an_object_that_is_taken_away_is_no_more_there(void **state) {
-    (void)state;
     sl_error error;
     sl_scene *scene;
     sl_scene_edit *e;
@@ -131,7 +128,6 @@ static void an_object_that_is_taken_away_is_no_more_there(void **state) {
 }
 
 static void what_breaks_a_rule_is_refused(void **state) {
-    (void)state;
     sl_scene *scene;
     sl_scene_edit *e, *late;
     edited_room r = room_at_first(1);

@@ -29,7 +29,6 @@ static double relative(float a, float b) {
 }
 
 static void sky_and_sun_are_the_whole_and_share_no_light(void **state) {
-    (void)state;
     const float suns[] = {5.0f, 500.0f, 5e6f};
     for (int run = 0; run < 3; run++) {
         float texels[3 * TEXELS];
@@ -64,7 +63,6 @@ static double contrast_of(const sl_environment *e) {
 }
 
 static void the_sky_is_as_even_as_asked_however_bright_the_sun(void **state) {
-    (void)state;
     float texels[3 * TEXELS];
     for (float radiance = 10.0f; radiance < 1e7f; radiance *= 10.0f) {
         sl_environment all = a_day(texels, radiance), sky, sun;
@@ -78,7 +76,6 @@ static void the_sky_is_as_even_as_asked_however_bright_the_sun(void **state) {
 }
 
 static void even_black_and_constant_environments_have_no_sun(void **state) {
-    (void)state;
     float texels[3 * TEXELS];
     sl_environment sky, sun, even = a_day(texels, 1.0f);
     assert_int_equal(sl_environment_split(&even, 4.0, &sky, &sun, NULL), SL_OK);

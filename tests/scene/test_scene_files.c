@@ -59,7 +59,6 @@ static void refuse_json(const char *json, const char *rest) {
 /* ---- mesh files ------------------------------------------------------------------------------ */
 
 static void an_obj_file_alone_is_a_scene(void **state) {
-    (void)state;
     write_box();
     sl_scene *s = load_scene(scene_file_path("box.obj"));
     assert_int_equal(sl_scene_triangle_count(s), 2);
@@ -76,7 +75,6 @@ static void an_obj_file_alone_is_a_scene(void **state) {
 }
 
 static void mtl_mirrors_are_illum_3_or_5_without_diffuse(void **state) {
-    (void)state;
     write_box();
     sl_scene *s = load_scene(
         scene_file_text("glass.obj", "mtllib box.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glass\nf 1 2 3\n"));
@@ -86,7 +84,6 @@ static void mtl_mirrors_are_illum_3_or_5_without_diffuse(void **state) {
 }
 
 static void height_maps_come_from_mtl_and_scene_files(void **state) {
-    (void)state;
     write_box();
     scene_file_text("box.mtl",
                     "newmtl wall\nKd 0.1 0.2 0.3\nmap_bump -bm 3 texel.png\nnewmtl lamp\nKd 0.5 0.5 0.5\n");
@@ -106,7 +103,6 @@ static void height_maps_come_from_mtl_and_scene_files(void **state) {
 }
 
 static void a_normal_map_is_no_height_map_and_is_told(void **state) {
-    (void)state;
     sl_image *map;
     assert_int_equal(sl_image_create(2, 1, 3, NULL, &map, NULL), SL_OK);
     /* encoded, (0.5, 0.5, 1) and (0.7, 0.3, 0.93); or grey as bright as their blue */
@@ -134,7 +130,6 @@ static void a_normal_map_is_no_height_map_and_is_told(void **state) {
 }
 
 static void missing_textures_and_libraries_are_warnings(void **state) {
-    (void)state;
     scene_file_text("lost.mtl", "newmtl a\nKd 0.3 0.3 0.3\nmap_Kd nowhere.png\n");
     sl_scene *s = load_scene(scene_file_text(
         "lost.obj", "mtllib lost.mtl\nmtllib other.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"));
@@ -146,7 +141,6 @@ static void missing_textures_and_libraries_are_warnings(void **state) {
 }
 
 static void files_that_are_no_meshes_are_refused_by_name(void **state) {
-    (void)state;
     refuse(scene_file_path("nowhere.obj"), ": cannot be opened");
     refuse(scene_file_path("nowhere.json"), ": cannot be opened");
     refuse(scene_file_path("nowhere.glb"), ": cannot be opened");
@@ -159,7 +153,6 @@ static void files_that_are_no_meshes_are_refused_by_name(void **state) {
 }
 
 static void headers_that_announce_too_much_are_refused(void **state) {
-    (void)state;
     const char *head =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uchar int vertex_indices\n";
@@ -210,7 +203,6 @@ static const char lit_gltf[] =
     "," GLTF_BUFFER "}";
 
 static void gltf_gives_camera_lights_and_materials(void **state) {
-    (void)state;
     sl_scene *s = load_scene(scene_file_text("lit.gltf", lit_gltf));
     assert_int_equal(sl_scene_triangle_count(s), 1);
     assert_true(s->camera.eye.x == 1.0f && s->camera.eye.y == 2.0f && s->camera.eye.z == 3.0f);
@@ -233,7 +225,6 @@ static void gltf_gives_camera_lights_and_materials(void **state) {
 }
 
 static void what_is_no_gltf_is_refused(void **state) {
-    (void)state;
     refuse(scene_file_text("broken.gltf", "{\"asset\":"), ": expected a glTF file");
     refuse(scene_file_text("short.glb", "glTF\2\0\0"), ": expected a glTF file");
 }
@@ -241,7 +232,6 @@ static void what_is_no_gltf_is_refused(void **state) {
 /* ---- scene files ----------------------------------------------------------------------------- */
 
 static void a_scene_file_places_and_overrides(void **state) {
-    (void)state;
     sl_scene *s =
         load_json("{\"softlux\": 1, \"up\": \"y\",\n"
                   " \"meshes\": [{\"file\": \"box.obj\", \"name\": \"a\", \"transform\": [2,0,0,0, 0,2,0,0, "
@@ -283,7 +273,6 @@ static void a_scene_file_places_and_overrides(void **state) {
 }
 
 static void a_mesh_can_be_asked_to_be_faceted(void **state) {
-    (void)state;
     scene_file_text("bent.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 1\nf 1//1 2//1 3//1\n");
     sl_scene *smooth = load_scene(scene_file_text(
         "smooth.json", "{\"softlux\": 1, \"meshes\": [{\"file\": \"bent.obj\", \"normals\": \"file\"}]}"));
@@ -297,7 +286,6 @@ static void a_mesh_can_be_asked_to_be_faceted(void **state) {
 }
 
 static void z_up_is_turned_once(void **state) {
-    (void)state;
     sl_scene *s = load_json("{\"softlux\": 1, \"up\": \"z\", \"meshes\": [{\"file\": \"box.obj\", "
                             "\"transform\": {\"translate\": [0,0,7]}}],\n"
                             " \"lights\": [{\"type\": \"point\", \"position\": [1,2,3], \"intensity\": 1}],\n"
@@ -309,7 +297,6 @@ static void z_up_is_turned_once(void **state) {
 }
 
 static void an_environment_picture_keeps_its_top_row_up(void **state) {
-    (void)state;
     sl_image *image;
     assert_int_equal(sl_image_create(4, 2, 3, NULL, &image, NULL), SL_OK);
     for (int i = 0; i < 24; i++) image->planes[i] = i % 8 < 4 ? 3.0f : 0.5f;
@@ -336,7 +323,6 @@ static const char *sky_file(const exr_test_file *from) {
 }
 
 static void a_sky_with_primaries_of_its_own_is_refused(void **state) {
-    (void)state;
     write_box();
     const exr_attr_chromaticities_t xyz = {1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3},
                                     rec709 = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
@@ -347,7 +333,6 @@ static void a_sky_with_primaries_of_its_own_is_refused(void **state) {
 }
 
 static void a_sky_lies_in_its_data_window_only_if_it_says_that_it_is_one(void **state) {
-    (void)state;
     write_box();
     const exr_envmap_t round = EXR_ENVMAP_LATLONG, cube = EXR_ENVMAP_CUBE;
     const exr_attr_box2i_t display = {.min = {.x = 0, .y = 0}, .max = {.x = 3, .y = 1}};
@@ -365,7 +350,6 @@ static void a_sky_lies_in_its_data_window_only_if_it_says_that_it_is_one(void **
 #define MESH "\"meshes\": [{\"file\": \"box.obj\"}]"
 
 static void scene_file_mistakes_are_told_by_line(void **state) {
-    (void)state;
     write_box();
     const char *cases[][2] = {
         {"", ":1: expected valid JSON, got the end of the file"},

@@ -42,7 +42,6 @@ static uint64_t hash_of(const char *name) {
 }
 
 static void the_files_are_the_same_as_ever(void **state) {
-    (void)state;
     (void)generator();
     static const struct { const char *file; uint64_t hash; } expected[] = {
         {"room.obj", 0x94f278d6b36aa0d2u},
@@ -88,7 +87,6 @@ static void the_files_are_the_same_as_ever(void **state) {
 }
 
 static void an_unknown_scene_is_refused(void **state) {
-    (void)state;
     char arguments[128];
     snprintf(arguments, sizeof arguments, "%s nowhere", folder);
     assert_int_equal(run(arguments), 2);
@@ -96,7 +94,6 @@ static void an_unknown_scene_is_refused(void **state) {
 }
 
 static int generate_once(void **state) {
-    (void)state;
     const char *named = getenv("SOFTLUX_GENERATE");
     snprintf(folder, sizeof folder, "/tmp/softlux-generator-XXXXXX");
     if (!mkdtemp(folder)) return -1;
@@ -108,7 +105,6 @@ static int generate_once(void **state) {
 }
 
 static int remove_all(void **state) {
-    (void)state;
     char command[128];
     snprintf(command, sizeof command, "rm -rf '%s'", folder);
     return system(command) == 0 ? 0 : -1;

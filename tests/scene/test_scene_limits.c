@@ -36,7 +36,6 @@ static void expect_repeated(const char *head, const char *entry, size_t count, c
 }
 
 static void lists_may_have_only_so_many_entries(void **state) {
-    (void)state;
     static const char *const lists[][3] = {
         {"{\"softlux\":1,\"lights\":[", "]}", "expected a light to be an object"},
         {"{\"softlux\":1,\"meshes\":[", "]}", "expected a mesh to be an object"},
@@ -56,7 +55,6 @@ static void lists_may_have_only_so_many_entries(void **state) {
 /* Neither many keys nor many lights take more than time in proportion: a minute's work were it their square.
  */
 static void as_many_as_may_be_are_read_in_time(void **state) {
-    (void)state;
     expect_repeated("{\"softlux\":1,", "\"key\":0", 1000000, "}", "unknown key 'key'");
     char *text =
         repeat("{\"softlux\":1,\"environment\":{\"radiance\":1},\"lights\":[{\"type\":\"quad\",\"corner\":[0,"
@@ -70,7 +68,6 @@ static void as_many_as_may_be_are_read_in_time(void **state) {
 }
 
 static void strings_may_be_only_so_long(void **state) {
-    (void)state;
     char *name = malloc(SL_JSON_STRING + 2), *text = malloc(SL_JSON_STRING + 100);
     assert_true(name && text);
     for (size_t more = 0; more < 2; more++) {
@@ -91,7 +88,6 @@ static void write_sparse(const char *name, const char *start, long long bytes) {
 }
 
 static void files_may_be_only_so_large(void **state) {
-    (void)state;
     write_sparse("large.json", "{}", SL_JSON_BYTES + 1ll);
     assert_non_null(strstr(load_refused(scene_file_path("large.json")),
                            "expected a scene file of at most 67108864 bytes, got 67108865"));
@@ -109,7 +105,6 @@ static void files_may_be_only_so_large(void **state) {
 }
 
 static void vertices_and_triangles_are_counted_in_32_bits(void **state) {
-    (void)state;
     sl_model model = {0};
     sl_error error = {0};
     size_t first;
@@ -127,7 +122,6 @@ static void vertices_and_triangles_are_counted_in_32_bits(void **state) {
 }
 
 static void films_may_be_only_so_wide(void **state) {
-    (void)state;
     expect("{\"softlux\":1,\"film\":{\"width\":65537,\"height\":1}}",
            "expected 'width' from 1 to 65536, got 65537");
     expect("{\"softlux\":1,\"film\":{\"width\":65536,\"height\":65536}}", ": no triangles");

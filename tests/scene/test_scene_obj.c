@@ -49,7 +49,6 @@ static const char plain_quad[] = "v -0.5 0 0\nv 0.5 0 0\nv 0.5 1 0.25\nv 0 1 0\n
                                  "o quad\nf 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n";
 
 static void every_spelling_gives_the_scene_of_the_plain_one(void **state) {
-    (void)state;
     expect_same(
         "\xef\xbb\xbf  v -.5 0 0 # 1 2\n\tv .5 0 0#x\nv +.5 1 \\\n .25 1\nv 0 2 0 2 # w\nv 9 9 9 .1 .2 .3\n"
         " vt 0 0 # 1\nvt .5\nvt .5 .75 0\nvt .25 0\n  vn 0 .6 .8\t# up\n"
@@ -58,7 +57,6 @@ static void every_spelling_gives_the_scene_of_the_plain_one(void **state) {
 }
 
 static void odd_triangles_are_those_of_the_plain_spelling(void **state) {
-    (void)state;
     static const char plain[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     static const char *const same[][2] = {
         {"v\\\n0 0 0\nv 1 0 0\nv 0 1 0\nfo 1 2 3\n", plain},
@@ -92,7 +90,6 @@ static double area_of(const char *obj, size_t triangles) {
 }
 
 static void polygons_are_cut_within_their_outlines(void **state) {
-    (void)state;
     assert_true(area_of("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", 2) == 1.0);
     /* an arrow head, beginning at each of its corners; an L; a comb that no corner sees the whole of, three
      * of whose corners lie in a line */
@@ -107,7 +104,6 @@ static void polygons_are_cut_within_their_outlines(void **state) {
 }
 
 static void a_polygon_that_crosses_itself_and_one_of_many_corners_are_cut_somehow(void **state) {
-    (void)state;
     enum { CORNERS = 1000 };
     char text[64 * CORNERS];
     size_t size = 0;
@@ -120,7 +116,6 @@ static void a_polygon_that_crosses_itself_and_one_of_many_corners_are_cut_someho
 }
 
 static void names_keep_what_elsewhere_is_a_comment(void **state) {
-    (void)state;
     scene_file_text("hash #1.mtl", "newmtl Material #25\nKd 0.1 0.2 0.3\n");
     sl_scene *scene = load_scene(scene_file_text(
         "named.obj", " mtllib hash #1.mtl \nv 0 0 0\nv 1 0 0\nv 0 1 0\n usemtl Material #25 \nf 1 2 3\n"));
@@ -130,7 +125,6 @@ static void names_keep_what_elsewhere_is_a_comment(void **state) {
 }
 
 static void what_has_no_meaning_is_told_by_line(void **state) {
-    (void)state;
     static const char alike[] =
         ":5: expected face corners that all have the same, as in 1/1 2/2 3/3: corner ";
     static const struct {
@@ -195,7 +189,6 @@ static void expect_reds(const char *obj, float first, float second, float third)
 }
 
 static void a_face_has_the_material_that_was_named_last_before_it(void **state) {
-    (void)state;
     static const char v[] =
         "v 0 0 0\nv 0 1 0\nv 0 0 1\nv 1 0 0\nv 1 1 0\nv 1 0 1\nv 2 0 0\nv 2 1 0\nv 2 0 1\n";
     static const char *const of_files[] = {
@@ -253,7 +246,6 @@ static size_t library_warnings(const char *mtl, const char *end) {
 }
 
 static void values_of_materials_that_are_none_are_told_by_line(void **state) {
-    (void)state;
     static const char colour[] = "expected a colour: 1 or 3 numbers of at least 0, got ";
     static const struct {
         const char *library, *where, *what, *got;
@@ -277,7 +269,6 @@ static void values_of_materials_that_are_none_are_told_by_line(void **state) {
 }
 
 static void a_material_is_what_its_statements_say_however_they_are_spelled(void **state) {
-    (void)state;
     sl_material m = material_of("\xef\xbb\xbf# C:\\models\\\nKd 1 0 0\nnewmtl m\nKd 0.5 \\\n 0.25 "
                                 "\\\r\n0.125\nNs 0000000000000000000000020 # wide\\\nKa what\n"
                                 "Ks 0.25 0.25 0.25 1\nd -halo 1\nKe 000 .5 1.e0");
@@ -288,7 +279,6 @@ static void a_material_is_what_its_statements_say_however_they_are_spelled(void 
 }
 
 static void a_texture_is_found_behind_its_options(void **state) {
-    (void)state;
     write_picture("t 1.png");
     scene_file_copy("scenes/bricks.png", "7");
     write_picture("t # 2.png");
@@ -312,7 +302,6 @@ static void a_texture_is_found_behind_its_options(void **state) {
 }
 
 static void options_of_a_texture_that_change_it_are_told(void **state) {
-    (void)state;
     write_picture("t.png");
     assert_int_equal(library_warnings("newmtl m\nmap_Kd -s 2 2 2 -o 0 t.png\n",
                                       "m.mtl:2: the texture's option -s is not applied"),
@@ -324,7 +313,6 @@ static void options_of_a_texture_that_change_it_are_told(void **state) {
 }
 
 static void a_material_that_no_library_has_is_told_once(void **state) {
-    (void)state;
     char obj[512];
     scene_file_text("m.mtl", "newmtl m\nKd 0.5\nnewmtl a b\nKd 0.25\n");
     snprintf(obj, sizeof obj,
@@ -337,7 +325,6 @@ static void a_material_that_no_library_has_is_told_once(void **state) {
 }
 
 static void of_very_many_warnings_the_first_hundred_are_told_and_the_others_counted(void **state) {
-    (void)state;
     enum { MANY = 150 };
     char obj[sizeof a_triangle + 64 + 32 * MANY];
     scene_file_text("m.mtl", "newmtl m\nKd 0.5\n");
@@ -359,7 +346,6 @@ static void of_very_many_warnings_the_first_hundred_are_told_and_the_others_coun
 }
 
 static void a_material_without_a_name_is_that_of_faces_that_name_none(void **state) {
-    (void)state;
     scene_file_text("m.mtl", "newmtl \nKd 0.25\nnewmtl m\nKd 0.5\n");
     sl_scene *scene = load_scene(scene_file_text(
         "m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\nusemtl \nf 1 2 3\n"));
@@ -368,7 +354,6 @@ static void a_material_without_a_name_is_that_of_faces_that_name_none(void **sta
 }
 
 static void bytes_of_zero_are_no_text(void **state) {
-    (void)state;
     static const char obj[] = "v 0 0 0\nv 1 0 0\n\0v 0 1 0\nf 1 2 3\n";
     const char *path = scene_file_write("zero.obj", obj, sizeof obj - 1);
     assert_string_equal(load_refused(path) + strlen(path), ":3: expected text, got a byte that is zero");
@@ -381,7 +366,6 @@ static void bytes_of_zero_are_no_text(void **state) {
 }
 
 static void faces_that_are_none_are_counted(void **state) {
-    (void)state;
     assert_int_equal(warnings("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 \\\n2\n",
                               "m.obj:5: a face of fewer than three corners is not drawn"),
                      1);

@@ -20,7 +20,6 @@ static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1
 static const uint8_t picture[] = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0, 10, 20, 30};
 
 static int make_folders(void **state) {
-    (void)state;
     if (mkdir(at("inside"), 0700) != 0 || mkdir(at("inside/below"), 0700) != 0) return 1;
     write_text("secret.obj", triangle);
     write_text("secret.mtl", "newmtl m\nKd 1 0 0\n");
@@ -59,7 +58,6 @@ static void scene_of(const char *format, const char *name) {
 
 static void meshes_outside_are_refused_whatever_leads_there(void **state) {
     static const char format[] = "{\"softlux\": 1,\n \"meshes\": [\n  {\"file\": \"%s\"}]}";
-    (void)state;
     const char *const names[] = {"../secret.obj", "link.obj", "up/secret.obj", "below/../../secret.obj",
                                  at("secret.obj")};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
@@ -83,7 +81,6 @@ static void textures_masks_and_skies_outside_are_refused(void **state) {
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"n\"}],\n\"materials\": "
         "{\"n\": {\"bump\": \"%s\"}}}",
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n\"environment\": {\"file\": \"%s\"}}"};
-    (void)state;
     for (int i = 0; i < 4; i++) {
         scene_of(formats[i], i < 3 ? "../secret.tga" : "../secret.pfm");
         expect_refusal("inside/scene.json", "inside/scene.json:2: ", i < 3 ? "secret.tga" : "secret.pfm");
@@ -93,7 +90,6 @@ static void textures_masks_and_skies_outside_are_refused(void **state) {
 }
 
 static void what_mesh_files_name_outside_is_refused(void **state) {
-    (void)state;
     char text[600];
     snprintf(text, sizeof text, "mtllib ../secret.mtl\n%s", triangle);
     write_text("inside/a.obj", text);
@@ -111,7 +107,6 @@ static void what_mesh_files_name_outside_is_refused(void **state) {
 
 /* The folder of the machine that wrote the file is not asked for where the picture lies beside it. */
 static void a_texture_beside_its_mesh_is_taken_whatever_folder_is_named(void **state) {
-    (void)state;
     char text[300];
     snprintf(text, sizeof text, "mtllib a.mtl\n%s", triangle);
     write_text("inside/a.obj", text);
@@ -124,7 +119,6 @@ static void a_texture_beside_its_mesh_is_taken_whatever_folder_is_named(void **s
 }
 
 static void buffers_of_gltf_outside_are_refused(void **state) {
-    (void)state;
     write_text("inside/a.gltf", "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
                                 "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
                                 "{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":"
@@ -135,7 +129,6 @@ static void buffers_of_gltf_outside_are_refused(void **state) {
 }
 
 static void a_link_that_is_asked_for_by_name_is_followed(void **state) {
-    (void)state;
     expect_scene("named.obj");
     expect_scene("inside/link.obj");
 }

@@ -33,7 +33,6 @@ static sl_scene *room_on_plain(float half) {
 static void assert_same(sl_vec3 a, sl_vec3 b) { assert_true(a.x == b.x && a.y == b.y && a.z == b.z); }
 
 static void scale_of_a_room_is_its_diagonal_and_its_core_the_box(void **state) {
-    (void)state;
     sl_scene *s = room_on_plain(0.0f);
     assert_true(s->scale == s->diagonal && !sl_scene_is_scattered(s));
     assert_same(s->central_min, s->box_min);
@@ -43,7 +42,6 @@ static void scale_of_a_room_is_its_diagonal_and_its_core_the_box(void **state) {
 }
 
 static void a_plain_of_any_size_leaves_a_room_its_scale_and_core(void **state) {
-    (void)state;
     sl_scene *alone = room_on_plain(0.0f), *large = room_on_plain(4e3f), *huge = room_on_plain(4e6f);
     assert_true(sl_scene_is_scattered(large) && sl_scene_is_scattered(huge));
     assert_true(huge->diagonal > 1e7f && huge->scale < 100.0f * alone->diagonal);
@@ -62,7 +60,6 @@ static void a_plain_of_any_size_leaves_a_room_its_scale_and_core(void **state) {
 
 /* From the size where the scale begins to part from the diagonal neither it nor the central region jumps. */
 static void scale_and_core_shrink_without_a_jump_as_a_plain_grows(void **state) {
-    (void)state;
     double last = 0.0;
     bool parted = false;
     for (float half = 50.0f; half < 1e4f; half *= 1.02f) {
@@ -78,7 +75,6 @@ static void scale_and_core_shrink_without_a_jump_as_a_plain_grows(void **state) 
 }
 
 static void a_grain_with_most_vertices_is_not_the_scene_for_an_eye_that_sees_the_room(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     add_room(&mesh);
     trace_mesh_sphere(&mesh, sl_v3(0.7f, 0.5f, -1), 1e-4f, 12, 0.0f, false, 0);
@@ -107,7 +103,6 @@ static sl_scene *room_below_planets(float distance, float size) {
 }
 
 static void far_planets_with_most_vertices_leave_a_room_its_scale_and_core(void **state) {
-    (void)state;
     const float distances[] = {1e4f, 1e6f, 1e7f};
     sl_scene *alone = room_on_plain(0.0f);
     for (int i = 0; i < 3; i++) {
@@ -123,7 +118,6 @@ static void far_planets_with_most_vertices_leave_a_room_its_scale_and_core(void 
 /* Who flies out to them sees another scene, and so does who stands in a room that fills less of what there is
  * to see than they do. */
 static void planets_that_the_eye_sees_more_of_are_the_scene(void **state) {
-    (void)state;
     sl_error error;
     const float out[3] = {8e5f, 1.6e5f, 0}, there[3] = {1e6f, 2e5f, 0}, up[3] = {0, 1, 0};
     sl_scene *s = room_below_planets(1e6f, 1e5f);
@@ -142,7 +136,6 @@ static void planets_that_the_eye_sees_more_of_are_the_scene(void **state) {
 
 /* Tolerances are never below what floats tell apart. */
 static void points_far_out_leave_their_surface_by_more_than_rounding(void **state) {
-    (void)state;
     sl_scene *alone = room_on_plain(0.0f), *huge = room_on_plain(4e6f);
     const sl_vec3 inside = sl_v3(1, 1, 1), outside = sl_v3(3e6f, -5, 1e6f);
     float offset = 1e-5f * huge->scale;

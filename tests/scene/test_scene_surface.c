@@ -28,7 +28,6 @@ static sl_scene *triangle(const float *normals, const sl_material *material, sl_
 }
 
 static void the_side_seen_decides_which_way_normals_point(void **state) {
-    (void)state;
     sl_scene *s = triangle(NULL, NULL, NULL);
     sl_surface above, below, edge;
     sl_scene_surface(s, 0, 0.25f, 0.5f, sl_v3(0, 0, 2), &above);
@@ -44,7 +43,6 @@ static void the_side_seen_decides_which_way_normals_point(void **state) {
 }
 
 static void shading_normals_are_flipped_into_the_geometric_hemisphere(void **state) {
-    (void)state;
     const float inverted[9] = {0.6f, 0, -0.8f, 0.6f, 0, -0.8f, 0.6f, 0, -0.8f};
     sl_scene *s = triangle(inverted, NULL, NULL);
     sl_surface p;
@@ -57,7 +55,6 @@ static void shading_normals_are_flipped_into_the_geometric_hemisphere(void **sta
 }
 
 static void normals_that_cancel_or_lie_in_the_plane_give_way_to_the_geometric_one(void **state) {
-    (void)state;
     const float opposed[9] = {0, 0, 1, 0, 0, -1, 0, 0, 1}, flat[9] = {1, 0, 0, 1, 0, 0, 1, 0, 0};
     const float *sets[2] = {opposed, flat};
     for (int i = 0; i < 2; i++) {
@@ -73,7 +70,6 @@ static void normals_that_cancel_or_lie_in_the_plane_give_way_to_the_geometric_on
 static uint8_t two_by_two[16] = {188, 188, 188, 255, 255, 0, 0, 0, 0, 0, 0, 255, 255, 255, 255, 255};
 
 static void textures_are_bilinear_repeat_and_are_decoded_before_filtering(void **state) {
-    (void)state;
     const sl_texture t = {.width = 2, .height = 2, .has_alpha = true, .texels = two_by_two};
     assert_true(sl_texture_color(&t, 0.25f, 0.25f).r == 0.0f);  /* v = 0 is the bottom row */
     assert_true(sl_texture_color(&t, 0.75f, 0.25f).r == 1.0f);
@@ -90,7 +86,6 @@ static void textures_are_bilinear_repeat_and_are_decoded_before_filtering(void *
 }
 
 static void alpha_masks_are_tested_at_one_half(void **state) {
-    (void)state;
     sl_texture texture = {.width = 2, .height = 2, .has_alpha = true, .texels = two_by_two};
     const sl_material m = {.diffuse = {1, 1, 1}, .texture = SL_NO_INDEX, .alpha_texture = 0};
     sl_scene *s = triangle(NULL, &m, &texture);
@@ -133,7 +128,6 @@ static sl_scene *scene_under_numbered_sky(void) {
 }
 
 static void directions_follow_the_stated_convention(void **state) {
-    (void)state;
     sl_scene *s = scene_under_numbered_sky();
     const sl_environment *e = &s->environment;
     for (int row = 0; row < HEIGHT; row++) {
@@ -154,7 +148,6 @@ static void directions_follow_the_stated_convention(void **state) {
 /* Importance sampling with its own density must give the integral of radiance: sum of texel times solid
  * angle. */
 static void sky_samples_estimate_the_sky_without_bias(void **state) {
-    (void)state;
     sl_scene *s = scene_under_numbered_sky();
     const sl_environment *e = &s->environment;
     double exact = 0.0, estimate = 0.0;
@@ -177,7 +170,6 @@ static void sky_samples_estimate_the_sky_without_bias(void **state) {
 }
 
 static void a_black_or_damaged_sky_is_no_sky(void **state) {
-    (void)state;
     float texels[6] = {NAN, -1.0f, INFINITY, 0, 0, 0};
     sl_scene *s = scene_under(&(sl_environment){.present = true, .width = 2, .height = 1, .texels = texels});
     assert_false(s->environment.present);

@@ -32,7 +32,6 @@ static void assert_same_pictures(const sl_scene *a, const sl_scene *b, const cha
 }
 
 static void a_written_scene_is_the_same_scene(void **state) {
-    (void)state;
     static const char *const names[] = {"cornell",     "cornell-mirror", "cornell-point", "bricks",
                                         "mirror-balls", "sphere",        "two-rooms"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -47,7 +46,6 @@ static void a_written_scene_is_the_same_scene(void **state) {
 }
 
 static void surfaces_and_triangles_around_them_keep_their_order(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/vase.json"), *again = write_and_read(scene, "vase.json");
     assert_true(scene->bicubic_count > 0 && again->bicubic_count == scene->bicubic_count);
     assert_true(again->triangle_count == scene->triangle_count && again->vertex_count == scene->vertex_count);
@@ -105,7 +103,6 @@ static sl_scene *odd_scene(void) {
 }
 
 static void names_that_files_cannot_have_and_odd_numbers_do_no_harm(void **state) {
-    (void)state;
     sl_scene *scene = odd_scene(), *again = write_and_read(scene, "a \"name\" #1.json");
     assert_true(again->object_count == 3 && again->light_count == 3 && again->textures[0].has_alpha);
     assert_string_equal(again->object_names[0], "_");
@@ -123,7 +120,6 @@ static void names_that_files_cannot_have_and_odd_numbers_do_no_harm(void **state
 }
 
 static void a_constant_sky_stays_constant_and_any_camera_its_frame(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/sphere.json");
     const uint64_t key = sl_random_key(1, 2);
     scene->environment = (sl_environment){.present = true, .constant = {0.1f, 1 / 3.0f, 7e8f}};
@@ -139,7 +135,6 @@ static void a_constant_sky_stays_constant_and_any_camera_its_frame(void **state)
 }
 
 static void numbers_in_mesh_files_are_read_back_to_the_bit(void **state) {
-    (void)state;
     const uint64_t key = sl_random_key(3, 4);
     char text[SL_NUMBER_ROOM];
     for (uint64_t i = 0; i < 200000; i++) {
@@ -155,7 +150,6 @@ static void numbers_in_mesh_files_are_read_back_to_the_bit(void **state) {
 }
 
 static void what_cannot_be_written_is_told(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_error error;
     assert_int_equal(sl_scene_write(scene, "scene.obj", &error), SL_ERROR_USAGE);

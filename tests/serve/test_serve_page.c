@@ -572,7 +572,6 @@ static void it_is_dark_where_the_desk_is_and_light_elsewhere(void **state) {
 }
 
 int main(int argc, char **argv) {
-    (void)argc;
     const char *slash = strrchr(argv[0], '/');
     snprintf(program, sizeof program, "%.*s/../softlux", slash ? (int)(slash - argv[0]) : 1,
              slash ? argv[0] : ".");

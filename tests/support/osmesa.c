@@ -90,7 +90,6 @@ static const char *context_open(void) {
 }
 
 static int keep_loaded(struct dl_phdr_info *module, size_t size, void *data) {
-    (void)size, (void)data;
     dlopen(module->dlpi_name, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
     return 0;
 }
@@ -391,7 +390,6 @@ void osmesa_finish(void) { glFinish(); }
 #else
 
 bool osmesa_open(unsigned threads, const char **reason) {
-    (void)threads;
     *reason = "OSMesa is not installed (Debian: libosmesa6-dev)";
     return false;
 }
@@ -407,7 +405,6 @@ const char *osmesa_name(void) { return "none"; }
 
 osmesa_target osmesa_target_create(int width, int height, int planes, const osmesa_format *formats,
                                    bool depth) {
-    (void)width, (void)height, (void)planes, (void)formats, (void)depth;
     missing();
     return (osmesa_target){0};
 }
@@ -423,42 +420,35 @@ void osmesa_read(const osmesa_target *target, int plane, void *pixels) {
 void osmesa_read_depth(const osmesa_target *target, float *depth) { (void)target, (void)depth, missing(); }
 osmesa_mesh osmesa_mesh_create(int streams, const osmesa_stream *stream, size_t index_count,
                                const uint32_t *indices) {
-    (void)streams, (void)stream, (void)index_count, (void)indices;
     missing();
     return (osmesa_mesh){0};
 }
 void osmesa_mesh_destroy(osmesa_mesh *mesh) { (void)mesh, missing(); }
 unsigned osmesa_program(const char *vertex_shader, const char *fragment_shader) {
-    (void)vertex_shader, (void)fragment_shader;
     missing();
     return 0;
 }
 void osmesa_program_destroy(unsigned program) { (void)program, missing(); }
 void osmesa_uniform(unsigned program, const char *name, int components, const float *values) {
-    (void)program, (void)name, (void)components, (void)values;
     missing();
 }
 void osmesa_uniform_array(unsigned program, const char *name, int count, const float *values) {
-    (void)program, (void)name, (void)count, (void)values;
     missing();
 }
 void osmesa_uniform_matrix(unsigned program, const char *name, const float rows[4][4]) {
     (void)program, (void)name, (void)rows, missing();
 }
 unsigned osmesa_texture(int width, int height, const float *rgba) {
-    (void)width, (void)height, (void)rgba;
     missing();
     return 0;
 }
 void osmesa_texture_destroy(unsigned texture) { (void)texture, missing(); }
 void osmesa_input(unsigned program, const char *sampler, int unit, unsigned texture) {
-    (void)program, (void)sampler, (void)unit, (void)texture;
     missing();
 }
 void osmesa_state(bool depth, bool add) { (void)depth, (void)add, missing(); }
 void osmesa_draw_order(osmesa_order order) { (void)order, missing(); }
 void osmesa_draw(unsigned program, const osmesa_mesh *mesh, size_t first, size_t count, size_t instances) {
-    (void)program, (void)mesh, (void)first, (void)count, (void)instances;
     missing();
 }
 void osmesa_draw_all(unsigned program, const osmesa_mesh *mesh) { (void)program, (void)mesh, missing(); }

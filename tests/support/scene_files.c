@@ -48,6 +48,5 @@ int scene_files_remove(void) {
 }
 
 int scene_files_teardown(void **state) {
-    (void)state;
     return scene_files_remove();
 }

@@ -95,7 +95,6 @@ static void check_named(const char *what, const sl_scene *scene) {
 }
 
 static void rooms_with_lamps_and_point_lights_are_those_of_the_path_tracer(void **unused) {
-    (void)unused;
     static const char *const files[] = {"scenes/cornell.json", "scenes/cornell-point.json"};
     for (int i = 0; i < 2; i++) {
         sl_scene *scene = load_scene(files[i]);
@@ -131,14 +130,12 @@ static sl_scene *rich_scene(bool sky_light, bool lamp_light) {
 }
 
 static void mirrors_caustics_and_two_sided_lamps_are_those_of_the_path_tracer(void **unused) {
-    (void)unused;
     sl_scene *scene = rich_scene(false, true);
     check_named("mirrors and a lamp", scene);
     sl_scene_destroy(scene);
 }
 
 static void skies_are_those_of_the_path_tracer(void **unused) {
-    (void)unused;
     sl_scene *sky = rich_scene(true, false), *both = rich_scene(true, true);
     check_named("sky", sky);
     sl_transport full = transport_of("full");
@@ -148,7 +145,6 @@ static void skies_are_those_of_the_path_tracer(void **unused) {
 }
 
 static void spots_and_distant_lights_are_those_of_the_path_tracer(void **unused) {
-    (void)unused;
     for (int kind = 0; kind < 2; kind++) {
         trace_mesh mesh = trace_mesh_begin();
         uint32_t wall = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0);
@@ -180,7 +176,6 @@ static void spots_and_distant_lights_are_those_of_the_path_tracer(void **unused)
 /* Paths that methods declare: legs without shadows, lobes left out, mirrors as black surfaces, pixel centres
  * alone. */
 static void any_declared_transport_is_that_of_the_path_tracer(void **unused) {
-    (void)unused;
     sl_scene *scene = rich_scene(true, true);
     sl_transport full = transport_of("full"), t = full;
     t.direct_visibility = false;
@@ -222,7 +217,6 @@ static void any_declared_transport_is_that_of_the_path_tracer(void **unused) {
 /* A point light above a floor, beside a flat mirror: the mirror's image of the light lights the floor too, in
  * closed form. */
 static void a_point_light_throws_caustics(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
              mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);

@@ -69,7 +69,6 @@ static void check(const char *what, const sl_bidirectional_value *v, double expe
 /* Emission L and albedo rho everywhere: direct light pi L, after k bounces at most pi L (rho + ... + rho^k)
  * more. */
 static void furnace_irradiance_is_the_geometric_series(void **unused) {
-    (void)unused;
     const double albedo = 0.6, radiance = 2.0;
     static const uint32_t bounces[] = {1, 2, 6, SL_BOUNCES_UNLIMITED};
     for (int i = 0; i < 4; i++) {
@@ -144,7 +143,6 @@ static sl_scene *rich_scene(int lights) {
 }
 
 static void points_have_the_path_tracers_values(void **unused) {
-    (void)unused;
     for (int lights = 0; lights < 3; lights++) {
         const sl_bidirectional_point_settings settings = {.samples = 3000, .bounces = 4};
         world w = open_world(rich_scene(lights), &settings);
@@ -187,7 +185,6 @@ static void one_of_many(void *context, size_t index, unsigned worker) {
 }
 
 static void values_are_the_same_bits_at_any_time_and_with_any_threads(void **unused) {
-    (void)unused;
     sl_bidirectional_value expected[12];
     for (unsigned threads = 1; threads <= 3; threads++) {
         world w = open_world(rich_scene(0), NULL);
@@ -207,7 +204,6 @@ static void values_are_the_same_bits_at_any_time_and_with_any_threads(void **unu
 /* Nothing shines; the point touches the lamp; the lamp lies in the wall; scenes of any size, with normals at
  * right angles to sense. */
 static void degenerate_points_have_finite_values(void **unused) {
-    (void)unused;
     static const float sizes[] = {1e-12f, 1.0f, 1e12f};
     for (int i = 0; i < 3; i++) {
         for (int lit = 0; lit < 2; lit++) {

@@ -236,7 +236,6 @@ static void check_weights_of_pair(const world *w, const sl_subpath *eye, const s
 }
 
 static void the_shares_of_all_ways_are_those_of_their_densities_and_sum_to_one(void **unused) {
-    (void)unused;
     sl_transport full = transport_of("full");
     static const unsigned lights[] = {1, 2, 4, 8, 16, 33, 63};
     for (unsigned i = 0; i < 7; i++) {

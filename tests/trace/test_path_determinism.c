@@ -23,7 +23,6 @@ static trace_picture render(const sl_scene *scene, const char *transport, uint64
 /* Another seed gives another picture, the same seed the same, in whatever order the samples are taken, up to
  * the rounding of the sums. */
 static void the_seed_and_nothing_else_chooses_the_samples(void **unused) {
-    (void)unused;
     sl_scene *scene = rich_scene();
     trace_picture a = render(scene, "full", 5, false), b = render(scene, "full", 6, false),
                   c = render(scene, "full", 5, true);
@@ -44,7 +43,6 @@ static void the_seed_and_nothing_else_chooses_the_samples(void **unused) {
 /* The mean of all is the mean of the halves; and the halves' errors are not correlated, so that their
  * difference is the noise. */
 static void the_two_halves_are_independent(void **unused) {
-    (void)unused;
     sl_scene *scene = rich_scene();
     trace_picture p = render(scene, "direct", 5, false);
     enum { TRIALS = 24 };

@@ -139,7 +139,6 @@ static void check_picture(const trace_picture *p, const char *first, const char 
 }
 
 static void cornell_box_with_one_bounce_agrees_with_three_renderers(void **unused) {
-    (void)unused;
     trace_picture p = picture_of("one-bounce");
     check_patches(&p, false);
     check_masked_means(&p, (const double[3]){.0786, .0497, .01295});
@@ -149,7 +148,6 @@ static void cornell_box_with_one_bounce_agrees_with_three_renderers(void **unuse
 }
 
 static void cornell_box_with_all_bounces_agrees_with_three_renderers(void **unused) {
-    (void)unused;
     trace_picture p = picture_of("full");
     check_patches(&p, true);
     check_masked_means(&p, (const double[3]){.10605, .06456, .01559});

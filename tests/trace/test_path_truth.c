@@ -31,7 +31,6 @@ static void check(measurement m, double expected, double model) {
 }
 
 static void furnace_radiance_is_the_geometric_series(void **unused) {
-    (void)unused;
     const double albedo = 0.6;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t wall = trace_mesh_material(&mesh, (float)albedo, 0, 0, 0, 1.0f);
@@ -63,7 +62,6 @@ static sl_scene *floor_under_light(sl_vec3 corner, sl_vec3 a, sl_vec3 b, float r
 }
 
 static void direct_light_on_a_floor_is_the_polygon_formula(void **unused) {
-    (void)unused;
     sl_scene *scene =
         floor_under_light(sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), 5.0f);
     sl_vec3 eye = sl_v3(0.35f, 0.2f, 1.0f), down = sl_v3(0, 0, -1);
@@ -83,7 +81,6 @@ static void direct_light_on_a_floor_is_the_polygon_formula(void **unused) {
 
 /* Under a sky of radiance 1 a surface shows its directional albedo. */
 static void phong_lobe_has_its_directional_albedo(void **unused) {
-    (void)unused;
     /* n = 20, in steps of 15 degrees */
     static const double albedo[] = {1.0000, 0.9659, 0.8660, 0.7071, 0.5005, 0.2712};
     trace_mesh mesh = trace_mesh_begin();
@@ -106,7 +103,6 @@ static void phong_lobe_has_its_directional_albedo(void **unused) {
 }
 
 static void mirrors_are_followed_where_the_transport_says(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0),
              light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
@@ -143,7 +139,6 @@ static void mirrors_are_followed_where_the_transport_says(void **unused) {
 }
 
 static void direct_light_without_visibility_passes_blockers(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
              light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
@@ -174,7 +169,6 @@ static sl_scene *floor_and_lit_ceiling(bool screen) {
 }
 
 static void gathering_without_visibility_sees_through_surfaces(void **unused) {
-    (void)unused;
     sl_scene *open = floor_and_lit_ceiling(false), *screened = floor_and_lit_ceiling(true);
     sl_vec3 eye = sl_v3(0.3f, 0.1f, 0.5f), down = sl_v3(0, 0, -1);
     sl_transport indirect = transport_of("one-bounce"), through;

@@ -106,7 +106,6 @@ static void expect_the_same_hits(const sl_scene *scene, const char *config) {
 }
 
 static void rays_hit_copies_as_they_hit_the_triangles(void **unused) {
-    (void)unused;
     static const char *const embree[] = {NULL, "isa=sse2", "isa=avx"};
     for (int e = 0; e < 3; e++) {
         sl_scene *scene = field(e == 2 ? 3000.0 : 0.0);
@@ -116,7 +115,6 @@ static void rays_hit_copies_as_they_hit_the_triangles(void **unused) {
 }
 
 static void copies_are_known_by_their_corners(void **unused) {
-    (void)unused;
     sl_scene *scene = field(0.0);
     sl_copies copies;
     assert_int_equal(sl_copies_find(scene, 1, &copies, NULL), SL_OK);

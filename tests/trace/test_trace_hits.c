@@ -84,7 +84,6 @@ static const char *embree_for(const char *config) {
     bool wide = config && strcmp(config, "isa=avx512") == 0;
     return wide && !__builtin_cpu_supports("avx512vl") ? NULL : config;
 #else
-    (void)config;
     return NULL;
 #endif
 }
@@ -104,7 +103,6 @@ static ray *aimed_rays(const sl_scene *scene, sl_vec3 centre, float radius) {
 }
 
 static void every_instruction_set_and_packet_shape_gives_the_same_bits(void **unused) {
-    (void)unused;
     sl_vec3 centre = sl_v3(3.0f, -2.0f, 10.0f);
     sl_scene *scene = bumpy_sphere(40, centre, 5.0f);
     ray *rays = aimed_rays(scene, centre, 5.0f);
@@ -134,7 +132,6 @@ static void every_instruction_set_and_packet_shape_gives_the_same_bits(void **un
 }
 
 static void a_closed_mesh_is_never_missed_from_inside(void **unused) {
-    (void)unused;
     static const sl_vec3 centres[] = {{0, 0, 0}, {1000.0f, -3000.0f, 500.0f}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0},
                                       {0, 0, 0}};
     static const float radii[] = {1.0f, 3.0f, 1e-6f, 1e12f, 1e-15f, 1e25f};
@@ -185,7 +182,6 @@ static hit nearest_of_all(const sl_scene *scene, ray r) {
 }
 
 static void the_hierarchy_loses_no_hit(void **unused) {
-    (void)unused;
     sl_vec3 centre = sl_v3(0.5f, 0.25f, 0.0f);
     sl_scene *scene = bumpy_sphere(24, centre, 2.0f);
     ray *rays = aimed_rays(scene, centre, 2.0f);
@@ -210,7 +206,6 @@ static void the_hierarchy_loses_no_hit(void **unused) {
 }
 
 static void occlusion_agrees_with_the_closest_hit(void **unused) {
-    (void)unused;
     sl_vec3 centre = sl_v3(0, 0, 0);
     sl_scene *scene = bumpy_sphere(30, centre, 1.0f);
     ray *rays = aimed_rays(scene, centre, 1.0f);
@@ -254,7 +249,6 @@ static void occlusion_agrees_with_the_closest_hit(void **unused) {
 }
 
 static void equal_distances_go_to_the_lower_index(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     for (int copy = 0; copy < 20; copy++)
@@ -277,7 +271,6 @@ static void equal_distances_go_to_the_lower_index(void **unused) {
 }
 
 static void slivers_are_hit_inside_their_box_or_not_at_all(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     for (int i = 0; i < 2000; i++) {
@@ -337,7 +330,6 @@ static void slivers_are_hit_inside_their_box_or_not_at_all(void **unused) {
 }
 
 static void far_origins_and_extreme_directions_hit_the_same_point(void **unused) {
-    (void)unused;
     sl_vec3 centre = sl_v3(0, 0, 0);
     sl_scene *scene = bumpy_sphere(30, centre, 1.0f);
     enum { COUNT = 4800 };
@@ -376,7 +368,6 @@ static void far_origins_and_extreme_directions_hit_the_same_point(void **unused)
 }
 
 static void rays_that_are_none_hit_nothing(void **unused) {
-    (void)unused;
     sl_scene *scene = bumpy_sphere(10, sl_v3(0, 0, 0), 1.0f);
     sl_tracer *tracer = make_tracer(scene, NULL);
     sl_ray16 packet;
@@ -404,7 +395,6 @@ static void rays_that_are_none_hit_nothing(void **unused) {
 }
 
 static void masked_texels_let_rays_through(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t leaf = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
              wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);

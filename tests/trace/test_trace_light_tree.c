@@ -34,7 +34,6 @@ static sl_light_tree *plant(const sl_scene *scene) {
 }
 
 static void chances_are_those_of_being_chosen_and_sum_to_one(void **state) {
-    (void)state;
     sl_scene *scene = ceiling_of_lamps();
     sl_light_tree *tree = plant(scene);
     const sl_vec3 places[3] = {{0.3f, 0.4f, 0.0f}, {7.1f, 5.1f, 1.9f}, {-20.0f, 3.0f, 0.5f}};
@@ -62,7 +61,6 @@ static void chances_are_those_of_being_chosen_and_sum_to_one(void **state) {
 }
 
 static void what_cannot_shine_on_the_receiver_is_not_chosen(void **state) {
-    (void)state;
     sl_scene *scene = ceiling_of_lamps();
     sl_light_tree *tree = plant(scene);
     const sl_vec3 place[3] = {{3.0f, 2.0f, 0.0f}, {3.0f, 2.0f, 3.0f}, {-0.5f, 2.0f, 2.5f}};
@@ -81,7 +79,6 @@ static void what_cannot_shine_on_the_receiver_is_not_chosen(void **state) {
 /* Positions that are not finite, on a lamp's own corner, and within its plane: a choice or none, never a NaN.
  */
 static void odd_places_are_survived(void **state) {
-    (void)state;
     sl_scene *scene = ceiling_of_lamps();
     sl_light_tree *tree = plant(scene);
     const sl_vec3 places[5] = {

@@ -54,7 +54,6 @@ static void check_irradiance(const sl_scene *scene, sl_vec3 p, sl_vec3 normal, d
 
 /* Quads of radiance 5 whose irradiance is known from Lambert's polygon formula. */
 static void irradiance_from_quads_is_that_of_the_polygon_formula(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
@@ -76,7 +75,6 @@ static void irradiance_from_quads_is_that_of_the_polygon_formula(void **unused) 
 
 /* Upper half 2, lower half 0, one texel of 500: the irradiance is summed over the texels by quadrature. */
 static void a_sky_picture_is_sampled_without_bias(void **unused) {
-    (void)unused;
     enum { W = 16, H = 8 };
     float texels[3 * W * H] = {0};
     for (int i = 0; i < 3 * W * H / 2; i++) texels[i] = 2.0f;
@@ -108,7 +106,6 @@ static void a_sky_picture_is_sampled_without_bias(void **unused) {
 }
 
 static void lights_without_extent_are_exact_and_mix_with_the_others(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
@@ -132,7 +129,6 @@ static void lights_without_extent_are_exact_and_mix_with_the_others(void **unuse
 }
 
 static void degenerate_questions_are_answered_with_nothing(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f),
              grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);

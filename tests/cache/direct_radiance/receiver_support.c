@@ -143,7 +143,6 @@ void free_photons(sl_map_photons *photons) {
 
 bool meet_unit_sphere(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
                       sl_vec3d *normal) {
-    (void)context;
     double length = sl_lengthd(direction);
     sl_vec3d d = sl_scaled(direction, 1.0 / length);
     double b = sl_dotd(light, d), t = -b + sqrt(b * b - sl_dotd(light, light) + 1.0);
@@ -154,7 +153,6 @@ bool meet_unit_sphere(const void *context, sl_vec3d light, sl_vec3d direction, s
 
 bool meet_unit_cube(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
                     sl_vec3d *normal) {
-    (void)context;
     const double o[3] = {light.x, light.y, light.z}, d[3] = {direction.x, direction.y, direction.z};
     double nearest = 1e300, n[3] = {0, 0, 0};
     for (int a = 0; a < 3; a++) {
@@ -171,7 +169,6 @@ bool meet_unit_cube(const void *context, sl_vec3d light, sl_vec3d direction, sl_
 
 bool meet_floor(const void *context, sl_vec3d light, sl_vec3d direction, sl_vec3d *position,
                 sl_vec3d *normal) {
-    (void)context;
     *normal = sl_v3d(0, 0, 1);
     if (!(direction.z < 0.0)) return false;
     *position = sl_addd(light, sl_scaled(direction, -light.z / direction.z));

@@ -193,7 +193,6 @@ static float lobe_towards(float x, float y, float exponent, sl_vec3 at, sl_vec3 
 }
 
 static void a_sharp_lobe_shows_a_lamps_point_as_a_disc_with_hard_rims(void **state) {
-    (void)state;
     const sl_vec3 middle = sl_v3(0, 0, 1), facing = sl_v3(0, 0, -1), turned = sl_v3(0, 0.8f, -0.6f);
     const float inside = 2.0f / (1e5f * 0.04f);
     assert_true(fabsf(lobe_towards(0.18f, 0, 1e5f, middle, facing) / inside - 1) < 0.01f);
@@ -204,7 +203,6 @@ static void a_sharp_lobe_shows_a_lamps_point_as_a_disc_with_hard_rims(void **sta
 }
 
 static void a_lobe_is_finite_towards_discs_seen_from_their_edge_or_from_within(void **state) {
-    (void)state;
     const sl_vec3 at[] = {{0, 0, 1}, {0, 0, 0}, {0, 0, 1e-30f}, {0, 0, 1e18f}},
                   normal[] = {{0, 1, 0}, {0, 0, -1}, {0, 0, 0}, {0, 0, 1}};
     for (int i = 0; i < 4 * 4 * 3; i++) {

@@ -52,7 +52,6 @@ static void sum_flux_of_texels(const sl_scene *scene, sl_map_light light, int w,
 /* ---- flux ---- */
 
 static void grouping_leaves_the_sum_of_flux_as_it_is(void **state) {
-    (void)state;
     sl_scene *scene = room_with_table(0.3f);
     sl_map_light light = light_at(sl_v3(0.2f, 0.4f, 0.1f));
     double texels[3], sum[3];
@@ -87,7 +86,6 @@ static sl_map_photons *photons_of_two(const sl_scene *scene, sl_vec3 left, sl_ve
 }
 
 static void a_block_across_an_edge_has_a_photon_on_each_side(void **state) {
-    (void)state;
     sl_scene *scene = room_with_table(0.5f);
     sl_vec3 wall = sl_v3(1, 0, -0.2f), other = sl_v3(0.9f, 0, 0.3f);
     sl_map_photons *photons = photons_of_two(scene, wall, sl_v3(-1, 0, 0), other, sl_v3(0, 0, -1));
@@ -99,7 +97,6 @@ static void a_block_across_an_edge_has_a_photon_on_each_side(void **state) {
 }
 
 static void a_table_and_the_floor_below_it_are_two_photons(void **state) {
-    (void)state;
     sl_scene *scene = room_with_table(0.5f);
     sl_vec3 near = sl_v3(0.5f, 0, -0.1f), far = sl_v3(1, 0, 0.2f), normal = sl_v3(-1, 0, 0);
     sl_map_photons *photons = photons_of_two(scene, near, normal, far, normal);
@@ -111,7 +108,6 @@ static void a_table_and_the_floor_below_it_are_two_photons(void **state) {
 }
 
 static void facets_of_a_curved_surface_are_one_photon(void **state) {
-    (void)state;
     sl_scene *scene = room_with_table(0.5f);
     hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 4, 1);
     sl_vec3d mean = {0, 0, 0};
@@ -141,7 +137,6 @@ static void facets_of_a_curved_surface_are_one_photon(void **state) {
 }
 
 static void a_block_of_many_surfaces_has_four_photons(void **state) {
-    (void)state;
     sl_scene *scene = room_with_table(0.5f);
     hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 8, 1);
     uint64_t key = sl_random_key(3, 1);
@@ -167,7 +162,6 @@ static void a_block_of_many_surfaces_has_four_photons(void **state) {
 /* ---- radiance ---- */
 
 static void filtered_radiance_is_the_mean_of_the_block(void **state) {
-    (void)state;
     sl_scene *scene = room_with_table(0.5f);
     for (int texels = 2; texels <= 8; texels *= 2) {
         hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 2 * texels, 2);

@@ -46,7 +46,6 @@ static uint64_t counted(const sl_method *method, sl_counter counter) {
 /* ---- layers ---- */
 
 static void the_picture_is_emission_and_direct_and_indirect_light(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = radiance_settings(48);
     sl_image *image = render(scene, &settings, NULL);
@@ -65,7 +64,6 @@ static void the_picture_is_emission_and_direct_and_indirect_light(void **state) 
 
 /* R, G and B are the same without the layers; and a picture may be resolved again, for nothing. */
 static void a_picture_without_layers_is_the_same_picture(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-mirror.json");
     sl_settings settings = radiance_settings(50), bare;
     bare = settings;
@@ -111,7 +109,6 @@ static sl_scene *lit_by(bool first, bool second) {
 }
 
 static void the_light_of_two_lights_is_the_sum_of_each(void **state) {
-    (void)state;
     sl_settings settings = radiance_settings(32);
     sl_image *image[3];
     for (int k = 0; k < 3; k++) {
@@ -129,7 +126,6 @@ static void the_light_of_two_lights_is_the_sum_of_each(void **state) {
 /* ---- every frame anew ---- */
 
 static void frame_k_alone_is_frame_k_of_the_series(void **state) {
-    (void)state;
     const char *const scenes[] = {"scenes/moving-light.json", "scenes/moving-ball.json"};
     for (int k = 0; k < 2; k++) {
         sl_scene *scene = load_scene(scenes[k]);
@@ -153,7 +149,6 @@ static void frame_k_alone_is_frame_k_of_the_series(void **state) {
 }
 
 static void a_new_camera_keeps_what_the_lights_see(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = radiance_settings(32);
     sl_method *method = created_method(scene, &settings);
@@ -185,7 +180,6 @@ static sl_counters cost_of(const char *json, const char *obj) {
 }
 
 static void without_light_there_is_one_pass(void **state) {
-    (void)state;
     sl_counters c = cost_of(
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": {\"radiance\": [1, 1, 1]},"
         " \"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 60}}",

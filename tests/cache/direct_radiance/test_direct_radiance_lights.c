@@ -58,7 +58,6 @@ static double integral_over_sphere(const sl_map_light *light) {
 }
 
 static void every_kind_of_lights_intensity_adds_up_to_its_flux_over_the_sphere(void **state) {
-    (void)state;
     trace_mesh mesh = floor_mesh();
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 3.0f);
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 5.0f);
@@ -87,7 +86,6 @@ static double flux_of(const sl_map_lights *lights) {
 }
 
 static void a_quad_is_n_x_n_points_that_share_its_intensity(void **state) {
-    (void)state;
     trace_mesh mesh = floor_mesh();
     add_panel(&mesh, 0, 3, 1, trace_mesh_material(&mesh, 0, 0, 0, 0, 2));
     sl_scene *scene = trace_mesh_build(&mesh);
@@ -109,7 +107,6 @@ static void a_quad_is_n_x_n_points_that_share_its_intensity(void **state) {
 }
 
 static void a_solid_lamp_shines_from_points_of_its_surface(void **state) {
-    (void)state;
     const sl_vec3 middle = sl_v3(0, 2, 0);
     trace_mesh mesh = floor_mesh();
     trace_mesh_sphere(&mesh, middle, 0.4f, 40, 0.0f, false, trace_mesh_material(&mesh, 0, 0, 0, 0, 2));
@@ -131,7 +128,6 @@ static void a_solid_lamp_shines_from_points_of_its_surface(void **state) {
 }
 
 static void of_too_many_lights_the_strongest_shine_for_all(void **state) {
-    (void)state;
     trace_mesh mesh = floor_mesh();
     uint32_t glowing = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
     for (int i = 0; i < 60; i++) /* bulbs, which have fewer points each */
@@ -160,7 +156,6 @@ static void of_too_many_lights_the_strongest_shine_for_all(void **state) {
 /* ---- footprint ---- */
 
 static void solid_angles_of_a_picture_s_parts_add_up_to_the_picture_s(void **state) {
-    (void)state;
     static const double fovs[] = {0.01, 0.7, SL_PI / 2, 2.0, 3.1};
     for (size_t f = 0; f < sizeof fovs / sizeof *fovs; f++) {
         double t = sl_tan(0.5 * fovs[f]), s = sl_sin(0.5 * fovs[f]), sum = 0.0;
@@ -177,7 +172,6 @@ static void solid_angles_of_a_picture_s_parts_add_up_to_the_picture_s(void **sta
 }
 
 static void the_printed_footprint_exceeds_the_true_one_as_the_specification_found(void **state) {
-    (void)state;
     double printed = 16.0 * 16.0 * sl_printed_footprint(1.0, SL_PI / 2, 16),
            true_sum = sl_rectangle_solid_angle(-1, -1, 1, 1);
     double middle = sl_rectangle_solid_angle(0, 0, 0.125, 0.125),
@@ -191,7 +185,6 @@ static void the_printed_footprint_exceeds_the_true_one_as_the_specification_foun
  * to the plane along (x, y, 1) is 1 / (1 + x tan 30), so the area is the integral of 1 / (cos 30 (1 + x tan
  * 30)^3). */
 static void the_tilted_footprint_is_right_to_little_more_than_a_hundredth_at_30_degrees(void **state) {
-    (void)state;
     double cosine = sqrt(0.75), tangent = sqrt(1.0 / 3.0), side = 0.125, sum = 0.0;
     for (int i = 0; i < 1000; i++) {
         double x = -0.5 * side + side * (i + 0.5) / 1000.0, q = 1.0 + x * tangent;

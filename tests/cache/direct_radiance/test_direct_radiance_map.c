@@ -146,7 +146,6 @@ static double distance_to_triangle(const sl_scene *s, uint32_t t, sl_vec3 p) {
 /* ---- positions ---- */
 
 static void every_position_lies_on_its_triangle_where_its_ray_points(void **state) {
-    (void)state;
     how h = by_default();
     world w = lit_by_every_kind(&h);
     const sl_radiance_map *map = w.map;
@@ -173,7 +172,6 @@ static void every_position_lies_on_its_triangle_where_its_ray_points(void **stat
 }
 
 static void eight_bit_positions_err_by_at_most_a_510th_of_the_box(void **state) {
-    (void)state;
     trace_mesh mesh = furnished();
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
     how h = by_default();
@@ -218,7 +216,6 @@ static sl_rgb direct_radiance(const world *w, const sl_map_light *light, size_t 
 }
 
 static void the_radiance_picture_is_direct_light_at_the_same_points(void **state) {
-    (void)state;
     how h = by_default();
     world w = lit_by_every_kind(&h);
     int lit = 0;
@@ -240,7 +237,6 @@ static void the_radiance_picture_is_direct_light_at_the_same_points(void **state
 }
 
 static void true_colour_and_normals_are_there_exactly_when_asked_for(void **state) {
-    (void)state;
     trace_mesh mesh = furnished();
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
     how h = by_default();
@@ -280,7 +276,6 @@ static double captured(world *w, const how *base, sl_map_shape shape, double deg
 }
 
 static void the_captured_share_of_the_flux_is_what_each_shape_can_hold(void **state) {
-    (void)state;
     how h = by_default();
     trace_mesh mesh = furnished();
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 2.2f, 2, 2.6f);
@@ -310,7 +305,6 @@ static void the_captured_share_of_the_flux_is_what_each_shape_can_hold(void **st
 }
 
 static void a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empty_texels(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-1, 0, 1), sl_v3(2, 0, 0), sl_v3(0, 0, -2), m);
@@ -341,7 +335,6 @@ static void a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empt
 /* ---- area lights ---- */
 
 static void an_area_light_does_not_see_itself_and_what_lies_behind_it(void **state) {
-    (void)state;
     trace_mesh mesh = furnished();
     add_panel(&mesh, 1.7f, 2.9f, 1.2f, 0.8f);
     add_panel(&mesh, 0.4f, 2.7f, 3.2f, 0.8f); /* of another light: seen */
@@ -366,7 +359,6 @@ static void an_area_light_does_not_see_itself_and_what_lies_behind_it(void **sta
 }
 
 static void a_two_sided_light_has_a_hemicube_on_either_side(void **state) {
-    (void)state;
     trace_mesh mesh = furnished();
     trace_mesh_quad(&mesh, sl_v3(2, 1.7f, 2), sl_v3(0.5f, 0, 0), sl_v3(0, 0, 0.5f),
                     trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
@@ -410,7 +402,6 @@ static size_t mirrored_texels(const sl_radiance_map *map) {
 
 /* As if it came from the light's image L' behind the mirror. */
 static void a_mirror_beside_the_light_shows_real_positions_at_unfolded_distances(void **state) {
-    (void)state;
     trace_mesh mesh = mirror_scene(true);
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 0.4f, 1, 0.1f);
     how h = by_default();
@@ -437,7 +428,6 @@ static void a_mirror_beside_the_light_shows_real_positions_at_unfolded_distances
 }
 
 static void parallel_light_is_mirrored_too(void **state) {
-    (void)state;
     trace_mesh mesh = mirror_scene(true);
     sl_light light = light_at(SL_LIGHT_DIRECTIONAL, 0, 0, 0);
     light.direction = sl_normalize_or(sl_v3(1, -0.7f, 0.2f), sl_v3(0, -1, 0));
@@ -465,7 +455,6 @@ static void parallel_light_is_mirrored_too(void **state) {
 }
 
 static void a_ball_throws_the_light_that_it_mirrors_onto_real_surfaces(void **state) {
-    (void)state;
     trace_mesh mesh = furnished();
     trace_mesh_sphere(&mesh, sl_v3(2.9f, 1.2f, 3.4f), 0.5f, 32, 0, false,
                       trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));

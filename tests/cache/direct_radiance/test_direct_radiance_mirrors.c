@@ -37,7 +37,6 @@ static sl_image *seen_from(float x, float towards, const char *mirror) {
 /* Seen by way of the mirror x = 0, and from the eye's mirror image: the same turned round, times the mirror's
  * reflectance; there is no light by way of the mirror in the second, so the indirect part may be less. */
 static void a_mirror_shows_what_its_image_of_the_eye_sees_and_dims_it(void **state) {
-    (void)state;
     static const char *const layers[] = {"emission.", "direct.", "indirect."};
     static const float reflectance[3] = {0.9f, 0.6f, 0.3f};
     sl_image *mirrored = seen_from(1.5f, 0.0f, mirror_obj), *straight = seen_from(-1.5f, 0.0f, "");
@@ -64,7 +63,6 @@ static void a_mirror_shows_what_its_image_of_the_eye_sees_and_dims_it(void **sta
 
 /* A ray that neither ends nor leaves is black, and finite. */
 static void mirrors_face_to_face_come_to_an_end(void **state) {
-    (void)state;
     sl_image *image =
         seen_from(1.5f, 0.0f,
                   "usemtl glass\nf 11 12 13 14\nv 2.9 -9 -9\nv 2.9 9 -9\nv 2.9 9 9\nv 2.9 -9 9\n"

@@ -48,7 +48,6 @@ static void assert_photons_are_sound(const sl_map_photons *photons) {
 /* ---- where ---- */
 
 static void photon_i_k_lies_at_the_middle_of_its_block(void **state) {
-    (void)state;
     sl_scene *scene = room(0.5f, 0);
     const int m = 3, texels = 5;
     hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, m * texels, m);
@@ -72,7 +71,6 @@ static void photon_i_k_lies_at_the_middle_of_its_block(void **state) {
 /* ---- how much ---- */
 
 static void flux_is_reflectance_times_intensity_times_solid_angle_over_pi(void **state) {
-    (void)state;
     sl_scene *scene = room(0.5f, 0);
     sl_raster *raster;
     assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
@@ -103,7 +101,6 @@ static void flux_is_reflectance_times_intensity_times_solid_angle_over_pi(void *
 }
 
 static void printed_areas_are_those_of_12_and_13(void **state) {
-    (void)state;
     sl_scene *scene = room(0.5f, 0);
     const int m = 4;
     hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 12, m);
@@ -125,7 +122,6 @@ static void printed_areas_are_those_of_12_and_13(void **state) {
 /* ---- lights one after another, mirrors ---- */
 
 static void glossy_scenes_keep_the_flux_that_arrives_and_the_lobe(void **state) {
-    (void)state;
     sl_scene *scene = room(0.5f, 0.25f);
     sl_raster *raster;
     assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
@@ -161,7 +157,6 @@ static void glossy_scenes_keep_the_flux_that_arrives_and_the_lobe(void **state) 
 }
 
 static void mirrored_texels_arrive_from_where_they_say(void **state) {
-    (void)state;
     sl_scene *scene = room(0.5f, 0);
     hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 2, 2);
     hand_texel(h, 0, 0, sl_v3(0, -1, 0), sl_v3(0, 1, 0), sl_grey(0.5f));
@@ -188,7 +183,6 @@ static void mirrored_texels_arrive_from_where_they_say(void **state) {
 /* ---- polygons ---- */
 
 static void polygons_are_where_corner_rays_meet_the_tangent_plane(void **state) {
-    (void)state;
     sl_scene *scene = room(0.5f, 0);
     sl_radiance_map_settings polygons = points;
     polygons.weight = SL_WEIGHT_POLYGON;
@@ -214,7 +208,6 @@ static void polygons_are_where_corner_rays_meet_the_tangent_plane(void **state) 
 /* ---- hard cases ---- */
 
 static void photons_too_near_to_their_light_are_dropped_and_counted(void **state) {
-    (void)state;
     sl_scene *scene = room(0.5f, 0); /* of diagonal 3.46 */
     hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 2, 2);
     hand_texel(h, 0, 0, sl_v3(3.4e-4f, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.5f));

@@ -65,7 +65,6 @@ static bool plan_says(const sl_scene *scene, const sl_settings *settings, const 
 }
 
 static void a_plan_tells_of_light_through_walls(void **state) {
-    (void)state;
     const char *line = "\nlimit indirect light goes through walls";
     sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
     trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
@@ -79,7 +78,6 @@ static void a_plan_tells_of_light_through_walls(void **state) {
 /* ---- captured ---- */
 
 static void a_picture_tells_how_much_of_the_flux_its_map_holds(void **state) {
-    (void)state;
     trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
@@ -102,7 +100,6 @@ static void a_picture_tells_how_much_of_the_flux_its_map_holds(void **state) {
 /* A closed convex room loses nothing, whatever the number of photons; where their light has the inverse
  * square alone. */
 static void in_a_convex_room_all_reflected_flux_arrives_once(void **state) {
-    (void)state;
     static const float specular[] = {0.0f, 0.3f};
     for (int i = 0; i < 2; i++) {
         trace_mesh mesh = room(0.5f, specular[i], sl_v3(2, 1.6f, 2.3f));
@@ -122,7 +119,6 @@ static void in_a_convex_room_all_reflected_flux_arrives_once(void **state) {
 }
 
 static void light_through_walls_is_warned_of(void **state) {
-    (void)state;
     sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
     for (int walls = 0; walls < 4; walls += 3) {
         trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 0.5f));
@@ -138,7 +134,6 @@ static void light_through_walls_is_warned_of(void **state) {
 }
 
 static void a_sky_that_lights_nothing_is_warned_of(void **state) {
-    (void)state;
     sl_settings s = settings_with(SL_WEIGHT_FLUX, 4);
     sl_scene *sky = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], "
                                     "\"environment\": {\"radiance\": [1, 1, 1]}}",
@@ -150,7 +145,6 @@ static void a_sky_that_lights_nothing_is_warned_of(void **state) {
 /* ---- (15) ---- */
 
 static void weight_15_warns_where_the_scene_is_ten_times_the_lights_way(void **state) {
-    (void)state;
     for (int far = 0; far < 2; far++) {
         trace_mesh mesh = room(0.5f, 0, sl_v3(2, 1.6f, 2.3f));
         /* outside, and far away */

@@ -108,7 +108,6 @@ static flashes flashes_of(const film *f, const film *reference) {
 }
 
 static void a_gliding_light_flashes_with_points_and_less_with_groups(void **state) {
-    (void)state;
     sl_scene *scene = room_with_box();
     sl_raster *raster;
     assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);

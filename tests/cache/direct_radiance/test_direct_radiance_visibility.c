@@ -80,7 +80,6 @@ static float from_shadow(int x, int y) {
 }
 
 static void rays_leave_the_plates_shadow_on_the_floor(void **state) {
-    (void)state;
     stage s = make_stage(true);
     sl_map_photons *photons = ceiling_photons(1);
     sl_counters costs = {{0}}, none = {{0}};
@@ -103,7 +102,6 @@ static void rays_leave_the_plates_shadow_on_the_floor(void **state) {
 
 /* The mean of a group of texels on a ball lies inside the ball. */
 static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_sphere(&mesh, sl_v3(0, 1, 0), 0.5f, 32, 0.0f, false, grey);

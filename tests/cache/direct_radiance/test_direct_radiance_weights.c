@@ -18,7 +18,6 @@ static sl_vec3d unit_direction(uint64_t key, uint64_t i) {
 
 /* E = rho Phi / (4 pi R^2) everywhere, for any light and any m: here rho I / R^2. */
 static void plain_weight_is_exact_inside_a_diffuse_sphere(void **state) {
-    (void)state;
     const sl_vec3d lights[] = {{0, 0, 0}, {0.3, -0.2, 0.4}, {-0.6, 0.1, 0.5}};
     const int ms[] = {1, 2, 3, 8};
     uint64_t key = sl_random_key(1, 2);
@@ -66,7 +65,6 @@ static figures measure(const sl_map_photons *photons, sl_photon_weight weight, c
 }
 
 static void cube_room_has_the_ratios_of_each_weight(void **state) {
-    (void)state;
     const sl_vec3d light = {0.5, 0.5, 0.9};
     const int ms[3] = {3, 8, 16};
     static const struct {
@@ -110,12 +108,10 @@ static double over_the_floor(sl_photon_weight weight, int m, sl_vec3d x) {
 }
 
 static void plain_weight_over_a_floor_patch_is_right_to_a_sixth_of_a_percent(void **state) {
-    (void)state;
     assert_true(fabs(over_the_floor(SL_WEIGHT_PLAIN, 3, sl_v3d(0, 0, 2)) - 1.0) < 1.6e-3);
 }
 
 static void polygons_hold_close_to_the_floor_where_other_weights_fail(void **state) {
-    (void)state;
     const struct {
         sl_photon_weight weight;
         double at_3, at_8;
@@ -152,7 +148,6 @@ static double ahead(const sl_map_photons *p, sl_photon_weight weight, double r) 
 /* A coaxial disc's cosine-weighted solid angle is pi R^2 / (r^2 + R^2): what flux has. (14) has 1 for pi as
  * its limit. */
 static void flux_weight_is_a_coaxial_disc_and_printed_14_is_not(void **state) {
-    (void)state;
     sl_map_photons *p = one_photon(SL_PI); /* R = 1 */
     for (double r = 1e-4; r < 1e4; r *= 1.7) {
         double exact = SL_PI / (r * r + 1.0);
@@ -176,7 +171,6 @@ static void flux_weight_is_a_coaxial_disc_and_printed_14_is_not(void **state) {
 
 /* A square of half side a: 4 L q atan q, q = a / sqrt(a^2 + r^2). */
 static void polygon_weight_is_exact_for_a_uniform_square(void **state) {
-    (void)state;
     sl_map_photons *p = one_photon(4.0);
     p->polygon = calloc(1, sizeof *p->polygon);
     assert_non_null(p->polygon);
@@ -199,7 +193,6 @@ static void polygon_weight_is_exact_for_a_uniform_square(void **state) {
 
 /* A lamp in a hollow ball: polygons jut out of it between its corners, and light nothing on its outside. */
 static void polygons_of_a_curved_sheet_do_not_light_its_other_side(void **state) {
-    (void)state;
     for (unsigned rings = 6; rings <= 16; rings += 5) {
         trace_mesh mesh = trace_mesh_begin();
         trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, rings, 0.0f, false,
@@ -224,7 +217,6 @@ static void polygons_of_a_curved_sheet_do_not_light_its_other_side(void **state)
 }
 
 static void polygon_weight_falls_back_to_flux_without_a_polygon(void **state) {
-    (void)state;
     sl_map_photons *p = cube_photons(meet_unit_cube, NULL, sl_v3d(0.5, 0.5, 0.9), 6, 3, 0.7, sqrt(3.0));
     for (size_t j = 0; j < p->count; j++) p->polygon[j].over_area = 0.0f;
     for (int k = 0; k < 216; k += 5) {
@@ -238,7 +230,6 @@ static void polygon_weight_falls_back_to_flux_without_a_polygon(void **state) {
 /* (11) 2 pi / M, M of the photon's light; (15) A' over the squared diagonal; both whatever way the photon
  * faces. */
 static void printed_11_and_15_know_neither_distance_nor_facing(void **state) {
-    (void)state;
     sl_map_photons *p = make_photons(5, 10.0f);
     for (size_t j = 0; j < 5; j++)
         p->photon[j] = (sl_map_photon){.position = {0, 0, 0},
@@ -267,7 +258,6 @@ static void printed_11_and_15_know_neither_distance_nor_facing(void **state) {
 /* E_j <= pi L_o whatever the distance, the sizes and the tilts, in scenes of 1e-4 and 1e4; and lengths have
  * no unit. */
 static void bounded_weights_are_bounded_at_every_scale(void **state) {
-    (void)state;
     const float scales[3] = {1e-4f, 1.0f, 1e4f};
     uint64_t key = sl_random_key(9, 9);
     for (uint64_t i = 0; i < 3000; i++) {

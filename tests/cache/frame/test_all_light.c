@@ -31,7 +31,6 @@ static double light_of(const sl_scene *scene, uint32_t bounces) {
 }
 
 static void bounces_that_are_left_out_hold_less_than_half_a_per_cent_of_the_light(void **state) {
-    (void)state;
     static const char *const walls[] = {"\"diffuse\": 0.9", "\"diffuse\": 0.7", "\"diffuse\": 0.3"};
     uint32_t before = 64;
     for (int i = 0; i < 3; i++) {
@@ -48,7 +47,6 @@ static void bounces_that_are_left_out_hold_less_than_half_a_per_cent_of_the_ligh
 }
 
 static void where_nothing_is_reflected_there_is_one_bounce(void **state) {
-    (void)state;
     sl_scene *scene = closed_room("\"diffuse\": 0");
     const sl_bounces_measured found = measured(scene);
     assert_true(found.bounces == 1 && found.left == 0.0);

@@ -122,7 +122,6 @@ static void check_series(const char *name, int edits, bool limited) {
 }
 
 static void methods_that_have_followed_are_as_good_as_fresh_ones(void **state) {
-    (void)state;
     for (size_t i = 0; sl_method_name(i); i++) {
         const char *name = sl_method_name(i);
         check_series(name, EDITS, false);

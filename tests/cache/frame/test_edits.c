@@ -50,7 +50,6 @@ static sl_settings settings_for(const char *method) {
 
 /* So small that it has no area, and gives no light. */
 static void a_lamp_that_grows_from_nothing_and_shrinks_to_it_is_lit_and_dark(void **state) {
-    (void)state;
     for (size_t i = 0; sl_method_name(i); i++) {
         for (int shrinks = 0; shrinks < 2; shrinks++) {
             sl_scene *scene = floor_under_lamp(shrinks ? "1" : "1e-30", shrinks ? "1e-30" : "1", "");
@@ -68,7 +67,6 @@ static void a_lamp_that_grows_from_nothing_and_shrinks_to_it_is_lit_and_dark(voi
 /* The meshes' thresholds go by the light in the scene: that of now. Lamps that have not moved keep their
  * samples, and meshes what they were cut into. */
 static void meshes_are_as_fine_as_the_light_of_now_asks_for(void **state) {
-    (void)state;
     const char *const still = ", {\"type\": \"point\", \"position\": [1, 1, 0], \"intensity\": 0.2}";
     const sl_settings settings = settings_for("multi-mesh");
     for (int both = 0; both < 2; both++) {
@@ -81,7 +79,6 @@ static void meshes_are_as_fine_as_the_light_of_now_asks_for(void **state) {
 }
 
 static void before_its_first_sample_the_shading_cache_guesses_by_the_light_of_now(void **state) {
-    (void)state;
     sl_scene *scene = floor_under_lamp("30", "0.1", "");
     const sl_settings settings = settings_for("shading-cache");
     sl_method *method, *other;
@@ -125,7 +122,6 @@ static void look_from(sl_scene *scene, float x, float z) {
 
 /* Octrees, voxels and coarse meshes were made around the room that the eye was in. */
 static void an_eye_in_another_room_far_away_sees_it_as_a_new_method_would(void **state) {
-    (void)state;
     sl_scene *scene = far_rooms();
     for (size_t i = 0; sl_method_name(i); i++) {
         const sl_settings settings = settings_for(sl_method_name(i));

@@ -68,7 +68,6 @@ static void check_entry(size_t i, room_edit kind) {
 }
 
 static void what_the_table_says_is_kept_is_not_computed_again(void **state) {
-    (void)state;
     for (size_t i = 0; i < sizeof entries / sizeof *entries; i++)
         for (int kind = 0; kind < ROOM_EDITS; kind++)
             if (entries[i].kinds >> kind & 1u) check_entry(i, (room_edit)kind);
@@ -104,7 +103,6 @@ static bool is_its_gather(const sl_splat_state *s, const sl_record *r, sl_record
 }
 
 static void every_record_is_its_gather_done_anew(void **state) {
-    (void)state;
     static sl_record_batch batch;
     sl_error error;
     sl_scene *scene;
@@ -122,7 +120,6 @@ static void every_record_is_its_gather_done_anew(void **state) {
 
 /* An older value is shown until its turn comes. */
 static void shading_since_the_last_edit_is_what_a_fresh_cache_computes(void **state) {
-    (void)state;
     sl_error error;
     sl_scene *scene;
     edited_room r = room_at_first(6);
@@ -152,7 +149,6 @@ static void shading_since_the_last_edit_is_what_a_fresh_cache_computes(void **st
 
 /* Of few photons the slices of motion, whole chunks of paths, are more than a picture at rest has. */
 static void a_light_octree_at_rest_emits_no_photon_twice(void **state) {
-    (void)state;
     sl_error error;
     sl_scene *scene;
     sl_method *method[2];
@@ -217,7 +213,6 @@ static double most_apart(const sl_method *method, const sl_method *fresh) {
 /* Of another colour no direct light is sampled but at new vertices. */
 static void when_a_lamp_alone_has_another_power_nothing_is_sampled_and_values_are_within_rounding(
     void **state) {
-    (void)state;
     sl_scene *scene = box_of_light();
     sl_method *method = finished(scene, "shading-cache");
     const sl_shading_state *s = method->state;

@@ -53,7 +53,6 @@ static void add_to_picture(sl_image *image, float offset) {
 }
 
 static void estimates_agree_with_a_converged_reference_for_every_method(void **state) {
-    (void)state;
     static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh",
                                           "shading-cache"};
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
@@ -101,7 +100,6 @@ static double mean_of(const sl_image *image) {
 }
 
 static void a_sky_that_lights_nothing_is_no_light_to_the_paths_matched_either(void **state) {
-    (void)state;
     static const char *const tracers[] = {"path", "bidirectional"};
     /* of boxes light subpaths are joined to the camera */
     static const sl_pixel_filter filters[] = {SL_FILTER_CENTRE, SL_FILTER_BOX};
@@ -131,7 +129,6 @@ static void a_sky_that_lights_nothing_is_no_light_to_the_paths_matched_either(vo
 }
 
 static void a_planted_error_is_what_is_estimated(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-point.json");
     sl_settings settings = small_settings("path", SIZE, SIZE);
     settings.transport = "direct";
@@ -152,7 +149,6 @@ static void a_planted_error_is_what_is_estimated(void **state) {
 }
 
 static void the_bound_holds_for_at_least_nine_of_ten_seeds(void **state) {
-    (void)state;
     enum { SEEDS = 40 };
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", SIZE, SIZE);
@@ -179,7 +175,6 @@ static void the_bound_holds_for_at_least_nine_of_ten_seeds(void **state) {
 }
 
 static void probes_are_the_same_however_they_were_asked_for(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", SIZE, SIZE);
     sl_image *image = render(scene, &settings, NULL);
@@ -205,7 +200,6 @@ static void probes_are_the_same_however_they_were_asked_for(void **state) {
 /* One pixel in a thousand holds nearly all of the error, and the probes are a tenth of the pixels: they have
  * to find it. */
 static void an_error_in_a_single_pixel_is_found(void **state) {
-    (void)state;
     enum { SEEDS = 20 };
     sl_scene *scene = load_scene("scenes/cornell-point.json");
     sl_settings settings = small_settings("path", SIZE, SIZE);
@@ -228,7 +222,6 @@ static void an_error_in_a_single_pixel_is_found(void **state) {
 }
 
 static void a_judgement_traces_until_the_answer_is_clear(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-point.json");
     sl_settings settings = small_settings("path", SIZE, SIZE);
     settings.transport = "direct";
@@ -287,7 +280,6 @@ static sl_error_estimate estimate_beside_a_lamp(double wrong, double planted[2])
 }
 
 static void all_pixels_are_judged_and_surfaces_beside_a_lamp_by_themselves(void **state) {
-    (void)state;
     double planted[2];
     sl_error_estimate e = estimate_beside_a_lamp(0.0, planted);
     assert_true(planted[1] < 0.6 * planted[0]);
@@ -312,7 +304,6 @@ static unsigned surfaces_in(const sl_scene *scene, sl_pixel_filter filter, const
 }
 
 static void pixels_at_the_rim_of_a_lamp_are_no_surfaces_where_pixels_are_boxes(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", SIZE, SIZE);
     sl_error_probe *centres = probe_of(scene, &settings);
@@ -324,7 +315,6 @@ static void pixels_at_the_rim_of_a_lamp_are_no_surfaces_where_pixels_are_boxes(v
 }
 
 static void nothing_is_promised_for_a_picture_with_a_value_that_is_no_number(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-point.json");
     sl_settings settings = small_settings("path", SIZE, SIZE);
     sl_image *image = reference_of(scene, "full", 16);
@@ -342,7 +332,6 @@ static void nothing_is_promised_for_a_picture_with_a_value_that_is_no_number(voi
 
 /* Path tracing with few samples is off most at the rims of lamps: the two halves know. */
 static void a_picture_of_two_halves_knows_its_own_error(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_image *reference = reference_of(scene, "full", 64);
     sl_settings settings = small_settings("path", SIZE, SIZE);
@@ -365,7 +354,6 @@ static void a_picture_of_two_halves_knows_its_own_error(void **state) {
 
 /* Two planted errors, of which the second is so many times the first. */
 static void how_much_of_an_error_is_left_is_told_by_differences_at_the_same_probes(void **state) {
-    (void)state;
     enum { SEEDS = 10 };
     const double shares[] = {1.0, 0.96, 0.3};
     sl_scene *scene = load_scene("scenes/cornell-point.json");
@@ -400,7 +388,6 @@ static void how_much_of_an_error_is_left_is_told_by_differences_at_the_same_prob
 }
 
 static void what_no_path_from_the_eye_finds_is_owned_up_to(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/mirror-balls.json");
     const struct {
         const char *method;
@@ -420,7 +407,6 @@ static void what_no_path_from_the_eye_finds_is_owned_up_to(void **state) {
 
 /* Ten pixels, each for ten, all with the square 4 but one with 400. */
 static void the_bound_is_that_of_student_and_the_rule_of_three(void **state) {
-    (void)state;
     sl_audit_pixel pixels[10];
     const double x[3] = {5.0, 5.0, 5.0}, off[3] = {3.0, 3.0, 3.0}, far_off[3] = {-15.0, -15.0, -15.0};
     for (int i = 0; i < 10; i++) pixels[i] = sl_audit_pixel_of(x, off, off, 10.0);
@@ -446,7 +432,6 @@ static void the_bound_is_that_of_student_and_the_rule_of_three(void **state) {
 }
 
 static void noise_of_the_probes_themselves_widens_the_bounds(void **state) {
-    (void)state;
     const double x[3] = {5.0, 5.0, 5.0}, p[3] = {4.0, 4.0, 4.0}, q[3] = {2.0, 2.0, 2.0};
     sl_audit_pixel a = sl_audit_pixel_of(x, p, q, 1.0);
     assert_true(fabs(a.square - 3.0) < 1e-12 && fabs(a.difference - 2.0) < 1e-12 &&

@@ -70,7 +70,6 @@ static size_t assert_all_add_up(const char *scene, const char *method, uint64_t 
 }
 
 static void what_a_method_says_made_a_pixel_adds_up_to_it(void **state) {
-    (void)state;
     static const char *const scenes[] = {"scenes/cornell.json", "scenes/cornell-glossy.json",
                                          "scenes/sphere.json", "scenes/mirror-balls.json"};
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)
@@ -78,12 +77,10 @@ static void what_a_method_says_made_a_pixel_adds_up_to_it(void **state) {
 }
 
 static void so_it_does_in_a_picture_that_was_stopped_early(void **state) {
-    (void)state;
     for (size_t m = 0; m < METHODS; m++) assert_all_add_up("scenes/cornell-glossy.json", methods[m], 4);
 }
 
 static void the_explanation_of_a_lamp_is_its_own_light(void **state) {
-    (void)state;
     for (size_t m = 0; m < METHODS; m++) {
         rendered r = render("scenes/cornell.json", methods[m], 0, NULL);
         sl_explanation *explanation;
@@ -96,7 +93,6 @@ static void the_explanation_of_a_lamp_is_its_own_light(void **state) {
 }
 
 static void pixels_outside_and_tracers_have_no_explanation(void **state) {
-    (void)state;
     rendered r = render("scenes/cornell.json", "splatting", 2, NULL),
              p = render("scenes/cornell.json", "path", 1, NULL);
     sl_explanation *explanation;
@@ -113,7 +109,6 @@ static void pixels_outside_and_tracers_have_no_explanation(void **state) {
 static void count_marks(void *context, const sl_pass *pass) { *(size_t *)context += pass->mark_count; }
 
 static void who_looks_on_changes_nothing_and_sees_marks(void **state) {
-    (void)state;
     for (size_t m = 0; m < METHODS; m++) {
         size_t marks = 0;
         sl_observer observer = {&marks, count_marks};

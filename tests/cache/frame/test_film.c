@@ -54,7 +54,6 @@ static double covered(int side, int x, int y, double width, double height, doubl
 }
 
 static void a_pixel_shows_as_much_of_a_lamp_as_covers_it(void **state) {
-    (void)state;
     enum { SIDE = 24 };
     sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
     for (int m = 0; m < METHODS; m++) {
@@ -78,7 +77,6 @@ static void a_pixel_shows_as_much_of_a_lamp_as_covers_it(void **state) {
 
 /* Sixteen rays for each of its sixteen samples look for the lamp alone. */
 static void the_path_tracer_tells_a_lamps_rim_by_more_rays_than_paths(void **state) {
-    (void)state;
     enum { SIDE = 24 };
     sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
     sl_settings settings = small_settings("path", SIDE, SIDE);
@@ -121,7 +119,6 @@ static double covered_smoothly(int side, int x, int y, double width, double heig
 }
 
 static void a_smooth_filter_weighs_what_lies_around_a_pixel(void **state) {
-    (void)state;
     enum { SIDE = 16 };
     sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
     const char *const kinds[] = {"splatting", "path"};
@@ -144,7 +141,6 @@ static void a_smooth_filter_weighs_what_lies_around_a_pixel(void **state) {
 }
 
 static void a_hair_of_light_is_as_bright_as_it_is_thick(void **state) {
-    (void)state;
     enum { SIDE = 32, HAIRS = 40 };
     const double thickness = 0.02 * 2.0 / SIDE; /* a fiftieth of a pixel */
     double sum = 0.0;
@@ -188,7 +184,6 @@ static sl_scene *checkerboard(void) {
 }
 
 static void a_checkerboard_is_grey_towards_the_horizon(void **state) {
-    (void)state;
     enum { SIDE = 64, FAR = 23, NEARER = 33 }; /* rows: the horizon lies in the 22nd */
     sl_scene *scene = checkerboard();
     const sl_settings settings = on_film("splatting", SIDE, 16);
@@ -219,7 +214,6 @@ static double error_of(const sl_scene *scene, const sl_settings *settings, const
 }
 
 static void every_method_comes_near_to_the_mean_over_pixels(void **state) {
-    (void)state;
     enum { SIDE = 32 };
     sl_scene *scene = load_scene("scenes/cornell.json");
     for (int m = 0; m < METHODS; m++) {
@@ -242,7 +236,6 @@ static void every_method_comes_near_to_the_mean_over_pixels(void **state) {
 
 /* Samples that light alone asks for lie where the pilot saw a border of a shadow; elsewhere four do. */
 static void samples_lie_where_they_matter(void **state) {
-    (void)state;
     enum { SIDE = 48 };
     sl_scene *scene = load_scene("scenes/cornell.json");
     const sl_settings settings = on_film("splatting", SIDE, 64);
@@ -255,7 +248,6 @@ static void samples_lie_where_they_matter(void **state) {
 
 /* For things that move: edges are found at the first sub-frame, all else has one sample. */
 static void of_four_sub_frames_one_is_whole_and_three_are_of_edges(void **state) {
-    (void)state;
     enum { SIDE = 24 };
     sl_scene *scene = shining_quad(0.9, 0.7, 0.3);
     for (int m = 0; m < METHODS; m++) {
@@ -279,7 +271,6 @@ static void of_four_sub_frames_one_is_whole_and_three_are_of_edges(void **state)
 }
 
 static void the_bits_do_not_depend_on_threads(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-mirror.json");
     for (int m = 0; m < METHODS; m++) {
         sl_settings settings = on_film(methods[m], 24, m % 2 ? 4 : 16);
@@ -289,7 +280,6 @@ static void the_bits_do_not_depend_on_threads(void **state) {
 }
 
 static void a_film_follows_edits(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/moving-ball.json"), *other = load_scene("scenes/moving-ball.json");
     const sl_settings settings = on_film("direct-radiance", 32, 16);
     sl_method *method = created_method(scene, &settings);
@@ -312,7 +302,6 @@ static void a_film_follows_edits(void **state) {
 
 /* An edge through the centres of a row of pixels covers half of each. */
 static void edges_along_pixel_centres_are_half_seen(void **state) {
-    (void)state;
     enum { SIDE = 16 };
     const double pixel = 2.0 / SIDE;
     sl_scene *scene = shining_quad(9.0 * pixel, 7.0 * pixel, 0.0);
@@ -338,7 +327,6 @@ static void edges_along_pixel_centres_are_half_seen(void **state) {
 
 /* Leaves: a mask whose holes are a quarter of it, each some hundredths of a pixel wide. */
 static void a_lamp_behind_leaves_shines_through_their_holes(void **state) {
-    (void)state;
     enum { SIDE = 16, TEXELS = 64 };
     sl_image *mask;
     sl_scene *scene;
@@ -372,7 +360,6 @@ static void a_lamp_behind_leaves_shines_through_their_holes(void **state) {
 }
 
 static void a_pixel_of_a_film_is_not_explained(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     const sl_settings settings = on_film("splatting", 8, 4);
     sl_method *method = created_method(scene, &settings);

@@ -108,29 +108,24 @@ static sl_settings gathered(sl_gather_kind gather) {
 }
 
 static void every_pass_of_the_cornell_box_gathered_by_rays_is_golden(void **state) {
-    (void)state;
     expect_golden("cornell-rays", "scenes/cornell.json", gathered(SL_GATHER_RAYS), 9);
 }
 
 static void every_pass_of_the_cornell_box_gathered_by_the_plane_is_golden(void **state) {
-    (void)state;
     expect_golden("cornell-plane", "scenes/cornell.json", gathered(SL_GATHER_PLANE), 9);
 }
 
 static void every_pass_of_the_glossy_box_gathered_by_the_hemicube_is_golden(void **state) {
-    (void)state;
     expect_golden("glossy-hemicube", "scenes/cornell-glossy.json", gathered(SL_GATHER_HEMICUBE), 9);
 }
 
 static void every_pass_of_direct_radiance_mapping_is_golden(void **state) {
-    (void)state;
     sl_settings settings = sl_settings_of_papers();
     settings.method = "direct-radiance";
     expect_golden("balls", "scenes/mirror-balls.json", settings, 6);
 }
 
 static void every_pass_of_the_light_octree_is_golden(void **state) {
-    (void)state;
     sl_settings settings = sl_settings_of_papers();
     settings.method = "light-octree";
     settings.light_octree.photons = 20000;

@@ -75,7 +75,6 @@ static void room_means(double scale, double means[VARIANTS]) {
 }
 
 static void a_room_looks_the_same_at_every_size(void **state) {
-    (void)state;
     double truth[VARIANTS], means[VARIANTS];
     room_means(1.0, truth);
     for (int i = 0; i < VARIANTS; i++) assert_true(truth[i] > 0.1);
@@ -92,7 +91,6 @@ static const char corner_obj[] =
     "v 0 0 0\nv 4 0 0\nv 4 0 -4\nv 0 0 -4\nv 0 4 -4\nv 4 4 -4\nf 1 2 3\nf 1 3 4\nf 4 3 6 5\n";
 
 static void the_eye_may_be_anywhere(void **state) {
-    (void)state;
     static const char *const eyes[] = {
         "\"eye\": [1, 0, -2], \"target\": [2, 0, -4]",        /* in the floor, along it */
         "\"eye\": [1, 0, -2], \"target\": [1, 1, -4]",        /* in the floor */
@@ -117,7 +115,6 @@ static void the_eye_may_be_anywhere(void **state) {
 
 /* Under a sky of radiance 1 a convex body of diffuse reflectance 0.5 sends 0.5 everywhere. */
 static void one_triangle_under_an_even_sky_sends_its_reflectance(void **state) {
-    (void)state;
     double means[VARIANTS];
     render_all("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"half\"}],\n"
                "\"materials\": {\"half\": {\"diffuse\": 0.5}}, \"environment\": {\"radiance\": 1},\n"
@@ -134,7 +131,6 @@ static void one_triangle_under_an_even_sky_sends_its_reflectance(void **state) {
 /* ---- lights where no light should be --------------------------------------------------------- */
 
 static void lights_in_walls_give_finite_pictures(void **state) {
-    (void)state;
     static const char *const lights[] = {
         "{\"type\": \"point\", \"position\": [2, 2, -4], \"intensity\": 10}", /* in the wall */
         "{\"type\": \"point\", \"position\": [0, 0, -4], \"intensity\": 10}", /* at a vertex */
@@ -161,7 +157,6 @@ static void lights_in_walls_give_finite_pictures(void **state) {
 /* A lamp 20 long behind a wall with a window of 1: the window's reveal is lit by the little of the lamp that
  * it sees, which is near. */
 static void a_long_lamp_behind_a_small_window_lights_the_reveal(void **state) {
-    (void)state;
     double means[VARIANTS];
     render_all(
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}],\n"

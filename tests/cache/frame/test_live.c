@@ -29,7 +29,6 @@ static sl_settings draft(const char *method) {
 }
 
 static void every_picture_of_a_show_has_light(void **state) {
-    (void)state;
     for (int m = 0; m < METHODS; m++) {
         sl_scene *scene = load_scene("scenes/moving-ball.json");
         const sl_settings settings = draft(methods[m]);
@@ -53,7 +52,6 @@ static void every_picture_of_a_show_has_light(void **state) {
 }
 
 static void what_is_shown_follows_what_moves(void **state) {
-    (void)state;
     for (int m = 0; m < METHODS; m++) {
         sl_scene *scene = load_scene("scenes/moving-ball.json");
         const sl_settings settings = draft(methods[m]);

@@ -148,12 +148,10 @@ static void check_budgets(sl_scene *(*make)(void), int size, int budgets, double
 }
 
 static void pictures_of_a_small_scene_stay_within_every_budget(void **state) {
-    (void)state;
     check_budgets(cornell, 64, 2, 3.0);
 }
 
 static void pictures_of_many_triangles_stay_within_every_budget(void **state) {
-    (void)state;
     check_budgets(bumpy_ball, 32, 1, 2.5);
 }
 
@@ -174,7 +172,6 @@ static void check_growth(const char *method, sl_scene *(*few)(void), int small, 
 }
 
 static void more_pixels_take_what_is_said_of_them(void **state) {
-    (void)state;
     static const char *const methods[] = {"path",      "bidirectional", "direct-radiance",
                                           "splatting", "light-octree",  "multi-mesh"};
     for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++)
@@ -182,14 +179,12 @@ static void more_pixels_take_what_is_said_of_them(void **state) {
 }
 
 static void more_triangles_take_what_is_said_of_them(void **state) {
-    (void)state;
     static const char *const methods[] = {"path", "direct-radiance", "splatting", "shading-cache"};
     for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++)
         check_growth(methods[i], smooth_ball, 16, fine_ball, 16);
 }
 
 static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **state) {
-    (void)state;
     sl_scene *scene = cornell();
     static const struct {
         const char *method, *told;
@@ -225,7 +220,6 @@ static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **stat
 
 /* Keyframes give lamps an area that have none yet: what is said of a method holds for as long as it lives. */
 static void lamps_that_grow_later_are_counted_from_the_start(void **state) {
-    (void)state;
     sl_scene *scene =
         scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"name\": \"floor\", "
                         "\"transform\": {\"scale\": 4}}, {\"file\": \"mesh.obj\", \"name\": \"lamps\", "
@@ -264,7 +258,6 @@ static void lamps_that_grow_later_are_counted_from_the_start(void **state) {
 }
 
 static void enough_memory_changes_no_bit(void **state) {
-    (void)state;
     sl_scene *scene = cornell();
     for (size_t i = 0; sl_method_name(i); i++) {
         sl_settings s = settings_of(sl_method_name(i), 16);

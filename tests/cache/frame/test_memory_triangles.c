@@ -56,7 +56,6 @@ static sl_scene *field_of_balls(void) {
 
 /* A gigabyte for ten million triangles is 107 bytes for each, of which loading and the film take their part. */
 static void a_mesh_that_is_there_many_times_takes_few_bytes_a_triangle(void **unused) {
-    (void)unused;
     static const struct {
         const char *method;
         double most; /* beside the scene */

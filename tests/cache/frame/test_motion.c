@@ -112,14 +112,12 @@ static void follow(const motion *m) {
 }
 
 static void frames_of_what_moves_without_rest_are_near_those_of_what_stands_still(void **state) {
-    (void)state;
     for (size_t i = 0; i < sizeof motions / sizeof motions[0]; i++) follow(&motions[i]);
 }
 
 /* One edit, and whatever was going on: its rest is the picture of a method that is made for the scene as it
  * stands. */
 static void what_comes_to_rest_is_the_picture_of_what_never_moved(void **state) {
-    (void)state;
     for (size_t i = 0; i < sizeof motions / sizeof motions[0]; i++) {
         const sl_settings settings = settings_of(&motions[i], 2);
         sl_scene *scene = load_scene(motions[i].scene);

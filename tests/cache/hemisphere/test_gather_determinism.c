@@ -26,7 +26,6 @@ static void gather_all(gatherer *g, const world *w, sl_irradiance *out) {
 }
 
 static void scratch_remembers_nothing(void **state) {
-    (void)state;
     world *w = world_room(true);
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(gather_kinds[k]);
@@ -46,7 +45,6 @@ static void scratch_remembers_nothing(void **state) {
 }
 
 static void keys_choose_the_jitter(void **state) {
-    (void)state;
     world *w = world_room(true);
     sl_gather_settings s = settings_of(SL_GATHER_RAYS);
     gatherer g = gatherer_new(w, &s);
@@ -61,7 +59,6 @@ static void keys_choose_the_jitter(void **state) {
 
 /* The picture is what was summed: radiance and distance where something is seen, bottom row first. */
 static void picture_shows_what_was_seen(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t shine = world_material(w, sl_grey(0), (sl_rgb){1, 2, 3}),
              dark = world_material(w, sl_grey(0), sl_grey(0));

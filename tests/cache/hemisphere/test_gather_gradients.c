@@ -24,7 +24,6 @@ static world *light_above(bool occluder) {
 }
 
 static void polygon_light_moves_and_turns_as_its_closed_form(void **state) {
-    (void)state;
     world *w = light_above(false);
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(gather_kinds[k], 256);
@@ -42,7 +41,6 @@ static void polygon_light_moves_and_turns_as_its_closed_form(void **state) {
 
 /* The wall is cut by the horizon; the second normal is tilted. The plane does not see down to the horizon. */
 static void clipped_wall_moves_as_its_closed_form(void **state) {
-    (void)state;
     world *w = world_new();
     world_quad(w, sl_v3(1.2f, -0.5f, -0.6f), sl_v3(1.2f, -0.5f, 1.1f), sl_v3(1.2f, 0.9f, 1.1f),
                sl_v3(1.2f, 0.9f, -0.6f), world_material(w, sl_grey(0), sl_grey(5)));
@@ -68,7 +66,6 @@ static void clipped_wall_moves_as_its_closed_form(void **state) {
 /* Silhouettes of an occluder move with the occluder, not with what lies behind: without that the gradient has
  * another sign. */
 static void occluder_moves_before_the_light(void **state) {
-    (void)state;
     world *w = light_above(true);
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = settings_of(gather_kinds[k], 256);
@@ -83,7 +80,6 @@ static void occluder_moves_before_the_light(void **state) {
 /* L = 1 + x / 2 on the unit sphere, seen from its lowest point: E = pi; moving along the sphere turns the
  * normal as well, and the two gradients cancel. */
 static void gradients_cancel_on_the_inside_of_a_sphere(void **state) {
-    (void)state;
     enum { SHADES = 256 };
     world *w = world_new();
     uint32_t shades[SHADES];
@@ -134,13 +130,11 @@ static void check(bool occluder, int size, matrix exact, const double tolerance[
 /* Rays cut edges at any angle into steps: they are off by a fifth to a third. Where a near edge crosses a far
  * one every wall moves as if it were alone, which is 3 % here. The plane is coarse for the small occluder. */
 static void polygon_light_curves_as_its_closed_form(void **state) {
-    (void)state;
     check(false, 64, (matrix){-4.282, -0.049, -6.084}, (double[3]){0.15, 0.05, 0.2});
     check(false, 256, (matrix){-4.282, -0.049, -6.084}, (double[3]){0.05, 0.02, 0.07});
 }
 
 static void occluder_curves_irradiance_before_the_light(void **state) {
-    (void)state;
     check(true, 64, (matrix){12.92, -2.62, 7.13}, (double[3]){7.0, 0.5, 3.5});
     check(true, 256, (matrix){12.92, -2.62, 7.13}, (double[3]){0.5, 0.5, 2.8});
 }
@@ -158,7 +152,6 @@ static matrix differences(const sl_vec3 corners[4]) {
 }
 
 static void walls_curve_as_differences_of_their_closed_form(void **state) {
-    (void)state;
     static const sl_vec3 walls[2][4] = {
         {{0.9f, -1.5f, -0.5f}, {0.9f, -1.5f, 1.9f}, {0.9f, 1.1f, 1.9f}, {0.9f, 1.1f, -0.5f}},
         {{0.3f, -0.7f, 0.8f}, {-0.5f, -0.6f, 1.6f}, {-0.4f, 0.8f, 1.4f}, {0.4f, 0.7f, 0.6f}},
@@ -182,7 +175,6 @@ static void walls_curve_as_differences_of_their_closed_form(void **state) {
 }
 
 static void nothing_seen_has_no_curvature(void **state) {
-    (void)state;
     world *w = world_new();
     world_quad(w, sl_v3(-1, -1, -1), sl_v3(1, -1, -1), sl_v3(1, 1, -1), sl_v3(-1, 1, -1),
                world_material(w, sl_grey(0.5f), sl_grey(1)));

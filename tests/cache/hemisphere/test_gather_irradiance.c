@@ -7,7 +7,6 @@
 
 /* A closed black box whose walls shine with radiance 1. */
 static void furnace_gives_pi(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t m = world_material(w, sl_grey(0), sl_grey(1));
     world_box(w, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, (uint32_t[6]){m, m, m, m, m, m});
@@ -48,7 +47,6 @@ static double polygon_rms(world *w, const sl_gather_settings *s) {
 }
 
 static void polygon_light_converges_to_its_closed_form(void **state) {
-    (void)state;
     world *w = world_new();
     world_quad(w, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(-0.7f, 0.9f, 1.3f), sl_v3(1.1f, 0.9f, 1.3f),
                sl_v3(1.1f, -0.4f, 1.3f), world_material(w, sl_grey(0), sl_grey(5)));
@@ -68,7 +66,6 @@ static void polygon_light_converges_to_its_closed_form(void **state) {
 }
 
 static void mean_distance_is_cosine_weighted(void **state) {
-    (void)state;
     for (int k = 0; k < 3; k++) {
         sl_gather_settings s = gather_settings(gather_kinds[k], 128);
         world *ceiling = world_new(), *wall = world_new(), *sphere = world_new();
@@ -105,7 +102,6 @@ static void mean_distance_is_cosine_weighted(void **state) {
 }
 
 static void empty_sky_is_infinitely_far(void **state) {
-    (void)state;
     world *w = world_new();
     world_quad(w, sl_v3(-9, -9, -1), sl_v3(9, -9, -1), sl_v3(9, 9, -1), sl_v3(-9, 9, -1),
                world_material(w, sl_grey(0.5f), sl_grey(0)));
@@ -134,7 +130,6 @@ static void empty_sky_is_infinitely_far(void **state) {
  * outshine the rest a thousandfold; by solid angle none exceeds four times the radiance that the table has in
  * closed form under the lamp's centre. */
 static void lamp_close_to_a_surface_makes_no_outliers(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t table = world_material(w, sl_grey(0.5f), sl_grey(0)),
              lamp = world_material(w, sl_grey(0), sl_grey(7));
@@ -169,7 +164,6 @@ static void lamp_close_to_a_surface_makes_no_outliers(void **state) {
 }
 
 static void shadow_maps_and_rays_light_alike(void **state) {
-    (void)state;
     for (int quad = 0; quad < 2; quad++) {
         world *w = world_room(quad);
         if (!quad)
@@ -203,7 +197,6 @@ static void shadow_maps_and_rays_light_alike(void **state) {
 
 /* Shading normals tilt gathers below the surface: what they meet there in their own plane is not seen. */
 static void tilted_normal_does_not_see_its_own_surface(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t m = world_material(w, sl_grey(0.5f), sl_grey(4));
     for (int i = -5; i < 5; i++) { /* a shining floor of many triangles */
@@ -231,7 +224,6 @@ static void tilted_normal_does_not_see_its_own_surface(void **state) {
 /* A furnace with a black card over the point. The eye stands eps off the surface; what lies before it is
  * seen, however near. */
 static void a_card_before_the_eye_is_seen_however_near(void **state) {
-    (void)state;
     const float over[] = {0.02f, 1.0f, 4.0f}; /* the eye, in eps */
     for (int i = 0; i < 3; i++) {
         world *w = world_new();
@@ -255,7 +247,6 @@ static void a_card_before_the_eye_is_seen_however_near(void **state) {
 /* A sheet without thickness stands on the floor, between the light and a point that is nearer to it than its
  * eye is to the floor. */
 static void no_light_reaches_a_point_that_touches_a_sheet_from_behind(void **state) {
-    (void)state;
     const float distance[] = {1e-6f, 1e-5f, 4e-5f};
     world *w = world_new();
     uint32_t wall = world_material(w, sl_grey(0.7f), sl_grey(0));
@@ -279,7 +270,6 @@ static void no_light_reaches_a_point_that_touches_a_sheet_from_behind(void **sta
 }
 
 static void hostile_points_give_finite_answers(void **state) {
-    (void)state;
     world *w = world_room(true);
     const sl_vec3 normals[] = {{0, 0, 0}, {NAN, 0, 0}, {0, 0, -1}, {INFINITY, 0, 1}, {1e-30f, 0, 0}};
     for (int k = 0; k < 3; k++) {

@@ -94,7 +94,6 @@ static sl_gather_settings rays_of(int size) {
 }
 
 static void samples_mean_what_the_closed_form_says(void **state) {
-    (void)state;
     enum { KEYS = 60 };
     /* 40 emitters; 10 visible and 50 covered ones; more than are weighed at every hit. */
     const struct { int lamps, covered; float size, pitch; double allowed; } cases[3] = {
@@ -118,7 +117,6 @@ static void samples_mean_what_the_closed_form_says(void **state) {
 
 /* The half of a lamp that is nearer to the hits, and gives most, is hidden by a plate right beneath it. */
 static void what_is_hidden_of_a_lamp_counts_by_what_it_would_give(void **state) {
-    (void)state;
     enum { KEYS = 60 };
     world *w = world_new();
     uint32_t floor = world_material(w, sl_grey((float)FLOOR_ALBEDO), sl_grey(0)),
@@ -140,7 +138,6 @@ static void what_is_hidden_of_a_lamp_counts_by_what_it_would_give(void **state) 
 
 /* An open floor under an even sky: every hit gets pi L whatever direction is drawn. */
 static void open_floor_under_an_even_sky_has_no_noise(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t floor = world_material(w, sl_grey(0.5f), sl_grey(0));
     world_quad(w, sl_v3(-3000, -3000, 0), sl_v3(3000, -3000, 0), sl_v3(3000, 3000, 0), sl_v3(-3000, 3000, 0),
@@ -159,7 +156,6 @@ static void open_floor_under_an_even_sky_has_no_noise(void **state) {
 
 /* A small bright square overhead, whose irradiance is known. */
 static void more_rays_keep_the_mean_and_scatter_less(void **state) {
-    (void)state;
     enum { KEYS = 300 };
     world *w = world_new();
     world_quad(w, sl_v3(0.31f, 0.2f, 2), sl_v3(0.31f, 0.9f, 2), sl_v3(1.0f, 0.9f, 2), sl_v3(1.0f, 0.2f, 2),
@@ -182,7 +178,6 @@ static void more_rays_keep_the_mean_and_scatter_less(void **state) {
 }
 
 static void more_rays_are_as_many_as_asked_for_at_most(void **state) {
-    (void)state;
     world *w = world_room(true);
     const float wanted[4] = {0.0f, 0.5f, 2.0f, NAN};
     for (int i = 0; i < 4; i++) {

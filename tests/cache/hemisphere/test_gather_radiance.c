@@ -28,7 +28,6 @@ static sl_irradiance radiance_at(gatherer *g, sl_vec3 p, sl_vec3 n, float *coeff
 /* ---- furnace ---- */
 
 static void white_room_has_one_coefficient_and_no_gradient(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t shine = world_material(w, sl_grey(0), (sl_rgb){1, 2, 4});
     world_box(w, sl_v3(0, 0, 0), sl_v3(2, 3, 4), true,
@@ -80,7 +79,6 @@ static void compare_with_irradiance(int order, const sl_gather_point *p, double 
 /* cos theta = sqrt(2 pi) / 2 H_00 + sqrt(2 pi / 3) / 2 H_10 exactly. Walls between rays are straight there,
  * and the walls of the plane's radial extension are left off there. */
 static void irradiance_is_two_coefficients(void **state) {
-    (void)state;
     const sl_gather_kind of[4] = {SL_GATHER_PLANE, SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
     const double eps[4] = {1e-3, 0.3, 1e-3, 0.05};
     world *w = world_room(true);
@@ -163,7 +161,6 @@ static void quadrature_by_rays(const world *w, sl_vec3 p, sl_vec3 n, int order,
 /* Error of all coefficients together, relative to their size. A plane sees nothing below 20 degrees, and rays
  * of equal cosine weight are few there. */
 static void coefficients_agree_with_quadrature(void **state) {
-    (void)state;
     enum { ORDER = 8 };
     const double bounds[3] = {0.1, 0.035, 0.03};
     world *w = shining_room();
@@ -245,7 +242,6 @@ static double rectangle_gradient_error(world *w, sl_gather_kind kind, int size) 
 
 /* Walls see a light's edges only as finely as the cells are. */
 static void gradients_agree_with_a_rectangle_light(void **state) {
-    (void)state;
     const double bounds[3][4] = {
         {0.22, 0.11, 0.11, 0.06}, {0.08, 0.045, 0.045, 0.025}, {0.08, 0.035, 0.035, 0.015}};
     world *w = world_new();
@@ -267,7 +263,6 @@ static void gradients_agree_with_a_rectangle_light(void **state) {
 
 static void add_what_is_no_number(const void *context, const sl_second_points *points, float *r, float *g,
                                   float *b, sl_counters *counters) {
-    (void)context, (void)counters;
     for (size_t i = 0; i < points->count; i++) {
         r[i] += i % 3 ? 1.0f : NAN;
         g[i] += i % 5 ? 1.0f : INFINITY;
@@ -276,7 +271,6 @@ static void add_what_is_no_number(const void *context, const sl_second_points *p
 }
 
 static void radiance_that_is_no_number_stays_out(void **state) {
-    (void)state;
     const sl_second_light hidden = {.irradiance = add_what_is_no_number};
     world *w = world_room(false);
     for (int k = 0; k < 3; k++) {

@@ -25,7 +25,6 @@ static double side_kernel(double z, const double *c) {
 }
 
 static void walls_equal_quadrature(void **state) {
-    (void)state;
     for (int i = 0; i < 50; i++) {
         double c = -2.5 + 0.1 * i, v0 = -1.3 + 0.03 * i, v1 = v0 + 0.4;
         sl_vec3d g = sl_wall_vector(sl_v3d(c, v0, 1), sl_v3d(c, v1, 1));
@@ -51,7 +50,6 @@ static double total(const float *plane, size_t count) {
 }
 
 static void every_instrument_weighs_pi(void **state) {
-    (void)state;
     const sl_gather_kind kinds[] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
     const int sizes[] = {4, 20, 37, 64};
     for (size_t k = 0; k < 12; k++) {
@@ -70,7 +68,6 @@ static void every_instrument_weighs_pi(void **state) {
 }
 
 static void both_borders_weigh_pi_and_none_what_the_plane_covers(void **state) {
-    (void)state;
     const double covered = 4 * sqrt(0.8) * sl_atan(sqrt(0.8)); /* 4 s atan s, s the sine of the half angle */
     for (sl_border border = SL_BORDER_LC04; border <= SL_BORDER_PLAIN; border++) {
         sl_gather_tables *t;

@@ -60,14 +60,12 @@ static long double product[SL_HSH_STRIDE_MAX][SL_HSH_STRIDE_MAX];
 static void add_products(void *context, sl_vec3d d, double weight) {
     double h[SL_HSH_STRIDE_MAX];
     size_t stride = sl_hsh_stride(ORDER);
-    (void)context;
     hsh_evaluate(ORDER, d, h);
     for (size_t i = 0; i < stride; i++)
         for (size_t j = 0; j <= i; j++) product[i][j] += (long double)weight * h[i] * h[j];
 }
 
 static void functions_are_orthonormal_up_to_order_20(void **state) {
-    (void)state;
     size_t place[SL_HSH_MAX], count = places(ORDER, place);
     memset(product, 0, sizeof product);
     over_hemisphere(add_products, NULL);
@@ -82,7 +80,6 @@ static void functions_are_orthonormal_up_to_order_20(void **state) {
 }
 
 static void places_are_distinct_and_fill_all_but_the_padding(void **state) {
-    (void)state;
     for (int order = 1; order <= ORDER; order++) {
         size_t place[SL_HSH_MAX], count = places(order, place), stride = sl_hsh_stride(order);
         bool taken[SL_HSH_STRIDE_MAX] = {false};
@@ -115,7 +112,6 @@ static double legendre(int l, int m, double x) {
 }
 
 static void functions_equal_the_form_with_factorials(void **state) {
-    (void)state;
     enum { LIBRARY_ORDER = 12 };
     uint64_t key = sl_random_key(7, 0);
     for (uint64_t k = 0; k < 2000; k++) {
@@ -136,7 +132,6 @@ static void functions_equal_the_form_with_factorials(void **state) {
 }
 
 static void functions_are_continuous_towards_the_zenith(void **state) {
-    (void)state;
     double at_zenith[SL_HSH_STRIDE_MAX], h[SL_HSH_STRIDE_MAX];
     hsh_evaluate(ORDER, sl_v3d(0.0, 0.0, 1.0), at_zenith);
     for (double sine = 1e-3; sine > 0.0; sine *= 1e-3) { /* down to denormals */
@@ -150,7 +145,6 @@ static void functions_are_continuous_towards_the_zenith(void **state) {
 }
 
 static void directions_off_the_hemisphere_are_harmless(void **state) {
-    (void)state;
     double h[SL_HSH_STRIDE_MAX], truth[SL_HSH_STRIDE_MAX];
     const sl_vec3d bad[] = {{NAN, 0, 1},       {0, NAN, 0},      {0, 0, NAN},       {INFINITY, 0, 0},
                             {0, -INFINITY, 1}, {0, 0, INFINITY}, {0, 0, 0},         {0.8, 0.6, -1e-17},

@@ -32,7 +32,6 @@ static void look_up(const sl_moved_lobe *lobe, sl_vec3d o, sl_vec3d n, float *co
 }
 
 static void a_white_sky_gives_the_albedo_whatever_the_tilt(void **state) {
-    (void)state;
     const double exponents[] = {0, 1, 20, 500};
     uint64_t key = sl_random_key(2, 0);
     for (size_t k = 0; k < 4; k++) {
@@ -72,7 +71,6 @@ static void project_plainly(int order, double exponent, sl_vec3d r, sl_vec3d n, 
 }
 
 static void coefficients_are_the_integrals_where_the_horizon_cuts_little(void **state) {
-    (void)state;
     enum { ORDER = 7 };
     sl_moved_lobe *lobe = lobe_new(ORDER, 20.0);
     for (int k = 0; k < 12; k++) { /* r from the zenith to well below the record's horizon */
@@ -99,7 +97,6 @@ static void coefficients_are_the_integrals_where_the_horizon_cuts_little(void **
 }
 
 static void hard_directions_give_numbers(void **state) {
-    (void)state;
     sl_moved_lobe *lobe = lobe_new(SL_HSH_ORDER_MAX, 10000.0);
     const float values[] = {0.0f, -0.0f, 1.0f, -1.0f, 1e-38f, 1.0000001f, 0.5f};
     for (size_t a = 0; a < 7; a++)
@@ -129,7 +126,6 @@ static double albedo(const sl_moved_lobe *table, double cosine) {
 }
 
 static void albedo_is_right_at_any_order(void **state) {
-    (void)state;
     const double truth[6] = {1.0000, .9659, .8660, .7071, .5005, .2712};
     for (int order = 1; order <= SL_HSH_ORDER_MAX; order++) {
         sl_moved_lobe *table = lobe_new(order, 20.0);
@@ -141,7 +137,6 @@ static void albedo_is_right_at_any_order(void **state) {
 
 /* Relative L2 error of the lobe cut off at that order, at 45 degrees, per cent. */
 static void truncation_is_as_tabulated(void **state) {
-    (void)state;
     const struct {
         double exponent;
         int order;
@@ -154,7 +149,6 @@ static void truncation_is_as_tabulated(void **state) {
 }
 
 static void the_least_sufficient_order_is_chosen(void **state) {
-    (void)state;
     for (double exponent = 1.0; exponent < 12000.0; exponent = 1.5 * exponent + 0.5)
         for (double bound = 0.01; bound < 1.0; bound *= 3.0) {
             int order = sl_phong_order(exponent, bound);

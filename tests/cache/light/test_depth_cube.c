@@ -141,7 +141,6 @@ static void compare_with_rays(trace_mesh *mesh, sl_light light, int size, float 
 }
 
 static void a_cube_says_what_rays_say_but_within_a_texel_of_edges(void **state) {
-    (void)state;
     for (int size = 128; size <= 512; size *= 2) {
         trace_mesh mesh = furnished();
         compare_with_rays(&mesh, point_light(2.1f, 2.4f, 2.3f), size, 0.75f * 2.0f / (float)(size - 2), 150);
@@ -149,7 +148,6 @@ static void a_cube_says_what_rays_say_but_within_a_texel_of_edges(void **state) 
 }
 
 static void a_directional_light_s_map_says_what_rays_say(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t m = grey(&mesh);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 5), sl_v3(4, 0, 0), sl_v3(0, 0, -5), m);
@@ -164,7 +162,6 @@ static void a_directional_light_s_map_says_what_rays_say(void **state) {
 /* ---- planes ---- */
 
 static void a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces(void **state) {
-    (void)state;
     for (int i = 0; i < 24; i++) {
         uint64_t key = sl_random_key(9, (uint64_t)i);
         sl_vec3 n = sl_normalize_or(sl_v3(sl_random_unit(key, 0) - 0.5f, sl_random_unit(key, 1) - 0.5f,
@@ -187,7 +184,6 @@ static void a_lit_plane_does_not_shadow_itself_however_tilted_and_across_faces(v
 }
 
 static void a_thin_blocker_on_a_floor_leaves_a_gap_of_less_than_a_texel(void **state) {
-    (void)state;
     const int sizes[] = {64, 128, 512};
     for (int s = 0; s < 3; s++) {
         trace_mesh mesh = trace_mesh_begin();
@@ -219,7 +215,6 @@ static trace_mesh closed_room(void) {
 }
 
 static void an_area_light_does_not_shadow_what_it_lights_and_its_back_is_not_drawn(void **state) {
-    (void)state;
     trace_mesh mesh = closed_room();
     trace_mesh_quad(&mesh, sl_v3(-0.3f, 1.99f, -0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f),
                     trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
@@ -235,7 +230,6 @@ static void an_area_light_does_not_shadow_what_it_lights_and_its_back_is_not_dra
 }
 
 static void a_two_sided_light_sees_both_its_sides(void **state) {
-    (void)state;
     trace_mesh mesh = closed_room();
     uint32_t both = trace_mesh_material(&mesh, 0, 0, 0, 0, 5), m = grey(&mesh);
     mesh.materials[both].emission_two_sided = true;
@@ -253,7 +247,6 @@ static void a_two_sided_light_sees_both_its_sides(void **state) {
 }
 
 static void faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped(void **state) {
-    (void)state;
     const float cosines[] = {0.9f, 0.72f, 0.6f, -0.5f, -0.6f, -1.0f};
     const uint64_t faces[] = {1, 1, 5, 5, 6, 6};
     for (int i = 0; i < 6; i++) {
@@ -289,7 +282,6 @@ static void faces_outside_a_spot_s_cone_and_faces_without_geometry_are_skipped(v
 /* A narrow spot's texels are as much smaller as its cone is narrower than a face: the edge of a shadow that
  * falls across it lies where it should to a fraction of a cube's texel. */
 static void a_narrow_spot_has_all_of_its_texels_in_its_cone(void **state) {
-    (void)state;
     for (int narrow = 0; narrow < 2; narrow++) {
         trace_mesh mesh = closed_room();
         trace_mesh_quad(&mesh, sl_v3(0.03f, 0.5f, 0.5f), sl_v3(0.5f, 0, 0), sl_v3(0, 0, -1), 0);

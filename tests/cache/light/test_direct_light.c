@@ -106,7 +106,6 @@ static trace_mesh a_floor(float diffuse, float specular, float exponent) {
 
 /* E = I h / (h^2 + r^2)^(3/2), reflected rho / pi of it. */
 static void a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps(void **state) {
-    (void)state;
     trace_mesh mesh = a_floor(0.6f, 0.0f, 0.0f);
     mesh.lights[mesh.light_count++] =
         (sl_light){.type = SL_LIGHT_POINT, .position = {0.5f, 2.0f, -0.25f}, .intensity = {7, 8, 9}};
@@ -160,7 +159,6 @@ static double lamps_at(const sl_scene *scene, sl_vec3 p) {
 /* Nothing is in the way: up to 256 triangles there is no noise at all, even from one sample; beyond, their
  * samples are unbiased. */
 static void unoccluded_emitters_have_no_noise_and_many_have_no_bias(void **state) {
-    (void)state;
     const int sides[] = {1, 8, 12};
     for (int run = 0; run < 3; run++) {
         sl_scene *scene = lamps(sides[run]);
@@ -194,7 +192,6 @@ static sl_scene *half_hidden(float specular, float exponent) {
 }
 
 static void few_samples_of_a_penumbra_are_those_of_many_but_for_noise(void **state) {
-    (void)state;
     sl_scene *scene = half_hidden(0.0f, 0.0f);
     picture *many = direct_light(scene, (options){512, 1, 2, false, 64}),
             *maps = direct_light(scene, (options){8, 2, 2, true, 64});
@@ -241,7 +238,6 @@ static sl_scene *posts_on_a_lamp(void) {
 /* The part between the posts is a fortieth of the lamp, but gives nearly all of what would arrive without
  * them. */
 static void between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them(void **state) {
-    (void)state;
     const sl_vec3d between[4] = {{0, 0, -0.5}, {0, 0, 0.5}, {0.2, 0, 0.5}, {0.2, 0, -0.5}};
     sl_scene *scene = posts_on_a_lamp();
     for (uint32_t samples = 4; samples <= 64; samples *= 4) {
@@ -316,7 +312,6 @@ static double lobe_of_lamp(const lamp_case *c, sl_vec3 eye, sl_vec3d at) {
 
 /* Beside a lamp as wide as the view, points spread over the lamp nearly all fall where the lobe is not. */
 static void few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is(void **state) {
-    (void)state;
     const lamp_case cases[] = {{2.0, 0.02, 2.5, 20.0, 0.015, 0.15, 1},
                                {2.0, 0.02, 2.5, 200.0, 0.015, 0.15, 1},
                                {2.0, -4.0, 2.5, 60.0, 0.015, 0.15, 1},
@@ -365,7 +360,6 @@ static sl_environment a_day(float values[3 * WIDTH * HEIGHT], int texels, float 
 
 /* An open plane: every pixel is the sum over the sun's texels, by maps as by rays. */
 static void the_sun_on_an_open_plane_is_the_sum_of_its_texels(void **state) {
-    (void)state;
     for (int run = 0; run < 3; run++) {
         float *values = calloc(3 * WIDTH * HEIGHT, sizeof *values);
         assert_non_null(values);
@@ -404,7 +398,6 @@ static void the_sun_on_an_open_plane_is_the_sum_of_its_texels(void **state) {
 
 /* Sky by the records, sun by the pixels: together what the path tracer sees, neither twice. */
 static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state) {
-    (void)state;
     float *values = calloc(3 * WIDTH * HEIGHT, sizeof *values);
     assert_non_null(values);
     sl_environment day = a_day(values, 2, 300.0f);
@@ -439,7 +432,6 @@ static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state)
 /* ---- the same bits ------------------------------------------------------------ */
 
 static void threads_instruction_sets_and_strips_do_not_change_a_bit(void **state) {
-    (void)state;
     const char *names[3] = {"baseline", "avx2", "avx512"};
     /* penumbra and lobe, a lamp of many triangles, sun, maps, a near lamp */
     for (int kind = 0; kind < 5; kind++) {

@@ -9,7 +9,6 @@ static const sl_vec3 up = {0, 1, 0};
 /* ---- nothing in between ---- */
 
 static void a_parallel_rectangle_gives_its_closed_form(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, 0.0f, 0.0f, 3.0f, 0.5f, 2.0f);
     light_world w;
@@ -23,7 +22,6 @@ static void a_parallel_rectangle_gives_its_closed_form(void **unused) {
 
 /* The wall's lower half is below the receiver's horizon; so is half of every pixel column. */
 static void a_wall_half_below_the_horizon_counts_with_its_upper_half(void **unused) {
-    (void)unused;
     const double a = 1.5, b = 2.0, c = 1.0;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
@@ -39,7 +37,6 @@ static void a_wall_half_below_the_horizon_counts_with_its_upper_half(void **unus
 
 /* (R/d)^2 cos theta, for a ball wholly above the horizon; a fine polyhedron inside it. */
 static void a_ball_gives_its_closed_form(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
     trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.5f, 24, 0.0f, false, lamp);
@@ -63,7 +60,6 @@ static double beside_an_edge(double p, double x0, double x1, double z0, double z
 }
 
 static void the_penumbra_of_a_straight_edge_is_its_closed_form(void **unused) {
-    (void)unused;
     static const struct {
         sl_light_estimator estimator;
         double tolerance;
@@ -92,7 +88,6 @@ static void the_penumbra_of_a_straight_edge_is_its_closed_form(void **unused) {
 /* ---- lights without extent ---- */
 
 static void point_lights_spots_and_the_sun_fall_off_and_cast_sharp_shadows(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -2), sl_v3(2, 0, 0), sl_v3(0, 0, 4), grey);

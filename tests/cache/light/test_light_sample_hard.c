@@ -21,7 +21,6 @@ static uint32_t add_grey(trace_mesh *mesh) { return trace_mesh_material(mesh, 0.
 
 /* 1 below the inside, 1/2 below an edge, 1/4 below a corner, as h goes to 0. */
 static void a_touching_light_has_its_limits(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -1, -1, 2, 2, 1);
     trace_mesh_quad(&mesh, sl_v3(-9, -9, -9), sl_v3(0, 0, 18), sl_v3(18, 0, 0), add_grey(&mesh));
@@ -43,7 +42,6 @@ static void a_touching_light_has_its_limits(void **unused) {
 }
 
 static void a_light_edge_on_gives_nothing_and_next_to_it_next_to_nothing(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -0.5f), sl_v3(0, 1, 0), sl_v3(0, 0, 1), lamp); /* shines along +x */
@@ -69,7 +67,6 @@ static void a_light_edge_on_gives_nothing_and_next_to_it_next_to_nothing(void **
 }
 
 static void nothing_in_between_needs_no_picture(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -1, -1, 2, 2, 1);
     trace_mesh_sphere(&mesh, sl_v3(0, 3, 0), 0.5f, 40, 0.0f, false, add_grey(&mesh)); /* above the light */
@@ -84,7 +81,6 @@ static void nothing_in_between_needs_no_picture(void **unused) {
 /* A tube so thin that no pixel's centre lies on it, and one that is seen from so near that pixels would be
  * too coarse. */
 static void lights_thinner_than_pixels_are_hidden_as_a_whole_or_not_at_all(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1), a, b, c;
     a = trace_mesh_vertex(&mesh, -1, 2, 0), b = trace_mesh_vertex(&mesh, 1, 2, 0),
@@ -110,7 +106,6 @@ static void lights_thinner_than_pixels_are_hidden_as_a_whole_or_not_at_all(void 
 
 /* A plate barely above the floor hides what lies beyond x = 2 of a light between x = 1 and 3 at height 2. */
 static void an_occluder_that_all_but_touches_the_point_hides_what_is_behind_it(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, 1, -0.5f, 2, 1, 2);
     trace_mesh_quad(&mesh, sl_v3(0.001f, 0.001f, -9), sl_v3(9, 0, 0), sl_v3(0, 0, 18), add_grey(&mesh));
@@ -126,7 +121,6 @@ static void an_occluder_that_all_but_touches_the_point_hides_what_is_behind_it(v
 /* A tilted floor of many triangles, its vertices rounded: wherever on it, be it a vertex or an edge that no
  * triangle owns, nothing of it is in the light's way. */
 static void a_surface_does_not_hide_light_from_itself(void **unused) {
-    (void)unused;
     enum { N = 20 };
     trace_mesh mesh = trace_mesh_begin();
     sl_vec3 n = sl_normalize_or(sl_v3(0.3f, 1, 0.2f), up),
@@ -173,7 +167,6 @@ static void a_surface_does_not_hide_light_from_itself(void **unused) {
 /* On the floor at the foot of a wall: the wall's plane goes through the point, and is before it by a rounding
  * or behind. */
 static void a_wall_that_a_point_touches_does_not_hide_what_is_before_it(void **unused) {
-    (void)unused;
     for (int turn = 0; turn < 40; turn++) {
         double angle = 0.1571 * (double)turn;
         sl_vec3 along = sl_v3((float)sl_cos(angle), 0, (float)sl_sin(angle)),
@@ -199,7 +192,6 @@ static void a_wall_that_a_point_touches_does_not_hide_what_is_before_it(void **u
 }
 
 static void alpha_masks_let_their_share_through(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1, 1, 2);
     uint32_t leaf = add_grey(&mesh);
@@ -221,7 +213,6 @@ static void alpha_masks_let_their_share_through(void **unused) {
 /* ---- kinds of lights ---- */
 
 static void two_sided_lights_shine_to_both_sides(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1, 1, 0);
     mesh.materials[0].emission_two_sided = true;
@@ -241,7 +232,6 @@ static void two_sided_lights_shine_to_both_sides(void **unused) {
 
 /* A ball behind a sheet that covers all that lies right of the line to its middle; and seen from close by. */
 static void a_solid_light_is_hidden_by_halves(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
     trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.3f, 24, 0.0f, false, lamp);
@@ -261,7 +251,6 @@ static void a_solid_light_is_hidden_by_halves(void **unused) {
 /* A hollow ball that shines inwards is not convex from where it is seen: rays count it from within, and from
  * outside its back is nearest. */
 static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 8, 0.0f, true, lamp);
@@ -277,7 +266,6 @@ static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
 /* Triangles at random, some of which shine: F is finite, not negative, at most 1 of area lights (beyond
  * rounding and coarse pixels), and the same when asked again, after others were. */
 static void samples_of_anything_are_finite_and_repeat(void **unused) {
-    (void)unused;
     for (uint64_t seed = 0; seed < 6; seed++) {
         trace_mesh mesh = trace_mesh_begin();
         uint32_t material[4] = {add_grey(&mesh), trace_mesh_material(&mesh, 0, 0, 0, 0, 1), add_grey(&mesh),

@@ -17,7 +17,6 @@ static void add_panel(trace_mesh *mesh, float x, float y, float z, float size, u
 }
 
 static void coplanar_triangles_of_one_radiance_are_one_light(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t dim = lamp_material(&mesh, 1), bright = lamp_material(&mesh, 2);
     add_panel(&mesh, 0, 2, 0, 1, dim);
@@ -38,7 +37,6 @@ static void coplanar_triangles_of_one_radiance_are_one_light(void **unused) {
 }
 
 static void bulbs_apart_are_lights_of_their_own(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = lamp_material(&mesh, 1), grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.1f, 8, 0.0f, false, lamp);
@@ -56,7 +54,6 @@ static void bulbs_apart_are_lights_of_their_own(void **unused) {
 }
 
 static void a_swarm_of_lamps_is_one_light(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = lamp_material(&mesh, 1);
     for (int i = 0; i < 100; i++) add_panel(&mesh, (float)i, 2 + 0.01f * (float)i, 0, 0.5f, lamp);
@@ -70,7 +67,6 @@ static void a_swarm_of_lamps_is_one_light(void **unused) {
 }
 
 static void lights_without_extent_follow_in_the_scenes_order(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     mesh.lights[0] = (sl_light){SL_LIGHT_SPOT, {0, 2, 0}, {0, -1, 0}, {1, 1, 1}, 0.9f, 0.8f};
     mesh.lights[1] = (sl_light){SL_LIGHT_POINT, {0, 2, 0}, {0, 0, 0}, {3, 2, 1}, 0, 0};
@@ -87,7 +83,6 @@ static void lights_without_extent_follow_in_the_scenes_order(void **unused) {
 
 /* F times the colour, summed over all lights, is the irradiance: panel by panel against the closed form. */
 static void lights_add_up_to_the_irradiance(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     for (int i = 0; i < 6; i++)
         add_panel(&mesh, (float)i - 3, 2, (float)(i % 2), 0.8f, lamp_material(&mesh, 1.0f + (float)i));
@@ -107,7 +102,6 @@ static void lights_add_up_to_the_irradiance(void **unused) {
 
 /* A room that shines inwards is six lights and a block that shines outwards one. */
 static void a_hollow_of_few_planes_is_as_many_lights(void **state) {
-    (void)state;
     for (int inside = 0; inside < 2; inside++) {
         trace_mesh mesh = trace_mesh_begin();
         uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);

@@ -21,7 +21,6 @@ static double sample_with(light_world *w, sl_light_estimator estimator, int size
 /* ---- size and error ---- */
 
 static void the_error_of_a_raw_frustum_falls_with_its_size(void **unused) {
-    (void)unused;
     enum { POINTS = 40 };
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 1.0f);
@@ -45,7 +44,6 @@ static void the_error_of_a_raw_frustum_falls_with_its_size(void **unused) {
 /* With half of a light hidden by an edge that runs along its own sides, at all its places: the worst is what
  * bands on a floor would show. */
 static void a_turned_raster_does_not_band_along_edges(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
@@ -64,7 +62,6 @@ static void a_turned_raster_does_not_band_along_edges(void **unused) {
 
 /* All estimators see the same light. */
 static void estimators_agree_on_a_light_partly_hidden_by_a_ball(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
@@ -87,7 +84,6 @@ static void estimators_agree_on_a_light_partly_hidden_by_a_ball(void **unused) {
 /* ---- sums ---- */
 
 static void the_reduction_to_16_by_16_is_the_double_sum(void **unused) {
-    (void)unused;
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 1.0f);
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);

@@ -73,7 +73,6 @@ static const sl_vec3 lamp = {0.31f, 0.42f, -0.17f};
 
 /* Also within a texel of the room's edges, where texels show the other wall. */
 static void a_point_light_on_a_floor_and_walls_is_the_closed_form_everywhere(void **state) {
-    (void)state;
     const int sizes[] = {64, 1024};
     world *w = world_new();
     uint32_t m = world_material(w, grey(0.5f), grey(0.0f)), all[6] = {m, m, m, m, m, m};
@@ -108,7 +107,6 @@ static void a_point_light_on_a_floor_and_walls_is_the_closed_form_everywhere(voi
 /* Facets smaller and larger than texels: no facet of a convex body hides another from a light that both face;
  * in a hollow one some are darkened along the edges between them. */
 static void facets_of_spheres_do_not_shadow_each_other(void **state) {
-    (void)state;
     const int sizes[] = {32, 512}, rings[] = {12, 100};
     for (int run = 0; run < 8; run++) {
         world *w = world_new();
@@ -163,7 +161,6 @@ static bool is_visible(const world *w, sl_vec3 p, sl_vec3 n, uint32_t triangle, 
 /* Nothing in the way: what the closed form says, whatever the number of samples. Something in the way: what
  * very many rays say. */
 static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **state) {
-    (void)state;
     world *w = world_room(true);
     sl_shadow_maps *maps = maps_of(w, 1024);
     double error = 0.0, total = 0.0, squares = 0.0;
@@ -226,7 +223,6 @@ static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **s
 /* ---- lights far away ------------------------------------------------------------ */
 
 static void an_open_plane_under_an_even_sky_gets_pi_times_its_radiance(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t m = world_material(w, grey(0.5f), grey(0.0f));
     world_quad(w, sl_v3(-5, 0, -5), sl_v3(-5, 0, 5), sl_v3(5, 0, 5), sl_v3(5, 0, -5), m);
@@ -246,7 +242,6 @@ static void an_open_plane_under_an_even_sky_gets_pi_times_its_radiance(void **st
 /* ---- points that are none, and the same bits ------------------------------------------------- */
 
 static void points_at_the_light_without_normal_or_not_finite_do_no_harm(void **state) {
-    (void)state;
     world *w = world_room(false);
     sl_shadow_maps *maps = maps_of(w, 64);
     block b = {.count = 0};

@@ -48,7 +48,6 @@ static double by_counting(const sl_ellipsoid *e, sl_vec3d a, sl_vec3d b, sl_vec3
 }
 
 static void triangle_area_is_that_of_counted_points(void **state) {
-    (void)state;
     size_t partly = 0;
     for (uint64_t i = 0; i < 300; i++) {
         sl_ellipsoid e = ellipsoid(i);
@@ -76,7 +75,6 @@ static double plane_area(const sl_ellipsoid *e, sl_vec3d normal, double h, doubl
 }
 
 static void section_of_a_tilted_plane_has_its_formulas_area(void **state) {
-    (void)state;
     size_t met = 0;
     for (uint64_t i = 0; i < 1000; i++) {
         sl_ellipsoid e = ellipsoid(i);
@@ -90,7 +88,6 @@ static void section_of_a_tilted_plane_has_its_formulas_area(void **state) {
 }
 
 static void edges_and_corners_halve_and_quarter_the_disc(void **state) {
-    (void)state;
     sl_ellipsoid e = {{0, 0, 0}, {0, 0, 1}, 0.25, 1.0};
     sl_vec3d o = {0, 0, 0}, x = {10, 0, 0}, y = {0, 10, 0}, minus_x = {-10, 0, 0}, up = {0, 0, 10};
     assert_true(fabs(sl_triangle_in_ellipsoid(&e, o, x, y) - SL_PI / 4.0) < 1e-14);
@@ -108,7 +105,6 @@ static void edges_and_corners_halve_and_quarter_the_disc(void **state) {
 }
 
 static void odd_triangles_have_no_area_and_never_nan(void **state) {
-    (void)state;
     sl_ellipsoid e = {{0, 0, 0}, {0, 0, 1}, 0.25, 1.0};
     const sl_vec3d odd[] = {{0, 0, 0},         {1, 0, 0},      {NAN, 0, 0},   {INFINITY, 1, 0},
                             {1e300, 1e300, 0}, {1e-300, 0, 0}, {0, 1e-200, 1}};
@@ -127,7 +123,6 @@ static void odd_triangles_have_no_area_and_never_nan(void **state) {
 
 /* Through the octree every triangle is found once: a ball over a floor, each triangle cut, makes the same. */
 static void the_surface_in_an_ellipsoid_is_the_sum_of_its_triangles(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-2, -1.05f, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), white);
@@ -229,7 +224,6 @@ static double mean_irradiance(sl_voxel_lights *lights, int where) {
 }
 
 static void clipped_area_is_right_at_edges_and_corners_where_the_disc_is_not(void **state) {
-    (void)state;
     sl_scene *scene = corner();
     sl_octree *octree = octree_of(scene, 3, 1);
     sl_photon_tree *tree;
@@ -251,7 +245,6 @@ static void clipped_area_is_right_at_edges_and_corners_where_the_disc_is_not(voi
 }
 
 static void mirrors_and_surfaces_without_photons_are_dark(void **state) {
-    (void)state;
     sl_scene *scene = corner();
     sl_octree *octree = octree_of(scene, 3, 1);
     sl_photon_tree *tree;
@@ -285,7 +278,6 @@ static double share_of(size_t count, bool disc, bool half, uint64_t seed) {
 }
 
 static void photons_tell_what_share_of_a_surface_they_met(void **state) {
-    (void)state;
     enum { RUNS = 500 };
     for (int disc = 0; disc < 2; disc++) {
         size_t less = 0;
@@ -300,7 +292,6 @@ static void photons_tell_what_share_of_a_surface_they_met(void **state) {
 }
 
 static void what_spans_no_area_says_little(void **state) {
-    (void)state;
     sl_place_sums line = {0}, few = {0};
     for (int i = 0; i < 100; i++) sl_place_sums_add(&line, i, 2.0 * i);
     for (int i = 0; i < 7; i++) sl_place_sums_add(&few, 1e-3 * i, 1e-3 * i * i);
@@ -312,7 +303,6 @@ static void what_spans_no_area_says_little(void **state) {
 /* A floor of which a box covers half: what is under the box no photon meets. Beside the box the floor is as
  * bright as elsewhere. */
 static void floors_are_not_dark_beside_what_stands_on_them(void **state) {
-    (void)state;
     float xyz[9 * 8];
     add_quad(xyz, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
     add_quad(xyz, 2, sl_v3(2, 0, 0), sl_v3(0, 0, 4), sl_v3(0, 2, 0));
@@ -345,7 +335,6 @@ static void floors_are_not_dark_beside_what_stands_on_them(void **state) {
 
 /* A floor modelled twice, and once more the other way up, is no larger. */
 static void a_floor_modelled_thrice_is_as_bright_as_one(void **state) {
-    (void)state;
     float xyz[9 * 6];
     for (size_t k = 0; k < 2; k++) add_quad(xyz, 2 * k, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
     add_quad(xyz, 4, sl_v3(0, 0, 0), sl_v3(4, 0, 0), sl_v3(0, 0, 4));

@@ -249,7 +249,6 @@ static void exact_plane(float u, float v, float p[3]) {
 }
 
 static void a_planar_chart_is_a_similarity(void **state) {
-    (void)state;
     surface *planes[] = {tilted_plane, exact_plane};
     for (int n = 0; n < 2; n++) {
         sl_scene *scene = scene_of(planes[n], 16, 16);
@@ -279,7 +278,6 @@ static void ramp(float u, float v, float p[3]) {
 }
 
 static void what_would_lie_on_its_own_chart_leaves_it(void **state) {
-    (void)state;
     sl_scene *scene = scene_of(ramp, 90, 6);
     sl_atlas *atlas = atlas_of(scene, 256);
     assert_sound(atlas, scene);
@@ -291,7 +289,6 @@ static void what_would_lie_on_its_own_chart_leaves_it(void **state) {
 /* ---- surfaces of all kinds ---- */
 
 static void a_sphere_is_cut_into_few_charts(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_sphere(&mesh, sl_v3(0.0f, 0.0f, 0.0f), 1.0f, 24, 0.0f, false, 0);
@@ -300,7 +297,6 @@ static void a_sphere_is_cut_into_few_charts(void **state) {
 }
 
 static void a_box_has_a_chart_a_side(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_box(&mesh, sl_v3(-1.0f, -2.0f, -0.5f), sl_v3(1.0f, 2.0f, 0.5f), true, 0);
@@ -308,12 +304,10 @@ static void a_box_has_a_chart_a_side(void **state) {
 }
 
 static void a_rough_surface_keeps_all_promises(void **state) {
-    (void)state;
     charts_of_sound_atlas(scene_of(rough, 40, 40), 256);
 }
 
 static void many_pages_at_one_edge_and_a_moebius_strip(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     for (int i = 0; i < 9; i++) { /* a book */
@@ -341,7 +335,6 @@ static void many_pages_at_one_edge_and_a_moebius_strip(void **state) {
 }
 
 static void doubled_faces_lie_in_different_charts(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     add_grid(&mesh, bell, 8, 8, true);
@@ -353,7 +346,6 @@ static void doubled_faces_lie_in_different_charts(void **state) {
 }
 
 static void slivers_t_junctions_and_lone_triangles(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     trace_mesh_quad(&mesh, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(1.0f, 0.0f, 0.0f), sl_v3(0.0f, 1.0f, 0.0f), 0);
@@ -378,7 +370,6 @@ static void slivers_t_junctions_and_lone_triangles(void **state) {
 }
 
 static void numbers_far_from_one(void **state) {
-    (void)state;
     static const float scales[] = {1e-12f, 1e12f};
     for (size_t n = 0; n < 2; n++) {
         trace_mesh mesh = trace_mesh_begin();
@@ -392,7 +383,6 @@ static void numbers_far_from_one(void **state) {
 /* ---- texels ---- */
 
 static void texels_name_the_point_that_lies_there(void **state) {
-    (void)state;
     sl_scene *scene = scene_of(torus, 24, 12);
     for (int size = 100; size <= 256; size += 156) {
         sl_atlas *atlas = atlas_of(scene, size);
@@ -418,7 +408,6 @@ static void texels_name_the_point_that_lies_there(void **state) {
 /* ---- limits ---- */
 
 static void more_charts_than_texels_is_an_error_that_says_which_size_would_do(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
     for (int i = 0; i < 500; i++)
@@ -442,7 +431,6 @@ static void more_charts_than_texels_is_an_error_that_says_which_size_would_do(vo
 }
 
 static void settings_that_make_no_sense_are_refused(void **state) {
-    (void)state;
     sl_scene *scene = scene_of(bell, 4, 4);
     sl_atlas *atlas = NULL;
     sl_atlas_settings bad[] = {usual(0),  usual(-5), usual(1 << 20), usual(64),
@@ -462,7 +450,6 @@ static void settings_that_make_no_sense_are_refused(void **state) {
 }
 
 static void the_atlas_does_not_depend_on_the_number_of_threads(void **state) {
-    (void)state;
     sl_scene *scenes[] = {scene_of(rough, 40, 40), scene_of(torus, 48, 24)};
     for (size_t n = 0; n < 2; n++) {
         sl_atlas *first = NULL;
@@ -509,7 +496,6 @@ static void assert_scene_fits(const char *path, size_t charts_max, double covera
 }
 
 static void whole_scenes_fill_most_of_a_texture(void **state) {
-    (void)state;
     assert_scene_fits("scenes/generated/room.json", 1700, 0.6);
     assert_scene_fits("scenes/generated/cave.json", 1300, 0.5);
 }

@@ -78,14 +78,12 @@ static void confetti(trace_mesh *m) { /* pieces smaller than texels */
 /* ---- shaders ---- */
 
 static void constant(const stage *s, size_t i, const float color[3], float rgb[3]) {
-    (void)s, (void)i;
     memcpy(rgb, color, 3 * sizeof *rgb);
 }
 
 static void position(const stage *s, size_t i, const float color[3], float rgb[3]) {
     const sl_atlas_canvas *c = s->canvas;
     sl_vec3 p[3];
-    (void)color;
     for (int k = 0; k < 3; k++) p[k] = sl_scene_position(s->scene, s->scene->vertex[k][c->triangle[i]]);
     sl_vec3 at =
         sl_mad(sl_mad(sl_scale(p[0], 1.0f - c->w1[i] - c->w2[i]), c->w1[i], p[1]), c->w2[i], p[2]);
@@ -93,7 +91,6 @@ static void position(const stage *s, size_t i, const float color[3], float rgb[3
 }
 
 static void chart_number(const stage *s, size_t i, const float color[3], float rgb[3]) {
-    (void)color;
     rgb[0] = (float)(s->atlas->chart_of[s->canvas->triangle[i]] + 1);
     rgb[1] = rgb[2] = 1.0f;
 }
@@ -121,7 +118,6 @@ static size_t lit_pixels(const stage *s) {
 }
 
 static void what_varies_evenly_is_looked_up_exactly_but_for_the_rim(void **state) {
-    (void)state;
     stage s = stage_of(scene_from(wall), 64);
     fill(&s, SL_ATLAS_FRONT, position, NULL);
     uint64_t before = s.counters.value[SL_COUNT_TEXTURE_FETCHES];
@@ -145,7 +141,6 @@ static void what_varies_evenly_is_looked_up_exactly_but_for_the_rim(void **state
 }
 
 static void pixels_show_their_own_chart_alone(void **state) {
-    (void)state;
     sl_scene *scenes[] = {scene_from(ball_and_box), scene_from(confetti)};
     for (int n = 0; n < 2; n++) {
         stage s = stage_of(scenes[n], n ? 150 : 64);
@@ -162,7 +157,6 @@ static void pixels_show_their_own_chart_alone(void **state) {
 }
 
 static void each_side_shows_its_own_light(void **state) {
-    (void)state;
     float front[3] = {1.0f, 0.0f, 0.0f}, back[3] = {0.0f, 1.0f, 0.0f};
     sl_scene *scenes[] = {scene_from(wall), scene_from(wall_from_behind)};
     for (int n = 0; n < 2; n++) {
@@ -185,7 +179,6 @@ static void each_side_shows_its_own_light(void **state) {
 }
 
 static void what_is_not_finite_becomes_black(void **state) {
-    (void)state;
     stage s = stage_of(scene_from(ball_and_box), 64);
     sl_octree *octree = octree_of(s.scene, 4, 2);
     sl_light_octree_settings options = plain_options(1);
@@ -204,7 +197,6 @@ static void what_is_not_finite_becomes_black(void **state) {
 }
 
 static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
-    (void)state;
     stage s = stage_of(scene_from(ball_and_box), 128);
     sl_octree *octree = octree_of(s.scene, 4, 2);
     sl_light_octree_settings options = plain_options(4);

@@ -69,7 +69,6 @@ static double rms_angle(const cloud *c, const sl_clusters *clusters) {
 }
 
 static void the_cost_never_rises_and_is_what_it_says(void **state) {
-    (void)state;
     for (int n = 1; n <= 8; n++) {
         for (int kind = 0; kind < 3; kind++) {
             cloud *c = random_cloud(300, kind, (uint64_t)(10 * n + kind));
@@ -90,7 +89,6 @@ static void the_cost_never_rises_and_is_what_it_says(void **state) {
 }
 
 static void one_cluster_is_the_weighted_mean(void **state) {
-    (void)state;
     cloud *c = random_cloud(301, 0, 4);
     sl_vec3d mean = {0};
     double weight = 0.0;
@@ -111,7 +109,6 @@ static void one_cluster_is_the_weighted_mean(void **state) {
 /* RMS angle from photons to the lights they are put to: 6,000 photons of a cosine law, equal weights; with
  * 300 of them a little less. */
 static void the_spread_over_the_number_of_lights_is_as_simulated(void **state) {
-    (void)state;
     const int counts[] = {1, 2, 3, 4, 6, 8};
     const double many[] = {48.7, 37.9, 30.1, 26.2, 21.4, 18.8}, few[] = {47.1, 35.5, 28.9, 25.1, 20.9, 18.0};
     int capped = 0;
@@ -141,7 +138,6 @@ static void the_spread_over_the_number_of_lights_is_as_simulated(void **state) {
 }
 
 static void equal_directions_are_one_cluster(void **state) {
-    (void)state;
     cloud *c = new_cloud();
     for (int i = 0; i < 50; i++) add(c, sl_v3d(0.36, 0.48, 0.8), 1.0 + i);
     sl_clusters clusters;
@@ -157,7 +153,6 @@ static void equal_directions_are_one_cluster(void **state) {
 }
 
 static void opposed_directions_split_or_fall_back_on_the_heaviest(void **state) {
-    (void)state;
     cloud *c = new_cloud();
     add(c, sl_v3d(1, 0, 0), 2.0);
     add(c, sl_v3d(-1, 0, 0), 2.0);
@@ -174,7 +169,6 @@ static void opposed_directions_split_or_fall_back_on_the_heaviest(void **state) 
 }
 
 static void instruction_sets_and_ties_give_the_same_bits(void **state) {
-    (void)state;
     const char *isas[] = {"baseline", "avx2", "avx512"};
     for (size_t count = 1; count < 400; count = count * 2 + 1) {
         for (int n = 1; n <= 8; n++) {
@@ -197,7 +191,6 @@ static void instruction_sets_and_ties_give_the_same_bits(void **state) {
 }
 
 static void nothing_gives_nothing(void **state) {
-    (void)state;
     cloud *c = new_cloud();
     sl_clusters clusters;
     sl_cluster_directions(&c->directions, 4, c->of, c->scratch, &clusters);

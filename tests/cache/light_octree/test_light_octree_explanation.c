@@ -66,7 +66,6 @@ static void nearest(sl_light_octree_settings *o) { o->filter = SL_VOXEL_NEAREST;
 static void void_dark(sl_light_octree_settings *o) { o->keep_void_dark = true; }
 
 static void lights_of_voxels_add_up_whatever_the_settings(void **state) {
-    (void)state;
     static void (*const settings[])(sl_light_octree_settings *) = {one_colour, surface, whole, nearest,
                                                                    void_dark};
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
@@ -78,7 +77,6 @@ static void lights_of_voxels_add_up_whatever_the_settings(void **state) {
 }
 
 static void what_mirrors_show_is_told_too(void **state) {
-    (void)state;
     bool done;
     sl_settings s = small();
     assert_true(told("scenes/cornell-mirror.json", &s, 0, &done) > SIZE * SIZE);
@@ -86,7 +84,6 @@ static void what_mirrors_show_is_told_too(void **state) {
 
 /* From the atlas, and of the photons themselves: a term for all. */
 static void light_by_other_ways_is_one_term(void **state) {
-    (void)state;
     bool done;
     sl_settings s = small();
     s.light_octree.atlas = true;
@@ -100,7 +97,6 @@ static void light_by_other_ways_is_one_term(void **state) {
 /* Between the lights of a deeper octree and the pixels that they light the picture still is the shallower
  * one's. */
 static void a_picture_may_be_stopped_anywhere(void **state) {
-    (void)state;
     bool done = false;
     uint64_t batches = 1;
     for (sl_settings s = small(); !done; batches++) told("scenes/cornell.json", &s, batches, &done);

@@ -27,7 +27,6 @@ static void errors_by_area(const lit *l, double rms[2]) {
 /* Figure 16a: counting voxel by voxel makes bands where a sloping plane leaves slivers in voxels; the nearest
  * photons do not know of them. */
 static void bands_of_a_histogram_are_gone_with_the_nearest_photons(void **state) {
-    (void)state;
     float xyz[18];
     sl_vec3 o = sl_v3(0, 0, 0), a = sl_v3(0, 0, 4), b = sl_v3(4, 0.9f, 0);
     add_quad(xyz, 0, o, a, b);
@@ -55,7 +54,6 @@ static void bands_of_a_histogram_are_gone_with_the_nearest_photons(void **state)
 /* A wall with two faces and next to no thickness, whole voxels: their photons are spread over both faces, and
  * the sphere's area is that of both. */
 static void voxels_without_a_normal_spread_photons_over_all_surfaces(void **state) {
-    (void)state;
     float xyz[36];
     sl_vec3 a = sl_v3(0, 0, 4), b = sl_v3(4, 1.2f, 0), low = sl_v3(0, -1e-4f, 0), high = sl_v3(0, 1e-4f, 0);
     add_quad(xyz, 0, high, a, b);
@@ -88,7 +86,6 @@ static void voxels_without_a_normal_spread_photons_over_all_surfaces(void **stat
 /* Fewer than k within r: all of them over the area within r; k of them: (k - 1) / k of that. Exactly, photon
  * by photon. */
 static void densities_are_flux_over_area_with_the_right_factor(void **state) {
-    (void)state;
     sl_scene *scene = floor_of_four();
     sl_photon_list *list = even_floor(2000, 2.0f, 3);
     double each = 2.0 * 16.0 / 2000.0 * luminance_of_red();
@@ -115,7 +112,6 @@ static void densities_are_flux_over_area_with_the_right_factor(void **state) {
 
 /* Other numbers for the same photons: sums round otherwise, and now and then a tie falls the other way. */
 static void lights_do_not_depend_on_the_order_of_photons(void **state) {
-    (void)state;
     enum { PHOTONS = 20011 };
     sl_scene *scene = furnished_room(4, 3);
     sl_photon_list *list[2] = {new_list(PHOTONS), new_list(PHOTONS)};
@@ -172,7 +168,6 @@ static double flux_of(const sl_photon_list *list) {
  * nearest add to where light is uneven: 2 % of the Cornell box, and 1 % for hulls that are taken for surface.
  */
 static void voxels_hold_the_flux_of_all_photons(void **state) {
-    (void)state;
     sl_scene *scene = NULL;
     assert_int_equal(sl_scene_load("scenes/cornell.json", &scene, NULL), SL_OK);
     for (int k = 0; k < 4; k++) {
@@ -223,7 +218,6 @@ static double irradiance_at(const lit *l, float x, float z) {
 }
 
 static void a_mirror_ring_makes_a_bright_cusp_and_keeps_its_flux(void **state) {
-    (void)state;
     sl_scene *scene = ring_on_a_floor();
     sl_photon_list *list = traced(scene, 60000, SL_STORE_CAUSTIC);
     double flux = flux_of(list);
@@ -247,7 +241,6 @@ static void a_mirror_ring_makes_a_bright_cusp_and_keeps_its_flux(void **state) {
 /* A packed direction is 0.01374 off at most (as a chord), so each light's share of radiance is, too, times
  * its colour; the texture has one texel a light where an unpacked direction would want two. */
 static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
-    (void)state;
     enum { LIGHTS = 4, POINTS = 2000 };
     sl_scene *scene = furnished_room(6, 4);
     sl_octree *octree = octree_of(scene, 4, 1);

@@ -75,7 +75,6 @@ static double ratio_on_tilt(const cloud *c, const sl_light_octree_settings *o, d
 }
 
 static void tilted_surfaces_get_what_the_table_says(void **state) {
-    (void)state;
     cloud even = field(false), narrow = field(true);
     const struct {
         const cloud *field;
@@ -100,7 +99,6 @@ static void tilted_surfaces_get_what_the_table_says(void **state) {
 }
 
 static void on_the_flat_nothing_is_lost(void **state) {
-    (void)state;
     cloud even = field(false), narrow = field(true);
     for (int n = 1; n <= 8; n++) {
         for (int k = 0; k < 4; k++) {
@@ -120,7 +118,6 @@ static void on_the_flat_nothing_is_lost(void **state) {
  * Where a whole voxel's mean normal is concerned, its lights make less; a set of one group of normals makes
  * all the light that its photons brought. */
 static void a_bent_surface_makes_the_light_that_its_photons_brought(void **state) {
-    (void)state;
     cloud c = new_cloud();
     const float flux[3] = {1, 1, 1};
     uint64_t key = sl_random_key(23, 0);
@@ -147,7 +144,6 @@ static void a_bent_surface_makes_the_light_that_its_photons_brought(void **state
 }
 
 static void photons_that_carry_nothing_are_left_out(void **state) {
-    (void)state;
     cloud c = new_cloud();
     const float flux[8][3] = {{0, 0, 0},    {NAN, 1, 1},    {1, 1, 1},  {INFINITY, 0, 0},
                               {-1, -1, -1}, {0, 0, 1e-30f}, {1, -9, 1}, {2, 2, 2}};
@@ -171,7 +167,6 @@ static void photons_that_carry_nothing_are_left_out(void **state) {
 
 /* The middle of a large floor: the mean is right, and each voxel is within what k photons can tell. */
 static void an_even_floor_has_its_irradiance_in_every_voxel(void **state) {
-    (void)state;
     sl_scene *scene = floor_of_four();
     for (int area = 0; area < 3; area++) {
         sl_light_octree_settings o = plain_options(4);
@@ -201,7 +196,6 @@ static void an_even_floor_has_its_irradiance_in_every_voxel(void **state) {
 
 /* k/A without (k-1)/k would be 2 % too much at k = 50. */
 static void the_mean_over_many_voxels_has_no_bias(void **state) {
-    (void)state;
     sl_scene *scene = floor_of_four();
     double sum = 0.0, count = 0.0;
     for (uint64_t seed = 0; seed < 6; seed++) {
@@ -222,7 +216,6 @@ static void the_mean_over_many_voxels_has_no_bias(void **state) {
 /* Three walls of a corner, each with its own irradiance: the clipped area knows where they end, the
  * acceptance cone which is which. */
 static void corners_are_neither_dark_nor_bleed_where_voxels_are_split(void **state) {
-    (void)state;
     float xyz[54];
     sl_vec3 x = sl_v3(2, 0, 0), y = sl_v3(0, 2, 0), z = sl_v3(0, 0, 2), o = sl_v3(0, 0, 0);
     add_quad(xyz, 0, o, z, x);
@@ -256,7 +249,6 @@ static void corners_are_neither_dark_nor_bleed_where_voxels_are_split(void **sta
 /* A sheet lit from both sides, a wall with two faces, and a sheet whose triangles turn either way: each side
  * has its own irradiance. */
 static void both_sides_of_thin_things_have_their_own_light(void **state) {
-    (void)state;
     for (int kind = 0; kind < 3; kind++) {
         float xyz[36], gap = kind == 1 ? 0.01f : 0.0f;
         sl_vec3 a = sl_v3(0, 0, 4), b = sl_v3(4, 0, 0), low = sl_v3(0, -gap, 0), high = sl_v3(0, gap, 0);
@@ -335,7 +327,6 @@ static double seen_on(const lit *l, sl_vec3 at, sl_vec3 n, bool filtered) {
 /* A voxel may hold a floor and the ground below it: far enough apart for a gather between them to miss both,
  * each has a set of its own. The floor makes all the light that its photons brought. */
 static void a_floor_above_dark_ground_keeps_its_light(void **state) {
-    (void)state;
     const float below[] = {0.1f, 0.2f, 0.3f, 0.45f, 0.55f, 0.7f};
     const sl_vec3 up = sl_v3(0, 1, 0);
     for (int k = 0; k < 6; k++) {
@@ -357,7 +348,6 @@ static void a_floor_above_dark_ground_keeps_its_light(void **state) {
 /* Where a voxel holds both faces of a wall, each has the light of its own side: what reaches through from the
  * lit one must not turn the other face's normal to it, and then stand for it. */
 static void the_dark_face_of_a_wall_does_not_stand_for_the_lit_one(void **state) {
-    (void)state;
     const sl_vec3 down = sl_v3(0, -1, 0);
     for (int k = 0; k < 6; k++) {
         float thick = 0.05f + 0.05f * (float)k;
@@ -380,7 +370,6 @@ static void the_dark_face_of_a_wall_does_not_stand_for_the_lit_one(void **state)
 
 /* A sheet's n lights go to its sides by their irradiances; each side that is lit has one at least. */
 static void the_brighter_side_of_a_sheet_has_more_of_the_lights(void **state) {
-    (void)state;
     const struct {
         float front, back;
         int lights, in_front, behind;
@@ -421,7 +410,6 @@ static void the_brighter_side_of_a_sheet_has_more_of_the_lights(void **state) {
 
 /* Triangles wound away from the light are as bright as others. */
 static void the_winding_does_not_matter(void **state) {
-    (void)state;
     float xyz[18];
     add_quad(xyz, 0, sl_v3(0, 0, 0), sl_v3(4, 0, 0), sl_v3(0, 0, 4)); /* normal -y */
     sl_scene *scene = scene_of_triangles(xyz, 2);
@@ -439,7 +427,6 @@ static void the_winding_does_not_matter(void **state) {
 }
 
 static void next_to_nothing_gives_finite_lights_or_none(void **state) {
-    (void)state;
     sl_scene *scene = floor_of_four();
     for (int kind = 0; kind < 4; kind++) {
         sl_photon_list *list = new_list(1000);
@@ -478,7 +465,6 @@ static void next_to_nothing_gives_finite_lights_or_none(void **state) {
 
 /* An even sky's spread over the number of lights, voxel by voxel; and energies. */
 static void statistics_tell_spread_and_flux(void **state) {
-    (void)state;
     sl_scene *scene = floor_of_four();
     double before = 180.0;
     for (int n = 1; n <= 8; n *= 2) {
@@ -506,7 +492,6 @@ static void statistics_tell_spread_and_flux(void **state) {
 
 /* Any lobes, any threads, any batches. */
 static void batches_and_threads_give_the_same_bits(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(4, 5);
     const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE, SL_LOBES_NONE};
     for (int k = 0; k < 4; k++) {
@@ -573,7 +558,6 @@ static void batches_and_threads_give_the_same_bits(void **state) {
 
 /* Boards that lie on it hide a floor: it is met by no photon, and must not dilute theirs. */
 static void what_lies_under_a_surface_takes_none_of_its_light(void **state) {
-    (void)state;
     float xyz[36];
     add_quad(xyz, 0, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
     add_quad(xyz, 2, sl_v3(0, -0.01f, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0));
@@ -599,7 +583,6 @@ static void what_lies_under_a_surface_takes_none_of_its_light(void **state) {
 /* A matt wall has one shading normal: a light along it makes the irradiance that four would. Gloss and bent
  * normals want directions. */
 static void flat_matt_surfaces_have_one_light_along_their_normal(void **state) {
-    (void)state;
     enum { MATT, GLOSSY, BENT, KINDS };
     for (int kind = 0; kind < KINDS; kind++) {
         trace_mesh mesh = trace_mesh_begin();

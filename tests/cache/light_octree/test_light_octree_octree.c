@@ -23,7 +23,6 @@ static sl_scene *sphere(unsigned rings, float radius) {
 }
 
 static void boxes_are_closed(void **state) {
-    (void)state;
     sl_vec3d low = {0, 0, 0}, high = {1, 1, 1};
     sl_cell_triangle corner = sl_cell_triangle_of(sl_v3d(1, 1, 1), sl_v3d(2, 1, 1), sl_v3d(1, 2, 1));
     sl_cell_triangle edge = sl_cell_triangle_of(sl_v3d(-1, 1, 1), sl_v3d(2, 1, 1), sl_v3d(0.5, 1.5, 1.5));
@@ -44,7 +43,6 @@ static void boxes_are_closed(void **state) {
 }
 
 static void morton_codes_come_back(void **state) {
-    (void)state;
     uint64_t key = sl_random_key(6, 0);
     for (uint64_t i = 0; i < 10000; i++) {
         uint32_t c[3] = {sl_random_bits(key, 3 * i) >> 11, sl_random_bits(key, 3 * i + 1) >> 11,
@@ -59,7 +57,6 @@ static void morton_codes_come_back(void **state) {
 
 /* Of radius 0.47 of the root: 1,064, 4,304 and 17,072 cells meet it, by the distances of their corners. */
 static void a_sphere_has_the_leaves_that_were_counted(void **state) {
-    (void)state;
     sl_scene *scene = sphere(150, 0.94f * 1.0001f);
     const size_t counts[] = {1064, 4304, 17072};
     for (int depth = 4; depth <= 6; depth++) {
@@ -135,7 +132,6 @@ static void check_leaves(const sl_scene *scene, const sl_octree *octree) {
 }
 
 static void every_surface_sample_has_a_leaf_and_every_leaf_a_triangle(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(12, 10);
     for (int depth = 1; depth <= 7; depth += 2) {
         sl_octree *octree = octree_of(scene, depth, 2);
@@ -148,7 +144,6 @@ static void every_surface_sample_has_a_leaf_and_every_leaf_a_triangle(void **sta
 
 /* Coordinates of a million, where floats are 1/16 apart, and a thousandth of the room in one corner. */
 static void huge_coordinates_and_tiny_detail_keep_every_sample_in_a_leaf(void **state) {
-    (void)state;
     float *xyz = malloc(9 * 2000 * sizeof *xyz);
     assert_non_null(xyz);
     ball shape = {sl_v3(1000020, 20, -999980), 9};
@@ -175,7 +170,6 @@ static void huge_coordinates_and_tiny_detail_keep_every_sample_in_a_leaf(void **
 
 /* A plane through the middle of the scene's box lies in the faces between voxels at every depth. */
 static void geometry_in_cell_faces_is_in_both_voxels_and_counted_once(void **state) {
-    (void)state;
     float xyz[9 * 200];
     size_t count = add_box(xyz, 0, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), 1, NULL, NULL);
     const float middle[18] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
@@ -198,7 +192,6 @@ static void geometry_in_cell_faces_is_in_both_voxels_and_counted_once(void **sta
 }
 
 static void normals_and_centroids_do_not_depend_on_tessellation(void **state) {
-    (void)state;
     float *coarse = malloc(9 * 12 * sizeof *coarse), *fine = malloc(9 * 6 * 2 * 11 * 11 * sizeof *fine);
     assert_true(coarse && fine);
     size_t few = add_box(coarse, 0, sl_v3(0, 0, 0), sl_v3(3.7f, 2.9f, 4.3f), 1, NULL, NULL);
@@ -253,7 +246,6 @@ static size_t leaves_of_slab(float slope, size_t *without) {
 }
 
 static void opposite_surfaces_leave_a_voxel_without_a_normal(void **state) {
-    (void)state;
     size_t without, leaves = leaves_of_slab(0.0f, &without);
     /* a cell's face is between them */
     assert_true(leaves == 2 * 64 && without == 0);
@@ -262,7 +254,6 @@ static void opposite_surfaces_leave_a_voxel_without_a_normal(void **state) {
 }
 
 static void grown_voxels_are_more(void **state) {
-    (void)state;
     sl_scene *scene = sphere(20, 0.9f);
     sl_octree *plain = octree_of(scene, 4, 1), *grown = NULL;
     sl_octree_root root = sl_octree_root_of_all(scene);
@@ -278,7 +269,6 @@ static void grown_voxels_are_more(void **state) {
 }
 
 static void any_number_of_threads_builds_the_same_octree(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(10, 12);
     sl_octree *one = octree_of(scene, 6, 1);
     for (unsigned threads = 2; threads <= 3; threads++) {
@@ -305,7 +295,6 @@ static sl_scene *floor_under_sheets(float mirror, float diffuse) {
 }
 
 static void cells_with_black_or_mirroring_surfaces_alone_are_no_leaves(void **state) {
-    (void)state;
     const float materials[3][2] = {{0, 0.5f}, {0, 0}, {0.9f, 0}};
     for (int k = 0; k < 3; k++) {
         sl_scene *scene = floor_under_sheets(materials[k][0], materials[k][1]);

@@ -18,7 +18,6 @@ static const double DEGREES = 180.0 / SL_PI;
 
 /* Of 8 + 8 bits at most 0.7874 degrees, 0.354 on average. */
 static void the_error_stays_below_its_bound(void **state) {
-    (void)state;
     uint64_t key = sl_random_key(3, 0);
     enum { COUNT = 300000 };
     double most = 0.0, sum = 0.0;
@@ -38,7 +37,6 @@ static void the_error_stays_below_its_bound(void **state) {
 }
 
 static void axes_and_codes_are_exact(void **state) {
-    (void)state;
     const sl_vec3d axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     for (int k = 0; k < 6; k++) {
         sl_vec3 back = sl_direction_unpack(sl_direction_pack(sl_scaled(axes[k], 7.0)));
@@ -56,7 +54,6 @@ static void axes_and_codes_are_exact(void **state) {
 }
 
 static void what_is_no_direction_becomes_one(void **state) {
-    (void)state;
     const double odd[] = {0.0, -0.0, (double)NAN, (double)INFINITY, -(double)INFINITY, 1e-320, 1e300};
     for (int k = 0; k < 343; k++) {
         float code = sl_direction_pack(sl_v3d(odd[k % 7], odd[k / 7 % 7], odd[k / 49]));

@@ -39,7 +39,6 @@ static sl_comparison against_path_tracer(const sl_scene *scene, const sl_setting
 }
 
 static void the_cornell_box_is_lit_as_by_all_of_its_paths(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = octree_settings(40);
     sl_comparison c = against_path_tracer(scene, &settings, 128);
@@ -50,7 +49,6 @@ static void the_cornell_box_is_lit_as_by_all_of_its_paths(void **state) {
 
 /* The photon map itself: the same paths, the same light, and no voxel anywhere. */
 static void photons_gathered_at_pixels_light_the_cornell_box_too(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = octree_settings(40);
     settings.light_octree.photons_at_pixels = true;
@@ -69,7 +67,6 @@ static void photons_gathered_at_pixels_light_the_cornell_box_too(void **state) {
 
 /* Albedo 1/2: the light reflected at least once is as much again as the direct light, everywhere. */
 static void an_integrating_sphere_holds_rho_over_one_minus_rho(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/sphere.json");
     sl_settings settings = octree_settings(32);
     settings.light_octree.indirect_only = true;
@@ -103,7 +100,6 @@ static void keep_depth(void *context, const sl_pass *pass) {
 }
 
 static void each_depth_on_the_way_is_what_that_depth_gives_alone(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = octree_settings(32);
     seen_depths seen = {0, {NULL}};
@@ -132,7 +128,6 @@ static void run_to_end(sl_method *method) {
 }
 
 static void a_new_camera_keeps_photons_and_voxels(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = octree_settings(24);
     sl_method *method;
@@ -159,7 +154,6 @@ static void a_new_camera_keeps_photons_and_voxels(void **state) {
 /* ---- mirrors, caustics, the stored paths ---- */
 
 static void mirrors_show_what_they_reflect(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-mirror.json");
     sl_settings settings = octree_settings(40);
     sl_comparison c = against_path_tracer(scene, &settings, 128);
@@ -187,7 +181,6 @@ static sl_scene *glossy_floor(bool mirror) {
 }
 
 static void highlights_in_mirrors_are_where_the_mirror_reflects_them(void **state) {
-    (void)state;
     enum { SIZE = 24 };
     sl_scene *mirrored = glossy_floor(true), *plain = glossy_floor(false);
     sl_settings settings = octree_settings(SIZE);
@@ -222,7 +215,6 @@ static double indirect_of(const sl_scene *scene, sl_photon_store store) {
 }
 
 static void caustics_are_a_part_of_indirect_light_and_that_of_all(void **state) {
-    (void)state;
     sl_scene *mirror = load_scene("scenes/cornell-mirror.json"), *diffuse = load_scene("scenes/cornell.json");
     double caustic = indirect_of(mirror, SL_STORE_CAUSTIC), indirect = indirect_of(mirror, SL_STORE_INDIRECT),
            all = indirect_of(mirror, SL_STORE_ALL);
@@ -239,7 +231,6 @@ static const char floor_obj[] = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3
 
 /* A floor of albedo 1/2 alone under a sky of radiance 1. */
 static void a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"grey\"}], \"materials\": "
         "{\"grey\": "
@@ -295,7 +286,6 @@ static sl_scene *mirror_under_the_sky(void) {
 }
 
 static void mirrors_show_a_far_environment_alone_as_by_rays(void **state) {
-    (void)state;
     sl_scene *scene = mirror_under_the_sky();
     sl_settings settings = octree_settings(48);
     settings.light_octree.photons = 1000;
@@ -320,7 +310,6 @@ static void mirrors_show_a_far_environment_alone_as_by_rays(void **state) {
 /* ---- the atlas ---- */
 
 static void by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-mirror.json");
     sl_settings settings = octree_settings(48);
     settings.light_octree.photons = 20000;
@@ -338,7 +327,6 @@ static void by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering(void *
 }
 
 static void a_new_camera_looks_its_light_up_in_the_atlas_that_is_there(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = octree_settings(24);
     settings.light_octree.photons = 5000;
@@ -361,7 +349,6 @@ static void a_new_camera_looks_its_light_up_in_the_atlas_that_is_there(void **st
 /* ---- nothing there ---- */
 
 static void without_light_or_reflection_no_photon_flies(void **state) {
-    (void)state;
     static const char obj[] = "mtllib mesh.mtl\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\n";
     sl_scene *dark =
         scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"black\"}], "

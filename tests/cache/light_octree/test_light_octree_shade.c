@@ -126,7 +126,6 @@ static void expected(const world *w, const sl_octree_shading *shading, const poi
 }
 
 static void pixels_are_the_sums_of_the_formulas(void **state) {
-    (void)state;
     const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE};
     for (int k = 0; k < 8; k++) {
         world w = new_world(k & 1 ? 5 : 3, lobes[k >> 1 & 1], RANDOM_LIGHTS);
@@ -150,7 +149,6 @@ static void pixels_are_the_sums_of_the_formulas(void **state) {
 }
 
 static void a_constant_field_stays_constant(void **state) {
-    (void)state;
     for (int depth = 2; depth <= 6; depth++) {
         world w = new_world(depth, SL_LOBES_NONE, EQUAL_LIGHTS);
         for (size_t i = 0; i < w.lights->set_count; i++)
@@ -179,7 +177,6 @@ static void a_constant_field_stays_constant(void **state) {
 }
 
 static void light_is_continuous_along_a_surface(void **state) {
-    (void)state;
     world w = new_world(5, SL_LOBES_PERPENDICULAR, RANDOM_LIGHTS);
     points *p = surface_points(w.scene, 4);
     float jump = 0.0f, most = 0.0f;
@@ -212,7 +209,6 @@ static void light_is_continuous_along_a_surface(void **state) {
 /* d fetches of the descent, the set's head and n = 3 lights; filtered 8 (d + 1 + n), less where the descent
  * ends in void. */
 static void fetches_are_those_of_the_hardware(void **state) {
-    (void)state;
     world w = new_world(5, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS);
     points *p = surface_points(w.scene, 4);
     sl_octree_shading shading = {.texture = w.texture, .filter = SL_VOXEL_NEAREST};
@@ -225,7 +221,6 @@ static void fetches_are_those_of_the_hardware(void **state) {
 }
 
 static void what_is_no_surface_point_is_black(void **state) {
-    (void)state;
     world w = new_world(4, SL_LOBES_PERPENDICULAR, EQUAL_LIGHTS);
     points *p = surface_points(w.scene, 4);
     const float odd[] = {NAN, INFINITY, -INFINITY, 1e30f, -3.0f, 9.0f};
@@ -250,7 +245,6 @@ static void what_is_no_surface_point_is_black(void **state) {
 
 /* Two sheets: the floor's voxels must not take light from the wall's. */
 static void facing_voxels_alone_count_where_asked(void **state) {
-    (void)state;
     const float xyz[] = {0, 0, 0, 0, 0, 4, 4, 0, 4, 0, 0, 0, 4, 0, 4, 4, 0, 0,  /* floor, normal y */
                          /* wall, normal x, on below the floor */
                          0, -1, 0, 0, 4, 0, 0, 4, 4, 0, -1, 0, 0, 4, 4, 0, -1, 4};
@@ -283,7 +277,6 @@ static void facing_voxels_alone_count_where_asked(void **state) {
 
 /* A box's edge: each wall takes the light of its own group, right up to the edge. */
 static void split_voxels_give_each_normal_its_own_lights(void **state) {
-    (void)state;
     float xyz[9 * 12];
     size_t count = add_box(xyz, 0, sl_v3(0, 0, 0), sl_v3(3, 3, 3), 1, NULL, NULL);
     sl_scene *scene = scene_of_triangles(xyz, count);
@@ -319,7 +312,6 @@ static void split_voxels_give_each_normal_its_own_lights(void **state) {
 }
 
 static void batches_and_instruction_sets_give_the_same_bits(void **state) {
-    (void)state;
     const char *isas[] = {"baseline", "avx2", "avx512"};
     const sl_voxel_lobes lobes[] = {SL_LOBES_PERPENDICULAR, SL_LOBES_SURFACE, SL_LOBES_NONE};
     for (int k = 0; k < 3; k++) {

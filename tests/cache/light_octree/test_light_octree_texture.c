@@ -5,7 +5,6 @@
 #include "trace_scenes.h"
 
 static void the_descent_ends_where_the_sorted_leaves_say(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(10, 6);
     for (int depth = 1; depth <= 6; depth++) {
         sl_octree *octree = octree_of(scene, depth, 2);
@@ -60,7 +59,6 @@ static sl_octree *made_octree(int depth, size_t leaves) {
 /* 5,705 bricks for the sphere of 17,072 leaves; two outliers in the corners of the root add six bricks each
  * at most. */
 static void bricks_and_bytes_are_those_that_were_counted(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1);
     trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1),
@@ -92,7 +90,6 @@ static void bricks_and_bytes_are_those_that_were_counted(void **state) {
 
 /* As many lights as it has, those of one voxel in one row. */
 static void sets_of_every_length_come_back_from_their_address(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(10, 6);
     sl_octree *octree = octree_of(scene, 5, 1);
     sl_light_octree_settings options = plain_options(8);
@@ -141,7 +138,6 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
 /* A sheet's normal stands for both of its sides; where a voxel holds both faces of a wall, each for its own
  * alone. */
 static void the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not(void **state) {
-    (void)state;
     /* far above: so that one voxel holds both */
     const float xyz[9 * 5] = {0, 1.5f, 0, 0.01f, 1.5f, 0, 0, 1.5f, 0.01f,
                               /* up */
@@ -170,7 +166,6 @@ static void the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not(void *
 }
 
 static void dark_leaves_share_one_texel(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(5, 5000);
     sl_light_octree_settings options = plain_options(4);
@@ -185,7 +180,6 @@ static void dark_leaves_share_one_texel(void **state) {
 }
 
 static void more_sets_than_addresses_are_refused_with_their_number(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(1, 1);
     size_t most = 512 * 4096; /* sets of 8 lights */
     sl_octree *octree = made_octree(7, most + 1);
@@ -203,7 +197,6 @@ static void more_sets_than_addresses_are_refused_with_their_number(void **state)
 }
 
 static void an_octree_without_leaves_is_void(void **state) {
-    (void)state;
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(4, 0);
     sl_light_octree_settings options = plain_options(4);

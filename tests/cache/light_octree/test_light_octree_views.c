@@ -78,7 +78,6 @@ static double rms_from(const sl_image *image, const sl_image *truth) {
 /* A ball under a red light and a green one, photons of direct light stored (figure 2): one colour a voxel
  * makes blocks, lights with directions follow the ball's own normals. */
 static void lights_with_directions_shade_a_ball_that_colours_leave_flat(void **state) {
-    (void)state;
     char *obj = ball_obj();
     sl_scene *scene =
         scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"grey\"}], "
@@ -118,7 +117,6 @@ static void lights_with_directions_shade_a_ball_that_colours_leave_flat(void **s
 /* Figure 16c: empty voxels that count as black darken; larger voxels leave fewer of them empty, and
  * renormalizing needs none of that. */
 static void larger_voxels_close_the_holes_that_empty_ones_tear(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/sphere.json");
     sl_settings settings = octree_settings(32);
     double plain = mean_indirect(scene, &settings);
@@ -149,7 +147,6 @@ static sl_image *next_frame(sl_method *method, unsigned changes) {
 /* Things that move, and lights that change, leave nothing behind: not in photons, not in voxels, not in the
  * atlas. */
 static void a_frame_of_a_series_is_that_frame_alone(void **state) {
-    (void)state;
     const char *const scenes[] = {"scenes/moving-light.json", "scenes/moving-ball.json"};
     for (int k = 0; k < 4; k++) {
         sl_scene *scene = load_scene(scenes[k & 1]);
@@ -186,7 +183,6 @@ static double number(const sl_image *image, const char *name) {
 }
 
 static void pictures_say_what_they_were_made_from(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = octree_settings(16);
     sl_counters counters;
@@ -216,7 +212,6 @@ static void pictures_say_what_they_were_made_from(void **state) {
 
 /* Few photons for voxels that count their own, and gathers far wider than voxels. */
 static void few_photons_and_wide_gathers_are_warned_of(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     for (int own = 0; own < 2; own++) {
         sl_settings settings = octree_settings(8);
@@ -235,7 +230,6 @@ static void few_photons_and_wide_gathers_are_warned_of(void **state) {
 /* Four lights stand for wide caps: gloss that is sharper shows indirect light blurred. One irradiance and the
  * photons themselves are another matter. */
 static void gloss_that_is_widened_is_warned_of(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     for (int k = 0; k < 3; k++) {
         sl_settings settings = octree_settings(8);
@@ -264,7 +258,6 @@ static char *plan_of(const sl_scene *scene, uint64_t photons) {
 
 /* A floor of 16 at depth 5 meets 1,024 to 1,536 voxels. */
 static void the_plan_tells_of_few_photons(void **state) {
-    (void)state;
     static const char json[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": "
                                "[{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}], "
                                "\"camera\": {\"eye\": [0, 3, 0.1], \"target\": [0, 0, 0], \"fov_deg\": 30}}";

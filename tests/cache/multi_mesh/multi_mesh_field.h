@@ -31,12 +31,10 @@ typedef struct rig {
 
 static inline sl_rgb shown_as_it_is(const void *context, sl_component component, uint32_t face, float w1,
                                     float w2, sl_rgb value) {
-    (void)context, (void)component, (void)face, (void)w1, (void)w2;
     return value;
 }
 
 static inline bool want_all(const void *context, uint32_t face) {
-    (void)context, (void)face;
     return true;
 }
 
@@ -200,7 +198,6 @@ static inline size_t roots_in_view(const sl_displayed *d) { return d->pixels->fa
 
 /* Shadow borders across a room. */
 static inline sl_rgb stripes(const void *context, sl_vec3 p) {
-    (void)context;
     float s = p.x * 1.7f + p.y * 2.3f + p.z * 1.1f;
     return s - floorf(s) < 0.3f ? (sl_rgb){0.1f, 0.12f, 0.15f} : (sl_rgb){0.9f, 0.8f, 0.6f};
 }

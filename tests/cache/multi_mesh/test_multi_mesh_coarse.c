@@ -47,7 +47,6 @@ static sl_vec3 position_of(const meshed *m, size_t v) {
 
 /* A square of two triangles, each side: (n + 1)^2 vertices, those on the diagonal shared. */
 static void edges_are_split_until_they_are_short_or_deep_enough(void **state) {
-    (void)state;
     const float edge[6] = {10.0f, 1.42f, 1.41f, 0.5f, 0.1f, 0.001f};
     const int depth[6] = {5, 5, 5, 5, 3, 4}, level[6] = {0, 0, 1, 2, 3, 4};
     for (int k = 0; k < 6; k++) {
@@ -75,7 +74,6 @@ static sl_scene *uneven_scene(void) {
 }
 
 static void no_point_of_a_flat_surface_is_sampled_twice(void **state) {
-    (void)state;
     for (int scene = 0; scene < 2; scene++) {
         trace_mesh ball = trace_mesh_begin();
         if (scene)
@@ -100,7 +98,6 @@ static void no_point_of_a_flat_surface_is_sampled_twice(void **state) {
 }
 
 static void faces_that_reflect_nothing_are_not_sampled(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
              black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
@@ -116,7 +113,6 @@ static void faces_that_reflect_nothing_are_not_sampled(void **state) {
 }
 
 static void the_inner_side_of_a_solid_is_not_sampled(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false,
                    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
@@ -151,7 +147,6 @@ static void assert_linear_field_is_kept(float edge, int depth) {
 }
 
 static void a_linear_field_is_kept_between_vertices_across_levels(void **state) {
-    (void)state;
     const float edge[4] = {0.3f, 1.01f, 1.2f, 0.6f};
     const int depth[4] = {5, 5, 3, 1};
     for (int k = 0; k < 4; k++) assert_linear_field_is_kept(edge[k], depth[k]);
@@ -160,7 +155,6 @@ static void a_linear_field_is_kept_between_vertices_across_levels(void **state) 
 /* A unit square of 4 x 4: what lies on the rim of a triangle is moved a sixth of a coarse triangle's weight
  * into it, what lies within stays. */
 static void light_is_asked_for_a_little_within_rims(void **state) {
-    (void)state;
     meshed m = mesh_of(quad_scene(0.5f), 0.36f, 8);
     size_t within = 0, rim = 0;
     for (size_t v = 0; v < m.coarse->vertex_count; v++) {
@@ -180,7 +174,6 @@ static void light_is_asked_for_a_little_within_rims(void **state) {
 }
 
 static void a_value_that_is_no_number_is_made_up_for_by_its_neighbours(void **state) {
-    (void)state;
     meshed m = mesh_of(quad_scene(0.5f), 10.0f, 0);
     const float bad[3] = {NAN, INFINITY, -INFINITY};
     for (int k = 0; k < 3; k++) {
@@ -224,7 +217,6 @@ static sl_scene *striped_quad(bool masked) {
 }
 
 static void colours_are_values_times_the_mean_of_the_texture(void **state) {
-    (void)state;
     for (int masked = 0; masked < 2; masked++) {
         meshed m = mesh_of(striped_quad(masked == 1), 0.4f, 3);
         for (size_t v = 0; v < m.coarse->vertex_count; v++)
@@ -243,7 +235,6 @@ static void colours_are_values_times_the_mean_of_the_texture(void **state) {
 /* ---- before there is one --------------------------------------------------------------------- */
 
 static void every_kind_of_light_counts_with_its_power(void **state) {
-    (void)state;
     sl_light spot = {.type = SL_LIGHT_SPOT,
                      .direction = {0, 0, -1},
                      .intensity = {1, 1, 1},

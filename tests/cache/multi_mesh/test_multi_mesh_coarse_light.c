@@ -68,7 +68,6 @@ static double unoccluded(const lit_hall *h, const sl_root_place *v, size_t count
 }
 
 static void where_nothing_is_between_all_lights_count_though_few_are_asked(void **state) {
-    (void)state;
     lit_hall h = hall(LAMPS, 1);
     sl_root_place vertex[POINTS];
     sl_rgb radiance[POINTS];
@@ -86,7 +85,6 @@ static void where_nothing_is_between_all_lights_count_though_few_are_asked(void 
 
 /* Lights that are not asked could give a thirtieth of all at most. */
 static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(void **state) {
-    (void)state;
     lit_hall h = hall(LAMPS / 2, 1);
     sl_root_place vertex[POINTS];
     sl_rgb radiance[POINTS];
@@ -104,7 +102,6 @@ static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(vo
 /* Posts, which are no solids, stand on the corners of a floor; none of these sees the lamp, nearly all of the
  * floor does. */
 static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
              lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
@@ -150,7 +147,6 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
 /* All over a penumbra: a single sample by 4 x 4 or 8 x 8 rays is off by some percent, a thousand of them
  * together by a third of a percent at most. */
 static void few_rays_are_off_to_either_side_alike(void **state) {
-    (void)state;
     enum { POINTS_A_SIDE = 32 };
     trace_mesh mesh = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);

@@ -7,12 +7,10 @@
 /* ---- fields ---- */
 
 static sl_rgb uniform(const void *context, sl_vec3 p) {
-    (void)context, (void)p;
     return (sl_rgb){0.4f, 0.5f, 0.6f};
 }
 
 static sl_rgb linear(const void *context, sl_vec3 p) {
-    (void)context;
     return (sl_rgb){1.0f + 0.3f * p.x + 0.1f * p.y, 0.9f - 0.25f * p.y, 0.5f + 0.2f * p.x};
 }
 
@@ -79,7 +77,6 @@ static check check_all(const rig *r) {
 }
 
 static void each_pixel_belongs_to_the_leaf_in_which_it_lies(void **state) {
-    (void)state;
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 160, 120);
     rig_look(&r, NULL, 1);
@@ -94,7 +91,6 @@ static void each_pixel_belongs_to_the_leaf_in_which_it_lies(void **state) {
 }
 
 static void the_first_image_samples_the_corners_of_faces_in_view_and_no_more(void **state) {
-    (void)state;
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 160, 120);
     rig_look(&r, NULL, 1);
@@ -166,17 +162,14 @@ static void assert_all_undone(field f, float threshold_scale) {
 }
 
 static void a_uniform_field_is_split_for_its_size_and_all_undone(void **state) {
-    (void)state;
     assert_all_undone((field){uniform, NULL}, 1.0f);
 }
 
 static void a_linear_field_is_all_undone(void **state) {
-    (void)state;
     assert_all_undone((field){linear, NULL}, 1.0f);
 }
 
 static void a_shadow_in_the_dark_is_not_split_at(void **state) {
-    (void)state;
     disc s = {0.1f, 0.2f, 0.5f};
         assert_true(sl_display_level(1.0f, 0.0005f) < 10.0f);
     assert_all_undone((field){dark_shadow, &s}, 1.0f);
@@ -185,7 +178,6 @@ static void a_shadow_in_the_dark_is_not_split_at(void **state) {
 /* ---- it ends ---- */
 
 static void noise_is_refined_down_to_pixels_and_ends(void **state) {
-    (void)state;
     uint64_t seed = 9;
     field_value *fields[] = {noise, noise_with_holes};
     for (int f = 0; f < 2; f++) {
@@ -227,7 +219,6 @@ static sl_rgb faint_noise(const void *context, sl_vec3 p) {
 }
 
 static void minor_leaves_are_looked_into_only_where_their_corners_differ_by_much(void **state) {
-    (void)state;
     uint64_t seed = 9;
     static field_value *const fields[3] = {faint_noise, faint_noise, noise};
     size_t cut[3];
@@ -252,7 +243,6 @@ static void minor_leaves_are_looked_into_only_where_their_corners_differ_by_much
 /* ---- views ---- */
 
 static sl_rgb curved(const void *context, sl_vec3 p) {
-    (void)context;
     return (sl_rgb){0.1f + 0.2f * p.x * p.x, 0.2f + 0.1f * p.y * p.z, 0.3f + 0.05f * p.z * p.z * p.y};
 }
 
@@ -281,7 +271,6 @@ static void come_and_go(field f, uint64_t *first, uint64_t *again) {
 }
 
 static void a_view_seen_again_asks_for_hardly_anything(void **state) {
-    (void)state;
     static field_value *const fields[3] = {curved, linear, stripes};
     for (int k = 0; k < 3; k++) {
         uint64_t first, again;

@@ -11,13 +11,11 @@ static sl_rgb stripes_with_holes(const void *context, sl_vec3 p) {
 }
 
 static sl_rgb smooth(const void *context, sl_vec3 p) {
-    (void)context;
     return (sl_rgb){0.5f + 0.1f * p.x * p.y, 0.6f + 0.05f * p.z * p.z, 0.4f + 0.1f * p.y};
 }
 
 static const sl_rgb PAINT = {0.3f, 0.70000005f, 1.0f / 3.0f};
 static sl_rgb painted(const void *context, sl_vec3 p) {
-    (void)context, (void)p;
     return PAINT;
 }
 
@@ -56,7 +54,6 @@ static void split_at_random(rig *r, uint64_t seed, int rounds) {
 }
 
 static void a_mesh_of_one_colour_split_at_random_has_neither_holes_nor_steps(void **state) {
-    (void)state;
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(room(), (field){painted, NULL}, &settings, WIDTH, HEIGHT);
     rig_look(&r, NULL, 1);
@@ -97,7 +94,6 @@ static float largest_step(bool hanging) {
 }
 
 static void colours_do_not_jump_where_one_side_of_an_edge_is_split_and_the_other_is_not(void **state) {
-    (void)state;
     float step = largest_step(true), torn = largest_step(false);
     /* A pixel is 2/120 wide, the field's slope at most 0.1 but for what a fan's corners add. */
     assert_true(step < 4.0f * 0.1f * 2.0f / 120.0f);
@@ -150,18 +146,15 @@ static void incremental_drawing_equals(field f, bool hanging) {
 }
 
 static void a_picture_redrawn_leaf_by_leaf_equals_one_drawn_at_once(void **state) {
-    (void)state;
     incremental_drawing_equals((field){stripes, NULL}, true);
     incremental_drawing_equals((field){stripes, NULL}, false);
 }
 
 static void so_it_does_where_samples_are_of_no_use(void **state) {
-    (void)state;
     incremental_drawing_equals((field){stripes_with_holes, NULL}, true);
 }
 
 static void a_drawn_pixel_has_the_value_that_the_mesh_has_there(void **state) {
-    (void)state;
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
     rig_look(&r, NULL, 1);
@@ -181,7 +174,6 @@ static void a_drawn_pixel_has_the_value_that_the_mesh_has_there(void **state) {
 }
 
 static void leaves_without_values_show_what_stands_in(void **state) {
-    (void)state;
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
     rig_look(&r, NULL, 1);

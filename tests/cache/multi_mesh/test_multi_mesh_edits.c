@@ -26,7 +26,6 @@ static size_t assert_same_where_both_are(const sl_patches *mesh, const sl_patche
 }
 
 static void light_in_other_colours_is_not_sampled_again(void **state) {
-    (void)state;
     static const room_edit kinds[] = {EDIT_COLOUR, EDIT_LAMP, EDIT_POWER, EDIT_COLOUR, EDIT_POWER, EDIT_LAMP};
     sl_error error;
     sl_scene *scene;

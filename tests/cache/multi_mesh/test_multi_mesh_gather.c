@@ -14,7 +14,6 @@ static double coverage(double phi) { return 4.0 / SL_PI * sl_sin(phi) * sl_atan(
 /* ---- weights --------------------------------------------------------------------------------- */
 
 static void the_share_lost_beyond_the_picture_is_the_papers_two_percent_and_a_half(void **state) {
-    (void)state;
     const double lost[6][2] = {{90, 0.4459},   {120, 0.2130},  {150, 0.0554},
                                {160, 0.02479}, {170, 0.00622}, {178, 0.00025}};
     for (int k = 0; k < 6; k++) assert_true(near(1.0 - coverage(half_angle(lost[k][0])), lost[k][1], 6e-5));
@@ -28,7 +27,6 @@ static double sum_of(const float *w, int count) {
 }
 
 static void halving_to_sixteen_and_adding_up_gives_the_sum_in_double(void **state) {
-    (void)state;
     enum { N = 128 };
     static float planes[3 * N * N], scratch[N * N / 2];
     float out[3 * 256];
@@ -57,7 +55,6 @@ static sl_scene *box_scene(float diffuse) {
 }
 
 static void an_enclosure_of_one_radiance_gives_pi_times_it_whatever_the_point(void **state) {
-    (void)state;
     sl_gather_settings settings = usual_settings();
     gathering g = gathering_of(box_scene(0.5f), 0.3f, 3, &settings);
     set_all(&g, (sl_rgb){1.0f, 2.0f, 0.0f});
@@ -97,7 +94,6 @@ static double wall_irradiance(double degrees) {
 }
 
 static void walls_lose_the_part_that_stands_low(void **state) {
-    (void)state;
     assert_true(wall_irradiance(9) < 1e-6);
     assert_true(near(wall_irradiance(20), (1.0 - 0.317) / coverage(half_angle(160)), 0.02));
     assert_true(near(wall_irradiance(45), 1.0 - 0.054, 0.004));
@@ -108,7 +104,6 @@ static void walls_lose_the_part_that_stands_low(void **state) {
 /* From a floor towards a wall of limited height: as the point moves, the wall's edges cross the picture's
  * pixels one by one. */
 static void edges_along_the_axes_make_no_bands(void **state) {
-    (void)state;
     trace_mesh m = lit_mesh();
     uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), grey);

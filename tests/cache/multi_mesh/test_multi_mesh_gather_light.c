@@ -15,7 +15,6 @@ static trace_mesh lit_mesh(sl_vec3 light) { /* closed surfaces are rooms if ther
 /* ---- the bounce's reflectance, lamps, two bounces -------------------------------------------- */
 
 static void a_red_wall_tints_a_white_floor_though_no_camera_sees_it(void **state) {
-    (void)state;
     for (int black = 0; black < 2; black++) {
         trace_mesh m = trace_mesh_begin();
         uint32_t white = trace_mesh_material(&m, 0.8f, 0, 0, 0, 0),
@@ -38,7 +37,6 @@ static void a_red_wall_tints_a_white_floor_though_no_camera_sees_it(void **state
 }
 
 static void light_that_a_lamp_sends_is_not_gathered(void **state) {
-    (void)state;
     sl_rgb seen[2];
     for (int lit = 0; lit < 2; lit++) {
         trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
@@ -63,7 +61,6 @@ static void light_that_a_lamp_sends_is_not_gathered(void **state) {
 /* Uneven triangles at random levels, values at random: pixels of the picture against the rasterizer's own
  * weights and the coarse mesh's values. */
 static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(void **state) {
-    (void)state;
     trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
     trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
     uint32_t light_grey = trace_mesh_material(&m, 0.7f, 0, 0, 0, 0);
@@ -124,7 +121,6 @@ static trace_mesh outlier(const sl_environment *environment) {
 }
 
 static void where_nothing_is_the_sky_is_seen_or_black(void **state) {
-    (void)state;
     sl_environment sky = {.present = true, .constant = {1, 2, 3}};
     for (int present = 0; present < 2; present++) {
         trace_mesh m = outlier(present ? &sky : NULL);
@@ -142,7 +138,6 @@ static void where_nothing_is_the_sky_is_seen_or_black(void **state) {
 /* A shading normal tilted by alpha against the geometric one: pi (1 + cos alpha) / 2 of what lies above both
  * horizons. */
 static void what_lies_below_the_surface_is_black_though_the_shading_normal_faces_it(void **state) {
-    (void)state;
     sl_environment sky = {.present = true, .constant = {1, 1, 1}};
     trace_mesh m = outlier(&sky);
     sl_gather_settings settings = usual_settings();
@@ -160,7 +155,6 @@ static void what_lies_below_the_surface_is_black_though_the_shading_normal_faces
 /* A sun of 2.8 degrees, one texel, seen from 40 directions: radiance x solid angle x cosine, wherever it
  * falls between pixels. */
 static void the_light_of_a_small_sun_is_kept(void **state) {
-    (void)state;
     enum { WIDTH = 128, HEIGHT = 64, ROW = 20, COLUMN = 37 };
     static float texels[3 * WIDTH * HEIGHT];
     for (int c = 0; c < 3; c++) texels[3 * (ROW * WIDTH + COLUMN) + c] = 1000.0f;
@@ -192,7 +186,6 @@ static void the_light_of_a_small_sun_is_kept(void **state) {
 /* A grid of small squares far from the origin: neighbours in the same plane must not rise above the horizon.
  */
 static void a_flat_surface_does_not_light_itself(void **state) {
-    (void)state;
     trace_mesh m = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
     sl_frame f = sl_frame_from_normal(sl_normalize_or(sl_v3(0.3f, -0.5f, 0.8f), sl_v3(0, 0, 1)));
@@ -219,7 +212,6 @@ static void a_flat_surface_does_not_light_itself(void **state) {
 /* A floor that ends at a wall: at their common edge the wall fills half of the hemisphere, whichever face the
  * point is said to be of. */
 static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
-    (void)state;
     trace_mesh m = trace_mesh_begin();
     uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&m, sl_v3(0, -50, 0), sl_v3(50, 0, 0), sl_v3(0, 100, 0), grey);
@@ -242,7 +234,6 @@ static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
 /* From any vertex of a ball's outside the whole sky is seen and nothing of the ball, from any of a hollow's
  * inside nothing but it. */
 static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **state) {
-    (void)state;
     sl_environment sky = {.present = true, .constant = {1, 0, 0}};
     for (int hollow = 0; hollow < 2; hollow++) {
         trace_mesh m = hollow ? lit_mesh(sl_v3(0, 0, 0)) : trace_mesh_begin();
@@ -269,7 +260,6 @@ static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **sta
 /* ---- hard input ------------------------------------------------------------------------------ */
 
 static void points_that_are_no_numbers_get_no_light_and_are_counted(void **state) {
-    (void)state;
     trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
     trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
     sl_gather_settings settings = usual_settings();

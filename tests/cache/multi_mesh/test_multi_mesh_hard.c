@@ -30,7 +30,6 @@ static double sum_of(const sl_image *image, const char *channel) {
  * sigma). Seen from elsewhere a lobe much narrower than the disc shows k_s L cos theta, as long as its mirror
  * direction meets the disc: the lamp is no point in its middle. */
 static void a_discs_highlight_is_within_4_percent_of_the_integral_also_beside_its_middle(void **state) {
-    (void)state;
     static const double exponent[] = {10, 10, 100, 100, 1000, 500}, degrees[] = {20, 60, 5, 60, 1, 40},
                         aside[] = {0, 0, 0, 0, 0, 0.2};
     for (int k = 0; k < 6; k++) {
@@ -68,7 +67,6 @@ static void a_discs_highlight_is_within_4_percent_of_the_integral_also_beside_it
 /* The sky is all the light there is. A wide floor under it reflects 1/2 of it; a small tile above the floor,
  * seen from below, sees nothing else. */
 static void the_skys_light_bounces(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"materials\": {\"grey\": {\"diffuse\": "
         "0.5}}, \"environment\": {\"radiance\": [2, 2, 2]}, "
@@ -138,7 +136,6 @@ static int count_wrong(const sl_scene *scene, sl_quality quality, int reach) {
 /* A plate below a point light throws a shadow whose border leaves of at most 8 pixels blur, and nothing
  * beyond. */
 static void a_point_lights_shadow_is_sharp_within_a_leaf(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [{\"type\": \"point\", "
         "\"position\": [0.3, 3, 0.1], "
@@ -152,7 +149,6 @@ static void a_point_lights_shadow_is_sharp_within_a_leaf(void **state) {
 
 /* The floor's vertices lie under the leg, where no light is: that darkness does not creep out. */
 static void a_leg_on_a_floors_vertex_has_no_dark_halo(void **state) {
-    (void)state;
     char obj[2048];
     int n = snprintf(obj, sizeof obj,
                      "usemtl floor\nv -3 0 -3\nv 0 0 -3\nv 3 0 -3\nv -3 0 0\nv 0 0 0\nv 3 0 0\nv -3 0 3\nv 0 "
@@ -177,7 +173,6 @@ static void a_leg_on_a_floors_vertex_has_no_dark_halo(void **state) {
  * where no light is, or beyond the shadow. Leaves with such corners are cut until it is known where the light
  * begins: what is dark is dark, but for what a leaf of a pixel blurs. */
 static void the_shadow_of_a_rug_is_a_pixel_wide_and_dark(void **state) {
-    (void)state;
     char obj[1024];
     int n = snprintf(obj, sizeof obj,
                      "usemtl floor\nv -6 0 -5\nv -5 0 6\nv 6 0 5\nv 5 0 -6\nf 1 2 3 4\nusemtl rug\n"),
@@ -214,7 +209,6 @@ static void the_shadow_of_a_rug_is_a_pixel_wide_and_dark(void **state) {
 /* ---- layers ---- */
 
 static void the_picture_is_the_sum_of_its_layers_and_a_lamp_shows_its_radiance(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = mesh_settings(SIDE, SIDE);
     sl_image *image = render(scene, &settings, NULL);

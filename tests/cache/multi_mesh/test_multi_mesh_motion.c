@@ -113,7 +113,6 @@ static size_t leaves_to_be_cut(const sl_method *method) {
 }
 
 static void light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while(void **state) {
-    (void)state;
     sl_scene *scene = moving_room();
     const sl_settings settings = mesh_settings(2);
     sl_method *method = begin(scene, &settings);
@@ -139,7 +138,6 @@ static void light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while(vo
 }
 
 static void pictures_in_motion_have_the_same_bits_with_any_threads(void **state) {
-    (void)state;
     sl_scene *scene[2] = {moving_room(), moving_room()};
     sl_method *method[2];
     for (int i = 0; i < 2; i++) {
@@ -163,7 +161,6 @@ static void pictures_in_motion_have_the_same_bits_with_any_threads(void **state)
 }
 
 static void after_edits_that_undo_each_other_a_picture_is_as_good_as_a_fresh_one(void **state) {
-    (void)state;
     sl_scene *scene = moving_room();
     const sl_settings settings = mesh_settings(2);
     sl_settings truth = small_settings("path", SIDE, SIDE);
@@ -226,7 +223,6 @@ static void assert_same_coarse(const sl_multi_mesh_state *s, const sl_multi_mesh
 }
 
 static void samples_that_survive_a_move_are_those_of_a_fresh_method(void **state) {
-    (void)state;
     sl_scene *scene = moving_room();
     sl_multi_mesh_state *s = state_of(scene, mesh_settings(2));
     update_to_the_end(s);
@@ -275,7 +271,6 @@ static void change_colours(sl_scene *scene) {
 }
 
 static void a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once(void **state) {
-    (void)state;
     sl_scene *scene = moving_room();
     const sl_settings settings = mesh_settings(2);
     sl_method *method = begin(scene, &settings);

@@ -61,7 +61,6 @@ static void assert_rgb(const float *const planes[3], size_t i, sl_rgb expected) 
 
 /* Both targets hold what the material of each pixel's triangle says; lamps' fronts their radiance. */
 static void materials_are_those_of_each_pixels_triangle(void **state) {
-    (void)state;
     run r = run_of(load_scene("scenes/cornell-glossy.json"), 48);
     step(&r);
     const sl_materials_seen *m = r.s->materials;
@@ -87,7 +86,6 @@ static void materials_are_those_of_each_pixels_triangle(void **state) {
  * first, so that their maxima fall together: as long as either has leaves that are worth more than a
  * hundredth of what was at first, neither is left more than four times as high as the other. */
 static void meshes_are_served_so_that_their_largest_priorities_fall_together(void **state) {
-    (void)state;
     run r = run_of(load_scene("scenes/cornell.json"), 96);
     r.s->settings.multi_mesh.batch = 4; /* leaves between two looks */
     step(&r);
@@ -127,7 +125,6 @@ static size_t known_in(const sl_patches *mesh) {
 }
 
 static void after_a_step_of_the_eye_specular_radiance_starts_from_its_roots_and_the_rest_stays(void **state) {
-    (void)state;
     run r = run_of(load_scene("scenes/cornell-glossy.json"), 64);
     finish(&r);
     const sl_patches *specular = r.s->part[SL_DIRECT_SPECULAR]->mesh,
@@ -164,7 +161,6 @@ static run run_of_floor(const char *material, const char *lights) {
 }
 
 static void what_a_scene_has_no_use_for_is_not_done(void **state) {
-    (void)state;
     static const char point[] = "{\"type\": \"point\", \"position\": [0, 2, 0], \"intensity\": 5}";
     /* nothing is diffuse */
     run r = run_of_floor("\"diffuse\": 0, \"specular\": 0.5, \"exponent\": 20", point);
@@ -203,7 +199,6 @@ static run run_of_text(const char *obj, const char *materials, const char *light
 /* Light may fall on nothing because of where lamps look, or because something black stands before them; or
  * nothing diffuse is seen. */
 static void where_no_light_falls_nothing_is_gathered(void **state) {
-    (void)state;
     static const char grey[] = "\"floor\": {\"diffuse\": 0.5}, \"black\": {\"diffuse\": 0}",
                       lamp[] = "{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
                                "\"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}",

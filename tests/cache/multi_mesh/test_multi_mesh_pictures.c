@@ -38,7 +38,6 @@ static sl_comparison against_path_tracer(const sl_scene *scene, const sl_setting
 /* ---- against the truth ---- */
 
 static void the_cornell_box_is_lit_as_by_its_one_bounce_paths(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = mesh_settings(96, 96);
     sl_comparison c = against_path_tracer(scene, &settings, 128);
@@ -54,7 +53,6 @@ static void the_cornell_box_is_lit_as_by_its_one_bounce_paths(void **state) {
 /* A light enclosed in a sphere of albedo 1/2 lights it evenly with rho Phi / (4 pi R^2), wherever it is; a
  * further bounce adds rho times that. */
 static void a_sphere_cavity_is_lit_evenly_by_each_bounce(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/sphere.json");
     for (uint32_t bounces = 1; bounces <= 3; bounces++) {
         sl_settings settings = mesh_settings(48, 48);
@@ -89,7 +87,6 @@ static const char floor_obj[] =
 
 /* A square lamp above a floor, nothing in between: within what an eye can tell of Lambert's formula. */
 static void an_empty_floor_under_a_lamp_is_lit_as_lambert_says(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": "
                                       "[{\"type\": \"quad\", \"corner\": [-1, 2, -1], "
                                       "\"edge1\": [2, 0, 0], \"edge2\": [0, 0, 2], \"radiance\": 1}], "
@@ -126,7 +123,6 @@ static void an_empty_floor_under_a_lamp_is_lit_as_lambert_says(void **state) {
 }
 
 static void two_lamps_together_light_as_one_and_the_other(void **state) {
-    (void)state;
     static const char *const lights[3] = {
         "{\"type\": \"point\", \"position\": [1, 2, 1], \"intensity\": 3}",
         "{\"type\": \"quad\", \"corner\": [-2, 2, -2], \"edge1\": [1, 0, 0], \"edge2\": [0, 0, 1], "
@@ -183,7 +179,6 @@ static void look_from(sl_scene *scene, float x) {
 /* There and back again, at the defaults of quality normal. Specular radiance is refined anew each time, from
  * what is there. */
 static void back_in_an_old_view_no_irradiance_is_sampled_again(void **state) {
-    (void)state;
     static const char *const names[] = {"scenes/cornell.json", "scenes/cornell-glossy.json"};
     for (int k = 0; k < 2; k++) {
         sl_scene *scene = load_scene(names[k]);
@@ -213,7 +208,6 @@ static void back_in_an_old_view_no_irradiance_is_sampled_again(void **state) {
 }
 
 static void the_first_picture_takes_the_roots_vertices_and_the_ambient_light(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = mesh_settings(48, 48);
     sl_method *method;
@@ -256,7 +250,6 @@ static bool warns_of_gloss(const char *scene_file) {
 }
 
 static void gloss_that_reflects_lamps_alone_is_told(void **state) {
-    (void)state;
     assert_true(warns_of_gloss("scenes/cornell-glossy.json"));
     assert_false(warns_of_gloss("scenes/cornell.json"));
 }

@@ -12,7 +12,6 @@ static sl_scene *room(void) {
 }
 
 static void every_pixel_that_shows_something_is_listed_once_under_its_face(void **state) {
-    (void)state;
     sl_scene *scene = room();
     sl_raster *raster = raster_of(scene);
     sl_primitives *primitives;

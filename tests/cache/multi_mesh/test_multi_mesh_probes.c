@@ -124,7 +124,6 @@ static int not_found(const char *floor, double left, const char *light,
 }
 
 static void a_round_shadow_of_six_pixels_is_found_wherever_it_is(void **state) {
-    (void)state;
     assert_int_equal(not_found(matt, -6.0, point_light, disc, true), 0);
     assert_int_equal(not_found(matt, -6.0, area_light, disc, true), 0);
     assert_int_equal(not_found(matt, -6.0, two_lights, disc, true), 0);
@@ -132,12 +131,10 @@ static void a_round_shadow_of_six_pixels_is_found_wherever_it_is(void **state) {
 
 /* The lobe is so wide that all of the floor but its left end is in its highlight. */
 static void a_round_shadow_of_six_pixels_in_a_highlight_is_found_wherever_it_is(void **state) {
-    (void)state;
     assert_int_equal(not_found(glossy, -3.0, point_light, disc, true), 0);
 }
 
 static void a_round_spot_of_light_of_six_pixels_is_found_wherever_it_is(void **state) {
-    (void)state;
     assert_int_equal(not_found(matt, -6.0, point_light, hole, false), 0);
 }
 

@@ -43,7 +43,6 @@ static void assert_priorities_are_up_to_date(rig *r) {
 }
 
 static void roots_have_the_largest_priority_of_their_leaves_after_10000_splits(void **state) {
-    (void)state;
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 480, 360);
     rig_look(&r, NULL, 1);
@@ -59,7 +58,6 @@ static void roots_have_the_largest_priority_of_their_leaves_after_10000_splits(v
 }
 
 static void a_leaf_that_is_taken_is_not_taken_twice(void **state) {
-    (void)state;
     sl_displayed_settings settings = usual_settings();
     rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 96, 72);
     rig_look(&r, NULL, 1);
@@ -110,7 +108,6 @@ static double chosen_after(rig *r, size_t splits) {
 }
 
 static void chain_and_heap_come_to_the_same_leaves(void **state) {
-    (void)state;
     leaf_list list[2] = {{NULL, 0, 0}, {NULL, 0, 0}};
     double chosen[2][3], roots = 0.0;
     const double rounds[3] = {0.1, 0.5, 2.5};

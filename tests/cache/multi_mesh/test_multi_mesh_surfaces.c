@@ -45,7 +45,6 @@ static sl_scene *floor_below_a_leaf(bool masked) {
 }
 
 static void a_masked_leaf_is_seen_and_shades_as_the_half_that_is_opaque(void **state) {
-    (void)state;
     sl_scene *masked = floor_below_a_leaf(true), *half = floor_below_a_leaf(false);
     sl_image *a = picture_of(masked), *b = picture_of(half);
     const float *direct[2] = {sl_image_channel(a, "direct.G"), sl_image_channel(b, "direct.G")};
@@ -91,7 +90,6 @@ static double mean_green(const sl_scene *scene, const sl_settings *settings) {
 }
 
 static void a_masked_lamp_gives_the_light_of_what_its_mask_leaves(void **state) {
-    (void)state;
     static const char *const methods[] = {"multi-mesh", "direct-radiance"};
     for (int k = 0; k < 4; k++) {
         sl_scene *scene = floor_below_a_masked_lamp(k < 2 ? 255 : 0);
@@ -112,7 +110,6 @@ static void a_masked_lamp_gives_the_light_of_what_its_mask_leaves(void **state) 
 /* A strip of floor at the foot of a wall with a lamp behind: the way from the strip's vertices to the middles
  * of its triangles runs along the wall. */
 static void a_narrow_strip_at_the_foot_of_a_wall_gets_no_light_from_behind_it(void **state) {
-    (void)state;
     static const char *const strip[] = {
         "v 0 0 -2\nv 0 0 2\nv 0.05 0 2\nv 0.05 0 -2\nv 0 1 2\nv 0 1 -2\nf 1 2 3 4\nf 2 1 6 5\n",
         "v 0 0 -2\nv 0 0 2\nv 0.05 0 2\nv 0.05 0 -2\nv 0 1 2\nv 0 1 -2\nf 2 3 4 1\nf 2 1 6 5\n"};

@@ -90,7 +90,6 @@ static int deepest_of(const lit_floor *f, size_t light) {
 }
 
 static void an_occluder_of_one_light_leaves_the_other_lights_mesh_as_it_was(void **state) {
-    (void)state;
     size_t leaves[2][2], vertices[2][2];
     for (int plate = 0; plate < 2; plate++) {
         lit_floor f;
@@ -110,7 +109,6 @@ static void an_occluder_of_one_light_leaves_the_other_lights_mesh_as_it_was(void
 }
 
 static void no_leaf_is_deeper_than_what_was_asked_for(void **state) {
-    (void)state;
     for (int depth = 0; depth <= DEPTH; depth += 2) {
         lit_floor f;
         make(&f, true);
@@ -122,7 +120,6 @@ static void no_leaf_is_deeper_than_what_was_asked_for(void **state) {
 
 /* Values found once are not sampled again, and lie between their leaf's corners where they were not. */
 static void a_light_without_shadows_stays_coarse_and_is_sampled_once(void **state) {
-    (void)state;
     lit_floor f;
     make(&f, false);
     ask(&f, DEPTH);
@@ -153,7 +150,6 @@ static uint64_t ask_one(bool few_rays, float ambient, uint16_t q, float share[2]
 /* In two of the floor's corners, where ambient light is most of all; between them; and without ambient light
  * in the first again, where the left lamp gives nearly all. */
 static void a_lamp_that_gives_little_beside_others_is_sampled_by_few_rays(void **state) {
-    (void)state;
     static const uint16_t place[4] = {0, SL_PATCH_DYADIC, SL_PATCH_DYADIC / 2, 0};
     static const uint64_t expected[4] = {2 * 4 * 4, 2 * 4 * 4, 2 * 8 * 8, 8 * 8};
     for (int k = 0; k < 4; k++) {

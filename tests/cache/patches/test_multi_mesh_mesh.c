@@ -147,7 +147,6 @@ static void visit_all(const sl_patches *mesh, place_visitor visitor, void *conte
 
 /* Where nobody holds copies of the tree. Vertices of tested edges stay, with their values. */
 static void blocks_that_drops_leave_are_used_again_at_once(void **state) {
-    (void)state;
     trace_mesh parts = field(2, 2);
     world w = world_of(&parts, 1, 12);
     refine_randomly(&w, 200, 6, 9);
@@ -167,7 +166,6 @@ static void blocks_that_drops_leave_are_used_again_at_once(void **state) {
 }
 
 static void children_keep_what_is_left_of_closed_edges(void **state) {
-    (void)state;
     trace_mesh parts = one_triangle();
     world w = world_of(&parts, 1, 12);
     uint32_t node = root(&w, 0);
@@ -184,7 +182,6 @@ static void children_keep_what_is_left_of_closed_edges(void **state) {
 /* ---- points and values ----------------------------------------------------------------------- */
 
 static void a_constant_stays_the_same_in_every_bit_whatever_is_refined(void **state) {
-    (void)state;
     trace_mesh parts = field(3, 3);
     world w = world_of(&parts, 3, 10);
     refine_randomly(&w, 2000, 9, 12);
@@ -198,7 +195,6 @@ static void a_constant_stays_the_same_in_every_bit_whatever_is_refined(void **st
 }
 
 static void a_linear_field_is_reproduced_whatever_is_refined(void **state) {
-    (void)state;
     for (int hanging = 0; hanging < 2; hanging++) {
         trace_mesh parts = field(3, 3);
         world w = world_of(&parts, 3, 10);
@@ -228,7 +224,6 @@ static void lanes_along_a_line(uint64_t number, float w1[SL_FAN_LANES], float w2
 }
 
 static void points_in_lanes_have_the_values_of_one_after_another_to_the_bit(void **state) {
-    (void)state;
     trace_mesh parts = field(3, 3);
     world w = world_of(&parts, 3, 10);
     refine_randomly(&w, 300, 6, 12);
@@ -259,7 +254,6 @@ static void points_in_lanes_have_the_values_of_one_after_another_to_the_bit(void
 }
 
 static void a_hanging_vertex_shows_its_value_and_the_centre_the_mean(void **state) {
-    (void)state;
     trace_mesh parts = one_triangle();
     world w = world_of(&parts, 1, 12);
     root(&w, 0);
@@ -282,7 +276,6 @@ static void a_hanging_vertex_shows_its_value_and_the_centre_the_mean(void **stat
 }
 
 static void corners_that_are_not_known_give_no_value_and_invalid_ones_the_mean_of_the_others(void **state) {
-    (void)state;
     trace_mesh parts = one_triangle();
     world w = world_of(&parts, 1, 12);
     root(&w, 0);
@@ -341,7 +334,6 @@ static int by_position(const void *a, const void *b) {
 }
 
 static void leaves_of_any_size_have_the_same_values_along_common_edges(void **state) {
-    (void)state;
     trace_mesh parts = field(3, 3);
     world w = world_of(&parts, 1, 10);
     refine_randomly(&w, 1200, 6, 33);
@@ -364,7 +356,6 @@ static void leaves_of_any_size_have_the_same_values_along_common_edges(void **st
 /* ---- hard triangles -------------------------------------------------------------------------- */
 
 static void triangles_without_area_are_never_split(void **state) {
-    (void)state;
     trace_mesh parts = field(2, 1);
     sl_scene *scene = trace_mesh_build(&parts);
     scene->position_x[scene->vertex[0][0]] = NAN;

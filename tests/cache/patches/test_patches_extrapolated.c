@@ -38,7 +38,6 @@ static float value_of(const hierarchy *h, uint32_t vertex) { return sl_vertex_va
 
 /* Around it: four at distance 1/2, in two leaves each, and four at 1/2 sqrt(2): weights 8 and 2, of 40. */
 static void a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_the_more(void **state) {
-    (void)state;
     hierarchy h = square_of(KEEP_LOBES, 6.0f);
     uint32_t buried = vertex_at(&h, 2, 2);
     give(&h, vertex_at(&h, 1, 2), 12.0f);
@@ -57,7 +56,6 @@ static void a_vertex_without_light_has_that_of_the_corners_around_it_the_nearer_
 
 /* All sixteen leaves inside something, but for the root's corners. */
 static void where_nothing_around_has_light_the_corners_of_a_patch_above_count(void **state) {
-    (void)state;
     hierarchy h = square_of(0, 100.0f);
     uint32_t buried = vertex_at(&h, 2, 2);
     for (uint32_t i = 0; i < h.patches->vertex_count; i++) {
@@ -72,7 +70,6 @@ static void where_nothing_around_has_light_the_corners_of_a_patch_above_count(vo
 }
 
 static void what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_it(void **state) {
-    (void)state;
     hierarchy h = square_of(0, 6.0f);
     uint32_t buried = vertex_at(&h, 2, 2), far = vertex_at(&h, 0, 0);
     sl_patches_set_extrapolated(h.patches, buried);
@@ -92,7 +89,6 @@ static void what_is_lent_follows_what_changes_around_it_and_nothing_else_moves_i
 /* ---- what splits it -------------------------------------------------------------------------- */
 
 static void a_leaf_with_a_corner_inside_something_may_be_wrong_by_all_that_it_shows(void **state) {
-    (void)state;
     hierarchy h = square_of(0, 6.0f);
     const sl_display_curve curve = {.reference = 1.0f};
     uint32_t leaf = sl_patch_locate(h.patches, 0, 0.4, 0.4).patch,
@@ -118,7 +114,6 @@ static const char sun_above[] =
     "\"camera\": {\"eye\": [0, 4, 0.01], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
 
 static void around_what_stands_in_it_a_floor_is_as_bright_as_elsewhere(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(sun_above, box_in_floor);
     sl_settings settings = small_settings("shading-cache", 64, 64);
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
@@ -143,7 +138,6 @@ static const char light_in_box[] =
     "\"camera\": {\"eye\": [0, 4, 0.01], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
 
 static void light_that_is_shut_in_does_not_leak_out_at_the_foot(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(light_in_box, box_in_floor);
     sl_settings settings = small_settings("shading-cache", 64, 64);
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
@@ -157,7 +151,6 @@ static void light_that_is_shut_in_does_not_leak_out_at_the_foot(void **state) {
 
 /* Shading that concerned nobody until then is what the eye sees. */
 static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(light_in_box, box_in_floor);
     sl_settings settings = small_settings("shading-cache", 32, 32);
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
@@ -233,7 +226,6 @@ static void commit(committing *c, const sl_sample samples[4]) {
 }
 
 static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for_again(void **state) {
-    (void)state;
     committing c;
     begin(&c);
     evaluate_all(&c.h, 2.0f, 1);
@@ -267,7 +259,6 @@ static sl_scene *box_on_square(float width) {
 
 /* By 1, 5 and 20 % of the patch that a vertex was made for, towards the middle of the root. */
 static void a_vertex_inside_something_is_looked_for_beside_it_further_and_further(void **state) {
-    (void)state;
     const float width[] = {-0.01f, 0.03f, 0.1f, 0.5f};
     const double found[] = {1.0 / 256.0, 0.05, 0.2, -1.0};
     for (int i = 0; i < 4; i++) {
@@ -289,7 +280,6 @@ static void a_vertex_inside_something_is_looked_for_beside_it_further_and_furthe
 }
 
 static void what_comes_out_of_something_or_gets_into_it_is_a_change(void **state) {
-    (void)state;
     committing c;
     begin(&c);
     commit(&c, (const sl_sample[4]){inside, lit, lit, lit});
@@ -308,7 +298,6 @@ static void what_comes_out_of_something_or_gets_into_it_is_a_change(void **state
 
 /* Of k sets each of variance v it is v / k. */
 static void a_mean_of_sets_has_the_variance_of_one_of_them_by_their_number(void **state) {
-    (void)state;
     committing c;
     const sl_patches_settings kept = {
         .channels = 3, .max_depth = SL_PATCH_DEPTH_MAX, .shown = true, .sets = true};

@@ -12,7 +12,6 @@ static const sl_perception plain = {.exposure = 1.0f, .threshold_scale = 1.0f};
 static double exact_level(double exposed) { return 255.0 * sl_pow(exposed / (1.0 + exposed), 1.0 / 2.2); }
 
 static void levels_are_those_of_the_tone_map(void **state) {
-    (void)state;
     for (int exponent = -20; exponent <= 30; exponent++)
         for (uint64_t i = 0; i < 50; i++) {
             float radiance =
@@ -25,7 +24,6 @@ static void levels_are_those_of_the_tone_map(void **state) {
 }
 
 static void what_is_no_radiance_is_black_and_infinity_white(void **state) {
-    (void)state;
     static const float black[] = {0.0f, -0.0f, -1.0f, -INFINITY, NAN};
     for (size_t i = 0; i < 5; i++) assert_true(sl_display_level(1.0f, black[i]) == 0.0f);
     assert_true(sl_display_level(1.0f, INFINITY) == 255.0f && sl_display_level(1.0f, FLT_MAX) == 255.0f);
@@ -33,7 +31,6 @@ static void what_is_no_radiance_is_black_and_infinity_white(void **state) {
 }
 
 static void thresholds_run_linearly_between_their_knots(void **state) {
-    (void)state;
     static const float knots[][2] = {{0, 10},  {16, 8},  {32, 6},  {48, 5},  {64, 4},   {96, 3.5f},
                                      {128, 3}, {200, 3}, {255, 3}, {-5, 10}, {NAN, 10}, {INFINITY, 3}};
     for (size_t i = 0; i < sizeof knots / sizeof knots[0]; i++) {
@@ -45,7 +42,6 @@ static void thresholds_run_linearly_between_their_knots(void **state) {
 
 /* Below 10 of 255 every pair of levels is within the threshold. */
 static void nobody_tells_levels_below_10_apart(void **state) {
-    (void)state;
     float brightest = 0.0f;
     for (float radiance = 0.0f; radiance < 0.01f; radiance += 1e-6f)
         if (sl_display_level(1.0f, radiance) < 10.0f) brightest = radiance;
@@ -59,7 +55,6 @@ static void nobody_tells_levels_below_10_apart(void **state) {
 }
 
 static void contrast_is_the_worst_channel_over_the_darker_ones_threshold(void **state) {
-    (void)state;
     sl_rgb a = {0.2f, 0.5f, 0.0f}, b = {0.2f, 0.6f, 0.001f};
     double green = (exact_level(0.6) - exact_level(0.5)) / 3.0, blue = exact_level(0.001) / 10.0;
     assert_true(fabs((double)sl_display_contrast(&plain, a, b) - fmax(green, blue)) < 1e-4);
@@ -72,7 +67,6 @@ static void contrast_is_the_worst_channel_over_the_darker_ones_threshold(void **
 }
 
 static void the_exposure_turns_the_mean_into_middle_grey(void **state) {
-    (void)state;
     for (int lit = 0; lit < 2; lit++) {
         trace_mesh m = trace_mesh_begin();
         trace_mesh_material(&m, 0.5f, 0, 0, 0, lit ? 2.0f : 0.0f);

@@ -36,7 +36,6 @@ static void assert_hidden(const sl_solids *s, uint32_t first, uint32_t count, bo
 }
 
 static void backs_of_closed_boxes_are_hidden_and_those_of_rooms_are_not(void **state) {
-    (void)state;
     for (int inside = 0; inside < 2; inside++) {
         trace_mesh parts = begin();
         trace_mesh_quad(&parts, sl_v3(-5, 0, 5), sl_v3(10, 0, 0), sl_v3(0, 0, -10), 0);
@@ -53,7 +52,6 @@ static void backs_of_closed_boxes_are_hidden_and_those_of_rooms_are_not(void **s
 }
 
 static void what_is_open_wound_both_ways_or_flat_hides_nothing(void **state) {
-    (void)state;
     trace_mesh parts = begin();
     trace_mesh_box(&parts, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, 0);
     parts.triangle_count--;                              /* a hole */
@@ -75,7 +73,6 @@ static void what_is_open_wound_both_ways_or_flat_hides_nothing(void **state) {
 }
 
 static void a_box_with_light_inside_hides_nothing(void **state) {
-    (void)state;
     enum { LAMP_INSIDE, LAMP_OUTSIDE, POINT_INSIDE, POINT_OUTSIDE, SUN, CASES };
     static const bool wanted[CASES] = {false, true, false, true, true};
     for (int i = 0; i < CASES; i++) {
@@ -100,7 +97,6 @@ static void a_box_with_light_inside_hides_nothing(void **state) {
 
 /* A sealed box with a lamp in it stands on a floor. */
 static void a_lit_box_is_solid_to_eyes_outside_only(void **state) {
-    (void)state;
     trace_mesh parts = begin();
     trace_mesh_box(&parts, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, 0);
     trace_mesh_quad(&parts, sl_v3(0.4f, 0.9f, 0.4f), sl_v3(0.2f, 0, 0), sl_v3(0, 0, 0.2f), 1);
@@ -150,7 +146,6 @@ static float depth_in_boxes(sl_vec3 p, float *nearest) {
 }
 
 static void points_inside_of_solids_are_known_from_those_outside(void **state) {
-    (void)state;
     trace_mesh parts = furniture();
     world w = world_of(&parts);
     sl_tracer *tracer;
@@ -174,7 +169,6 @@ static void points_inside_of_solids_are_known_from_those_outside(void **state) {
 }
 
 static void a_floor_is_inside_where_a_leg_stands_on_it_and_a_leg_is_not(void **state) {
-    (void)state;
     trace_mesh parts = furniture();
     world w = world_of(&parts);
     sl_tracer *tracer;

@@ -14,7 +14,6 @@ static size_t power_of_4(int d) { return (size_t)1 << (2 * d); }
 /* ---- counts ---- */
 
 static void a_square_split_to_depth_d_has_4_to_the_d_leaves_and_a_grid_of_vertices(void **state) {
-    (void)state;
     for (int d = 0; d <= 5; d++) {
         hierarchy h = hierarchy_of(square_scene(), 0);
         split_levels(&h, want_root(&h, 0), d);
@@ -29,7 +28,6 @@ static void a_square_split_to_depth_d_has_4_to_the_d_leaves_and_a_grid_of_vertic
 
 static void a_triangle_split_to_depth_d_has_4_to_the_d_leaves_and_a_triangular_grid_of_vertices(
     void **state) {
-    (void)state;
     for (int d = 0; d <= 5; d++) {
         hierarchy h = hierarchy_of(triangle_scene(), 0);
         split_levels(&h, want_root(&h, 1), d);
@@ -44,7 +42,6 @@ static void a_triangle_split_to_depth_d_has_4_to_the_d_leaves_and_a_triangular_g
 
 static void nothing_is_there_before_it_is_wanted_and_nothing_is_evaluated_before_it_is_asked_for(
     void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(square_scene(), KEEP_LOBES);
     assert_int_equal(h.patches->patches_alive + h.patches->vertices_alive, 0);
     assert_int_equal(sl_patch_locate(h.patches, 0, 0.5, 0.5).patch, SL_NO_INDEX);
@@ -58,7 +55,6 @@ static void nothing_is_there_before_it_is_wanted_and_nothing_is_evaluated_before
 /* ---- places ---- */
 
 static void every_point_is_in_the_leaf_that_is_found_for_it(void **state) {
-    (void)state;
     for (int kind = 0; kind < 2; kind++) {
         hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), 0);
         want_root(&h, 0);
@@ -94,7 +90,6 @@ static void every_point_is_in_the_leaf_that_is_found_for_it(void **state) {
 /* ---- sharing ---- */
 
 static void a_closed_box_shares_no_corner_and_a_flat_fan_shares_all(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, 0);
@@ -142,14 +137,12 @@ static size_t vertices_of_two_triangles(bool other_material, bool turned) {
 }
 
 static void primitives_share_an_edge_where_normal_and_material_agree_and_only_there(void **state) {
-    (void)state;
     assert_int_equal(vertices_of_two_triangles(false, false), 2 * 45 - 9);
     assert_int_equal(vertices_of_two_triangles(true, false), 2 * 45);
     assert_int_equal(vertices_of_two_triangles(false, true), 2 * 45);
 }
 
 static void a_shared_vertex_is_evaluated_once_for_both(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(two_triangles(false, 0), 0);
     split_levels(&h, want_root(&h, 2), 1);
     split_levels(&h, want_root(&h, 0), 1);
@@ -178,7 +171,6 @@ static void a_shared_vertex_is_evaluated_once_for_both(void **state) {
 /* ---- hanging vertices ---- */
 
 static void a_leaf_beside_finer_ones_knows_the_vertices_on_its_edge_in_order(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     for (int i = 0; i < 2; i++)
@@ -216,7 +208,6 @@ static void a_leaf_beside_finer_ones_knows_the_vertices_on_its_edge_in_order(voi
 }
 
 static void a_vertex_that_changes_marks_all_leaves_around_it_and_no_others(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(two_triangles(false, 0), 0);
     split_levels(&h, want_root(&h, 0), 3);
     split_levels(&h, want_root(&h, 2), 1);
@@ -243,7 +234,6 @@ static void a_vertex_that_changes_marks_all_leaves_around_it_and_no_others(void 
 /* ---- values ---- */
 
 static void values_are_bilinear_and_come_from_the_nearest_evaluated_ancestor(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(square_scene_of(0.2f), KEEP_LOBES);
     sl_patches *p = h.patches;
     uint32_t root = want_root(&h, 0);
@@ -302,7 +292,6 @@ static void split_and_drop_at_random(hierarchy *h, uint64_t steps, int deepest) 
 }
 
 static void random_splits_and_drops_leave_a_sound_hierarchy(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     for (int i = 0; i < 2; i++)
@@ -317,7 +306,6 @@ static void random_splits_and_drops_leave_a_sound_hierarchy(void **state) {
 }
 
 static void so_do_they_on_curved_surfaces_with_a_pole(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(load_scene("scenes/vase.bpt"), 0);
     split_and_drop_at_random(&h, 20000, 7);
     assert_int_equal(h.patches->vertices_alive, 2 * (4 * 4 + 1)); /* rings of four, and the pole */
@@ -327,7 +315,6 @@ static void so_do_they_on_curved_surfaces_with_a_pole(void **state) {
 /* ---- degenerate shapes ---- */
 
 static void patches_are_not_split_where_floats_cannot_tell_their_corners_apart(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     float x = 16384.0f; /* neighbouring floats are 1/512 apart */
@@ -380,7 +367,6 @@ static hierarchy two_walls(void) {
 }
 
 static void eviction_takes_what_was_not_seen_for_longest_down_to_nine_tenths(void **state) {
-    (void)state;
     hierarchy h = two_walls();
     sl_patches *p = h.patches;
     size_t all = p->patches_alive;
@@ -410,7 +396,6 @@ static void eviction_takes_what_was_not_seen_for_longest_down_to_nine_tenths(voi
 }
 
 static void eviction_takes_children_of_patches_below_a_pixel_even_if_they_are_in_view(void **state) {
-    (void)state;
     hierarchy h = two_walls();
     sl_patches *p = h.patches;
     see(p, sl_patches_find_root(p, 0), 100, 2);

@@ -30,7 +30,6 @@ static size_t count_of(const sl_primitives *p, sl_primitive_kind kind) {
 /* ---- quadrilaterals ---- */
 
 static void the_walls_and_boxes_of_the_cornell_box_are_quadrilaterals(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_primitives *p = primitives_of(scene);
     /* The published measurements are not quite those of parallelograms: the floor's and the ceiling's
@@ -99,7 +98,6 @@ static size_t primitives_in(const pair *p, const float *xyz, bool textured) {
 }
 
 static void two_triangles_are_a_quadrilateral_only_where_everything_agrees(void **state) {
-    (void)state;
     static const float square[18] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0};
     float xyz[18];
     pair p = square_pair();
@@ -144,7 +142,6 @@ static void two_triangles_are_a_quadrilateral_only_where_everything_agrees(void 
 /* However a quadrilateral's triangles begin, (u, v) of its corners are (0,0), (1,0), (1,1), (0,1), and points
  * are affine in (u, v). */
 static void points_of_roots_and_their_parameters_agree(void **state) {
-    (void)state;
     for (uint32_t turn = 0; turn < 9; turn++) {
         trace_mesh mesh = trace_mesh_begin();
         trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
@@ -189,7 +186,6 @@ static void points_of_roots_and_their_parameters_agree(void **state) {
 }
 
 static void points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces_normal(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/vase.json");
     sl_primitives *p = primitives_of(scene);
     assert_int_equal(p->curved, 16);
@@ -228,7 +224,6 @@ static void points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces
 }
 
 static void any_numbers_are_answered_with_a_point_of_the_root(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/vase.json");
     sl_primitives *p = primitives_of(scene);
     const double odd[] = {-1.0, 2.0, (double)NAN, (double)INFINITY, 1.0};
@@ -247,7 +242,6 @@ static void any_numbers_are_answered_with_a_point_of_the_root(void **state) {
 /* ---- textures ---- */
 
 static void mean_reflectance_is_that_of_the_texture(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
@@ -285,7 +279,6 @@ static void mean_reflectance_is_that_of_the_texture(void **state) {
 /* ---- places that are shared ---- */
 
 static void a_canonical_place_is_where_the_point_is_with_its_normal(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/vase.json");
     sl_primitives *p = primitives_of(scene);
     size_t moved = 0;
@@ -314,7 +307,6 @@ static void a_canonical_place_is_where_the_point_is_with_its_normal(void **state
 
 /* A ring of n patches, each split to depth d, closed at a pole: (2^d n) (2^d) vertices and one. */
 static void a_pole_has_one_vertex_and_seams_are_shared(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(load_scene("scenes/vase.json"), 0);
     uint32_t foot = 0;
     while (h.primitives->kind[foot] != SL_PRIMITIVE_BICUBIC) foot++;
@@ -354,7 +346,6 @@ static void a_pole_has_one_vertex_and_seams_are_shared(void **state) {
 }
 
 static void shared_corners_of_many_facets_are_found_in_bounded_time(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     uint32_t tip = trace_mesh_vertex(&mesh, 0, 1, 0);
@@ -374,7 +365,6 @@ static void shared_corners_of_many_facets_are_found_in_bounded_time(void **state
 /* ---- motion ---- */
 
 static void points_move_with_their_objects_and_roots_stay_what_they_are(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/moving-ball.json");
     sl_primitives *p = primitives_of(scene);
     uint32_t moving = SL_NO_INDEX;

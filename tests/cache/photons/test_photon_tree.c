@@ -157,14 +157,12 @@ static void queries_find_what_a_search_through_all_finds(const sl_photon_list *o
 }
 
 static void gathers_are_those_of_a_search_through_all_photons(void **state) {
-    (void)state;
     sl_photon_list *list = cloud(8000, sl_v3(0, 0, 0), 1.0f);
     queries_find_what_a_search_through_all_finds(list, sl_v3(0, 0, 0), 1.0f, 1200);
     sl_photon_list_destroy(list);
 }
 
 static void gathers_stay_exact_far_from_the_origin_and_at_any_scale(void **state) {
-    (void)state;
     const struct {
         sl_vec3 corner;
         float size;
@@ -178,7 +176,6 @@ static void gathers_stay_exact_far_from_the_origin_and_at_any_scale(void **state
 }
 
 static void every_photon_has_its_place(void **state) {
-    (void)state;
     sl_photon_list *list = cloud(5003, sl_v3(0, 0, 0), 1.0f);
     sl_photon_tree *tree = tree_of(copy_of(list), 2);
     const sl_photon_list *ordered = sl_photon_tree_list(tree);
@@ -197,7 +194,6 @@ static void every_photon_has_its_place(void **state) {
 }
 
 static void coincident_photons_are_kept_by_their_ids(void **state) {
-    (void)state;
     static gather_room room;
     sl_photon_list *list = empty_list(1000);
     for (size_t i = 0; i < 1000; i++) put(list, i, sl_v3(1, 2, 3), sl_v3(0, 1, 0));
@@ -225,7 +221,6 @@ static bool same_tree(const sl_photon_tree *a, const sl_photon_tree *b) {
 }
 
 static void trees_are_the_same_at_any_number_of_threads(void **state) {
-    (void)state;
     sl_photon_list *list = cloud(60000, sl_v3(-1, -1, -1), 2.0f);
     sl_photon_tree *one = tree_of(copy_of(list), 1);
     for (unsigned threads = 2; threads <= 5; threads++) {
@@ -238,7 +233,6 @@ static void trees_are_the_same_at_any_number_of_threads(void **state) {
 }
 
 static void every_instruction_set_finds_the_same_photons(void **state) {
-    (void)state;
     static gather_room baseline, other;
     sl_photon_list *list = cloud(30000, sl_v3(0, 0, 0), 1.0f);
     sl_photon_tree *trees[SL_ISAS];
@@ -268,7 +262,6 @@ static void every_instruction_set_finds_the_same_photons(void **state) {
 }
 
 static void odd_questions_get_answers_without_nan(void **state) {
-    (void)state;
     static gather_room room;
     sl_photon_list *list = cloud(5000, sl_v3(0, 0, 0), 1.0f);
     for (size_t i = 0; i < 100; i++) list->photon[i].position[i % 3] = i % 2 ? NAN : INFINITY;

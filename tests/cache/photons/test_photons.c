@@ -83,7 +83,6 @@ static sl_scene *diffuse_sphere(float albedo, unsigned rings) {
 }
 
 static void diffuse_sphere_has_the_light_of_an_integrating_sphere(void **state) {
-    (void)state;
     const double albedos[] = {0.3, 0.5, 0.8};
     for (int a = 0; a < 3; a++) {
         double rho = albedos[a], power = 4.0 * SL_PI;
@@ -128,7 +127,6 @@ static sl_vec3d first_flux(const sl_photon_list *list) {
 }
 
 static void power_of_every_light_in_a_closed_room_arrives(void **state) {
-    (void)state;
     const sl_rgb intensity = {1.0f, 2.0f, 0.5f};
     for (int kind = 0; kind < 4; kind++) {
         trace_mesh mesh = trace_mesh_begin();
@@ -161,7 +159,6 @@ static void power_of_every_light_in_a_closed_room_arrives(void **state) {
 }
 
 static void lights_share_the_paths_by_power_and_the_weakest_is_not_forgotten(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
                    trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
@@ -244,7 +241,6 @@ static void compare_square(const sl_scene *scene, const sl_photon_list *list, fl
 }
 
 static void direct_irradiance_on_a_plane_is_that_of_every_kind_of_light(void **state) {
-    (void)state;
     float texels[3 * 8 * 4];
     for (int i = 0; i < 3 * 8 * 4; i++)
         texels[i] = i / 24 < 2 ? 0.5f + sl_random_unit(sl_random_key(5, 5), (uint64_t)i) : 3.0f;
@@ -338,7 +334,6 @@ static sl_scene *leaning_floor(sl_vec3 lean) {
  * the geometric cosine, above both planes, and the integral of that cosine over the lune is pi (1 + cos b)
  * / 2. */
 static void photons_see_shading_normals_as_the_eye_does(void **state) {
-    (void)state;
     const sl_vec3 leans[] = {{0, 1, 0}, {0.6f, 0.8f, 0}, {-0.6f, 0.8f, 0}};
     for (int k = 0; k < 3; k++) {
         sl_scene *scene = leaning_floor(leans[k]);
@@ -369,7 +364,6 @@ static void photons_see_shading_normals_as_the_eye_does(void **state) {
 }
 
 static void white_room_is_cut_at_64_bounces_and_says_what_was_lost(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
                    trace_mesh_material(&mesh, 1.0f, 0, 0, 0, 0));
@@ -400,7 +394,6 @@ static sl_scene *mirror_over_floor(void) {
 }
 
 static void caustic_photons_come_by_mirrors_alone(void **state) {
-    (void)state;
     sl_scene *scene = mirror_over_floor();
     sl_photon_list *list = trace_scene(scene, emitted(4, SL_STORE_ALL));
     size_t caustics = 0;
@@ -422,7 +415,6 @@ static void caustic_photons_come_by_mirrors_alone(void **state) {
 }
 
 static void storage_rules_choose_from_the_same_photons(void **state) {
-    (void)state;
     sl_scene *scenes[2] = {mirror_over_floor(), motley_room()};
     for (int s = 0; s < 2; s++) {
         sl_photon_list *all = trace_scene(scenes[s], emitted(3, SL_STORE_ALL));
@@ -445,7 +437,6 @@ static void storage_rules_choose_from_the_same_photons(void **state) {
 }
 
 static void tracing_stops_with_the_chunk_that_stores_enough(void **state) {
-    (void)state;
     sl_scene *scene = diffuse_sphere(0.5f, 16);
     sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 30000, .seed = 3});
     assert_true(list->count >= 30000 && list->count < 30000 + 6000);
@@ -477,7 +468,6 @@ static sl_photon_list *of_box(float diffuse, float mirror, float intensity, sl_p
 }
 
 static void nothing_is_traced_where_nothing_can_be_stored(void **state) {
-    (void)state;
     sl_photon_list *lists[] = {of_box(0.5f, 0, 0, SL_STORE_INDIRECT), of_box(0, 0, 1, SL_STORE_INDIRECT),
                                of_box(0.5f, 0, 1, SL_STORE_CAUSTIC), of_box(0, 0.9f, 1, SL_STORE_ALL),
                                of_box(0, 0, 1, SL_STORE_ALL)};
@@ -503,7 +493,6 @@ static sl_scene *bumpy_hall(void) {
 }
 
 static void photons_are_the_same_at_any_number_of_threads_and_calls(void **state) {
-    (void)state;
     sl_scene *scene = bumpy_hall();
     sl_tracer *tracer = make_tracer(scene, NULL);
     sl_photon_options options = {.stored = 50000, .seed = 7, .threads = 1};
@@ -524,7 +513,6 @@ static void photons_are_the_same_at_any_number_of_threads_and_calls(void **state
 }
 
 static void photons_are_the_same_on_every_instruction_set_of_embree(void **state) {
-    (void)state;
     static const char *const configs[] = {NULL, "isa=sse2", "isa=avx", "isa=avx2"};
     sl_scene *scene = bumpy_hall();
     sl_photon_list *first = NULL;
@@ -544,7 +532,6 @@ static void photons_are_the_same_on_every_instruction_set_of_embree(void **state
 /* ---- directions in 32 bits ------------------------------------------------------------------- */
 
 static void directions_survive_their_32_bits(void **state) {
-    (void)state;
     double worst = 0.0;
     for (uint64_t i = 0; i < 200000; i++) {
         uint64_t key = sl_random_key(11, i);
@@ -565,7 +552,6 @@ static void directions_survive_their_32_bits(void **state) {
 }
 
 static void what_is_no_direction_gets_one(void **state) {
-    (void)state;
     const sl_vec3 odd[] = {{0, 0, 0}, {NAN, 0, 1}, {INFINITY, 0, 0}, {1e30f, -1e30f, 1e30f}, {1e-40f, 0, 0}};
     for (int i = 0; i < 5; i++) {
         sl_vec3 d = sl_octahedral_decode(sl_octahedral_encode(odd[i]));

@@ -46,7 +46,6 @@ sl_sample_request request_at(sl_vec3 position, sl_vec3 normal) {
 
 static void constant_point(const void *state, const sl_sample_request *request, unsigned worker,
                            sl_sample *sample, sl_counters *counters) {
-    (void)request, (void)worker, (void)counters;
     sample->irradiance = *(const sl_rgb *)state;
 }
 
@@ -57,7 +56,6 @@ static void constant_batch(const void *state, size_t count, const sl_sample_requ
 }
 
 static sl_status constant_edit(void *state, sl_error *error) {
-    (void)state, (void)error;
     return SL_OK;
 }
 

@@ -116,7 +116,6 @@ static double share_right(const world *w, uint32_t of) {
 }
 
 static void a_view_at_rest_becomes_right_in_every_pixel(void **state) {
-    (void)state;
     world w = open_world("scenes/cornell.json");
     make_cache(&w, SIZE * SIZE / 16, 1);
     run_frames(&w, 16 + 12);
@@ -125,7 +124,6 @@ static void a_view_at_rest_becomes_right_in_every_pixel(void **state) {
 }
 
 static void points_follow_the_camera(void **state) {
-    (void)state;
     world w = open_world("scenes/walk.json");
     make_cache(&w, SIZE * SIZE / 4, 1);
     run_frames(&w, 8);
@@ -147,7 +145,6 @@ static uint32_t object_named(const world *w, const char *name) {
 }
 
 static void points_go_along_with_their_object(void **state) {
-    (void)state;
     world w = open_world("scenes/moving-ball.json");
     make_cache(&w, SIZE * SIZE / 4, 1);
     run_frames(&w, 8);
@@ -163,7 +160,6 @@ static void points_go_along_with_their_object(void **state) {
 
 static void render_half(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
                         sl_sample *samples, sl_counters *counters) {
-    (void)threads, (void)counters;
     for (size_t i = 0; i < count; i++)
         samples[i] = (sl_sample){
             .irradiance =
@@ -172,7 +168,6 @@ static void render_half(const void *state, size_t count, const sl_sample_request
 }
 
 static void samples_go_where_colours_are_found_to_change(void **state) {
-    (void)state;
     world w = open_world("scenes/cornell.json");
     sl_sample_renderer constant = w.renderer;
     float lit = 0.0f;

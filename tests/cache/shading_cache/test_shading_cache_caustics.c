@@ -51,7 +51,6 @@ static void check(const char *what, sl_vec3 at, double found, double variance, d
 /* The image of the light behind the mirror shines. No bidirectional path finds that: to leave it out changes
  * nothing. */
 static void plane_mirrors_show_a_point_lights_image(void **state) {
-    (void)state;
     shop s;
     shop_open(&s, floor_and_mirror(false, 0));
     sl_sample_renderer all = shop_renderer(&s, sl_bidirectional_renderer);
@@ -78,7 +77,6 @@ static void plane_mirrors_show_a_point_lights_image(void **state) {
 /* Photons and paths together carry what paths alone carry without photons, for mirrors and for polished
  * surfaces. */
 static void nothing_is_counted_twice(void **state) {
-    (void)state;
     for (int polished = 0; polished < 2; polished++) {
         shop s;
         shop_open(&s, floor_and_mirror(true, polished ? 300.0f : 0.0f));
@@ -116,7 +114,6 @@ static void check_no_caustics(sl_scene *scene) {
 
 /* Surfaces that are less than polished, and those with a diffuse part, are left to bidirectional paths. */
 static void rough_surfaces_make_no_caustics(void **state) {
-    (void)state;
     sl_material m = {.specular = sl_grey(0.5f), .exponent = SL_POLISHED};
     assert_true(sl_is_specular(&m, SL_POLISHED));
     m.exponent = 0.99f * SL_POLISHED;
@@ -128,7 +125,6 @@ static void rough_surfaces_make_no_caustics(void **state) {
 }
 
 static void mirrors_that_no_light_reaches_make_no_caustics(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
              mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
@@ -145,7 +141,6 @@ static void mirrors_that_no_light_reaches_make_no_caustics(void **state) {
 }
 
 static void maps_are_the_same_bits_with_any_threads_and_follow_edits(void **state) {
-    (void)state;
     shop s;
     shop_open(&s, floor_and_mirror(false, 0));
     sl_sample before[5], after[5];

@@ -53,7 +53,6 @@ static void world_discard(world *w) {
 /* ---- edits ---- */
 
 static void when_a_light_moves_all_is_stale_and_nothing_is_known_to_change(void **state) {
-    (void)state;
     world w = world_of(2);
     sl_changes_edit(&w.changes, SL_CHANGED_LIGHTS, NULL, 7);
     for (uint32_t i = 0; i < 2; i++) {
@@ -66,7 +65,6 @@ static void when_a_light_moves_all_is_stale_and_nothing_is_known_to_change(void 
 }
 
 static void an_object_that_moves_is_changing_at_once_and_the_others_are_stale(void **state) {
-    (void)state;
     world w = world_of(3);
     const bool moved[3] = {false, true, false};
     sl_changes_edit(&w.changes, SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA, moved, 4);
@@ -83,7 +81,6 @@ static void an_object_that_moves_is_changing_at_once_and_the_others_are_stale(vo
 /* ---- what is a change ---- */
 
 static void only_differences_above_the_threshold_are_changes(void **state) {
-    (void)state;
     world w = world_of(1);
     assert_false(sl_changes_compare(&w.changes, 0, 0.0f, 1) || sl_changes_compare(&w.changes, 0, 2.0f, 1) ||
                  sl_changes_compare(&w.changes, 0, NAN, 1));
@@ -96,7 +93,6 @@ static void only_differences_above_the_threshold_are_changes(void **state) {
 /* A light has moved: a quarter of the picture's pixels shows something else now. Its patches have no
  * priority, so epsilon has to find it. */
 static void a_light_that_moved_is_found_within_the_tests_that_epsilon_needs(void **state) {
-    (void)state;
     enum { SIDE = 64, POINTS = 64, TRIALS = 200 };
     static uint32_t leaf[SIDE * SIDE];
     static sl_leaf_priority leaves[256];
@@ -136,7 +132,6 @@ static void a_light_that_moved_is_found_within_the_tests_that_epsilon_needs(void
 
 static void a_change_ends_when_none_was_found_for_the_window_and_nothing_visible_is_from_before(
     void **state) {
-    (void)state;
     world w = world_of(2);
     bool stale[2] = {true, true};
     sl_changes_edit(&w.changes, SL_CHANGED_LIGHTS, NULL, 10);
@@ -160,7 +155,6 @@ static void a_change_ends_when_none_was_found_for_the_window_and_nothing_visible
 /* ---- resolution ---- */
 
 static void how_coarse_depends_on_what_there_is_time_for(void **state) {
-    (void)state;
     /* pixels / (samples a second x seconds); of triangles half */
     assert_true(fabsf(sl_changes_coarsest(100000, 768, 5) - 26.04f) < 0.01f);
     assert_true(sl_changes_coarsest(100000, 768, 2.5) ==

@@ -40,7 +40,6 @@ static void end(scene_with_middle *s) {
 }
 
 static void after_k_updates_1_minus_beta_to_the_k_is_left(void **state) {
-    (void)state;
     scene_with_middle s = begin();
     int k = 1;
     for (; s.fades.count; k++) {

@@ -39,7 +39,6 @@ static float brightest(sl_method *method) {
 }
 
 static void who_sees_nothing_asks_for_nothing(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(room);
     sl_settings settings = cache_settings(24, 24);
     look(scene, 278, 273, -800, 278, 273, -9000);
@@ -57,7 +56,6 @@ static void who_sees_nothing_asks_for_nothing(void **state) {
 }
 
 static void refinement_comes_to_an_end_by_itself(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(room);
     sl_settings settings = cache_settings(16, 16);
     settings.shading_cache.updates = 1000000;
@@ -100,7 +98,6 @@ static void play(const char *path, unsigned threads, sl_image *frame[FRAMES], sl
 }
 
 static void with_things_that_move_bits_do_not_depend_on_threads(void **state) {
-    (void)state;
     const char *const path[] = {"scenes/moving-ball.json", "scenes/moving-light.json", "scenes/walk.json"};
     for (int s = 0; s < 3; s++) {
         sl_image *one[FRAMES], *other[FRAMES];

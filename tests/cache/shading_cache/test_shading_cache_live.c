@@ -40,7 +40,6 @@ static void wait_until_samples_are_held_up(void) {
 
 static void render_behind_the_gate(const void *state, size_t count, const sl_sample_request *requests,
                                    unsigned threads, sl_sample *samples, sl_counters *counters) {
-    (void)state, (void)requests, (void)threads, (void)counters;
     sl_monitor_enter(&gate);
     waiting++;
     arrived++;
@@ -55,7 +54,6 @@ static void render_behind_the_gate(const void *state, size_t count, const sl_sam
 }
 
 static sl_status edit_or_fail(void *state, sl_error *error) {
-    (void)state;
     sl_monitor_enter(&gate);
     edits++;
     if (edits_brighten) irradiance *= 2.0f;
@@ -67,7 +65,6 @@ static void nothing_to_destroy(void *state) { (void)state; }
 
 sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
                            sl_error *error) {
-    (void)settings, (void)error;
     *renderer = (sl_sample_renderer){.name = "waits",
                                      .render = render_behind_the_gate,
                                      .edit = edit_or_fail,
@@ -147,7 +144,6 @@ static const char ball[] = "scenes/moving-ball.json", walk[] = "scenes/walk.json
 /* ---- frames and samples ---------------------------------------------------------------------- */
 
 static void frames_keep_coming_while_samples_are_held_up(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(ball);
     sl_settings settings = show_settings();
     open_gate(false);
@@ -174,7 +170,6 @@ static void frames_keep_coming_while_samples_are_held_up(void **state) {
 
 /* All irradiance is 2 pi: a picture in which all that is seen has samples shows 2 kd. */
 static void samples_catch_up_where_things_are_now_and_then_rest(void **state) {
-    (void)state;
     static float picture[3 * PIXELS];
     sl_scene *scene = load_scene(ball);
     sl_settings settings = show_settings();
@@ -268,7 +263,6 @@ static void all_shading_is_of_after_the_edit(const float picture[3 * PIXELS], fl
 static void
 of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_how_late_the_light_is(
     void **state) {
-    (void)state;
     static float before[3 * PIXELS], picture[3 * PIXELS];
     sl_scene *scene = two_boards(), *there = two_boards();
     sl_live *live = start_held_up(scene);
@@ -303,7 +297,6 @@ of_moves_that_wait_the_last_is_followed_with_all_that_moved_and_the_first_tells_
 
 static void of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture(
     void **state) {
-    (void)state;
     sl_scene *scene = load_scene(walk);
     sl_settings settings = small_settings("path", W, H);
     settings.spp = 4; /* an update is one sample of each pixel */
@@ -322,7 +315,6 @@ static void of_methods_without_a_display_a_move_is_a_change_that_shows_with_thei
 }
 
 static void a_camera_of_ones_own_stays_whatever_moves(void **state) {
-    (void)state;
     static float first[3 * PIXELS], looked[3 * PIXELS], moved[3 * PIXELS], back[3 * PIXELS];
     const float eye[3] = {300, 400, -300}, target[3] = {270, 100, 300}, up[3] = {0, 1, 0};
     sl_scene *scene = load_scene(walk);
@@ -352,7 +344,6 @@ static void a_camera_of_ones_own_stays_whatever_moves(void **state) {
 /* ---- held back ------------------------------------------------------------------------------- */
 
 static void motion_waits_for_the_quality_that_it_is_held_for(void **state) {
-    (void)state;
     static float first[3 * PIXELS], held[3 * PIXELS], there[3 * PIXELS], picture[3 * PIXELS];
     sl_scene *scene = load_scene(ball);
     sl_settings settings = show_settings();
@@ -386,13 +377,11 @@ static void motion_waits_for_the_quality_that_it_is_held_for(void **state) {
 /* ---- ends ------------------------------------------------------------------------------------ */
 
 static void open_gate_soon(void *context) {
-    (void)context;
     for (int i = 0; i < 3; i++) pause_a_millisecond();
     open_gate(true);
 }
 
 static void a_show_can_be_stopped_at_any_time_and_leaves_nothing_running(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(ball);
     sl_settings settings = show_settings();
     int before = threads_left(INT_MAX);

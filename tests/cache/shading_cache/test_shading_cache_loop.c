@@ -74,7 +74,6 @@ static sl_scene *room(void) { return room_with(false); }
 static void
 some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patches_are_split_twice_at_once(
     void **state) {
-    (void)state;
     for (int without = 0; without < 2; without++) {
         sl_scene *scene = room();
         sl_settings settings = loop_settings();
@@ -94,7 +93,6 @@ some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patch
 }
 
 static void in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_split_for_less(void **state) {
-    (void)state;
     for (int curved = 0; curved < 2; curved++) {
         sl_scene *scene = curved ? load_scene("scenes/vase.json") : room();
         sl_settings settings = loop_settings();
@@ -119,7 +117,6 @@ static void in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_spli
 
 static void nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_there_are_vertices(
     void **state) {
-    (void)state;
     enum { MOST = 20000 };
     static uint32_t when[MOST];
     sl_scene *scene = room();
@@ -146,7 +143,6 @@ static void nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_t
 }
 
 static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_children(void **state) {
-    (void)state;
     static uint32_t patch[PIXELS];
     sl_scene *scene = room();
     /* from outside: the front wall is seen from behind, around it is nothing */
@@ -190,7 +186,6 @@ static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_childre
 
 /* One wall hides another, and one is behind the eye. */
 static void patches_that_are_not_seen_are_left_alone(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-2, -2, 0), sl_v3(4, 0, 0), sl_v3(0, 4, 0), wall);
@@ -224,7 +219,6 @@ static void patches_that_are_not_seen_are_left_alone(void **state) {
 
 /* Irradiance is even, so its four corners say all; what is seen has the texture's own resolution. */
 static void a_textured_wall_in_even_light_is_exact_with_four_samples(void **state) {
-    (void)state;
     static uint8_t texels[16 * 16 * 4];
     for (int i = 0; i < 16 * 16 * 4; i++) texels[i] = (uint8_t)(30 + 97 * i % 220);
     trace_mesh mesh = trace_mesh_begin();
@@ -286,7 +280,6 @@ static void turn(sl_scene *scene, sl_method *method, int step) {
 }
 
 static void when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_again(void **state) {
-    (void)state;
     sl_scene *scene = two_walls(0.0f, 0.0f, 0.3f, 50.0f);
     sl_settings settings = loop_settings();
     settings.shading_cache.stop_size = 8.0;
@@ -318,7 +311,6 @@ static void when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_
 
 static void an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_and_finds_no_change(
     void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = loop_settings();
     settings.shading_cache.stop_size = 4.0;
@@ -359,7 +351,6 @@ static void move_light(sl_scene *scene, float x) {
 /* All is one object, and all of it changes: what is seen has no more leaves than there is time for, and is
  * the coarser the less time there is. */
 static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(void **state) {
-    (void)state;
     size_t left[2];
     for (int k = 0; k < 2; k++) {
         const double budget = k ? 60.0 : 240.0;
@@ -398,7 +389,6 @@ static bool is_full_size(const sl_shading_state *s, uint32_t patch, float share)
  * again after an edit that changes nothing. */
 static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and_others_need_not(
     void **state) {
-    (void)state;
     sl_scene *scene = room_with(true);
     sl_settings settings = loop_settings();
     settings.shading_cache.area_samples = 16;
@@ -434,7 +424,6 @@ static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and
 
 /* Both are refined until nothing is left to refine. */
 static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state) {
-    (void)state;
     sl_scene *scene = room();
     sl_settings settings = loop_settings(), path = small_settings("path", SIZE, SIZE);
     path.transport = "matched:shading-cache";
@@ -471,7 +460,6 @@ static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state
 
 static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_finds_all_as_it_was(
     void **state) {
-    (void)state;
     for (int late = 0; late < 2; late++) {
         sl_scene *scene = room();
         sl_settings settings = loop_settings();
@@ -557,7 +545,6 @@ static void count_corners(const sl_shading_state *s, size_t *before, size_t *nev
 /* Leaves that are new always have such corners. While a change lasts patches stay coarse: it would for good
  * where there is much to refine. */
 static void a_change_ends_while_there_are_corners_that_were_never_evaluated(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     sl_scene *scene = two_walls_with_a_lamp_each(&mesh);
     sl_method *method = with_one_lamp_changed(scene, 64);
@@ -578,7 +565,6 @@ static void a_change_ends_while_there_are_corners_that_were_never_evaluated(void
 /* At the edges of shadows leaves of a pixel differ at their corners for good. As long as they were chosen all
  * the same the rest waited for a random pixel: 577 updates where the points fill 22. */
 static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(void **state) {
-    (void)state;
     static const sl_pixel_selection how[] = {SL_PIXELS_HIT_AND_TEST, SL_PIXELS_SORTED};
     for (int lamp = 0; lamp < 2; lamp++) {
         for (int h = 0; h < 2; h++) {

@@ -116,13 +116,11 @@ static void moves_without_rest(const char *path, int moves, double most) {
 }
 
 static void while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh_one(void **state) {
-    (void)state;
     moves_without_rest(ball, MOVES, 0.15);
 }
 
 /* Without its shadows it would be apart by .5. */
 static void while_a_light_moves_its_shadows_are_there(void **state) {
-    (void)state;
     moves_without_rest(light, MOVES, 0.25);
 }
 
@@ -155,7 +153,6 @@ static size_t quick_corners(const sl_method *method) {
 }
 
 static void lights_are_sampled_quickly_while_they_move_and_in_full_at_rest(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(light);
     sl_settings settings = motion_settings(1);
     sl_method *method = created_method(scene, &settings);
@@ -175,7 +172,6 @@ static void lights_are_sampled_quickly_while_they_move_and_in_full_at_rest(void 
 }
 
 static void motion_has_the_same_bits_at_any_number_of_threads(void **state) {
-    (void)state;
     const char *const paths[] = {ball, light};
     for (int i = 0; i < 2; i++) {
         sl_image *one = after_moves(paths[i], 1), *three = after_moves(paths[i], 3);
@@ -188,7 +184,6 @@ static void motion_has_the_same_bits_at_any_number_of_threads(void **state) {
 /* Moves, and moves that undo each other, an edit in every batch: at rest nothing is left from before the last
  * one, and the picture is that of where things are, but for patches that only the other one has. */
 static void an_edited_scene_that_rests_is_as_good_as_a_fresh_one(void **state) {
-    (void)state;
     static const double times[] = {0.5, 0.5, 1.5, 0.5, 3.0, 0.0, 3.0, 1.2};
     const char *const paths[] = {ball, light};
     for (int i = 0; i < 2; i++) {
@@ -214,7 +209,6 @@ static void an_edited_scene_that_rests_is_as_good_as_a_fresh_one(void **state) {
 /* ---- the rate that was measured is an event ---- */
 
 static void the_rate_settles_how_fine_patches_are_while_things_change(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(light);
     sl_settings settings = motion_settings(1);
     sl_method *method = created_method(scene, &settings);
@@ -233,7 +227,6 @@ static void the_rate_settles_how_fine_patches_are_while_things_change(void **sta
 }
 
 static void what_is_made_anew_keeps_the_rate(void **state) {
-    (void)state;
     sl_scene *scene = load_scene(light);
     sl_settings settings = motion_settings(1);
     sl_method *method = created_method(scene, &settings);
@@ -275,7 +268,6 @@ static void assert_log_gives(const sl_live_event *log, size_t events, uint64_t u
 }
 
 static void a_show_is_repeated_from_its_log_to_the_bit(void **state) {
-    (void)state;
     sl_live_event log[16];
     sl_scene *scene = load_scene(light);
     sl_settings settings = motion_settings(1);

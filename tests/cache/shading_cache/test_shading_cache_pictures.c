@@ -32,7 +32,6 @@ static sl_comparison compared(const sl_image *ours, const sl_image *truth, const
 }
 
 static void the_cornell_box_converges_to_what_paths_find(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = cache_settings(64, 64);
     settings.shading_cache.updates = 3;
@@ -51,7 +50,6 @@ static void the_cornell_box_converges_to_what_paths_find(void **state) {
 }
 
 static void glossy_surfaces_reflect_towards_the_eye(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = cache_settings(48, 48);
     settings.shading_cache.updates = 120;
@@ -72,7 +70,6 @@ static void to_the_end(sl_method *method) {
 
 /* Moving things are shown where they are before any update. */
 static void a_moved_object_is_shown_in_its_place_at_once(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/moving-ball.json");
     sl_settings settings = cache_settings(64, 64);
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
@@ -97,7 +94,6 @@ static void a_moved_object_is_shown_in_its_place_at_once(void **state) {
 }
 
 static void a_still_scene_never_seems_to_change(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = cache_settings(32, 32);
     settings.shading_cache.updates = 200;
@@ -112,7 +108,6 @@ static void a_still_scene_never_seems_to_change(void **state) {
  * visible leaves, too), for each patch that splits have made. */
 static void a_patch_takes_at_most_125_bytes_with_both_copies_of_the_display_and_all_else_that_grows(
     void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = cache_settings(384, 384);
     settings.shading_cache.indirect = SL_INDIRECT_NONE;

@@ -15,7 +15,6 @@ static const sl_display_curve curve = {.reference = 2.0f};
 static double s_curve(double r) { return (r + 0.1) / (r + 10.0); }
 
 static void levels_are_those_of_the_s_curve(void **state) {
-    (void)state;
     assert_true(fabs(s_curve(0.0) - 0.01) < 1e-15 && fabs(s_curve(1.0) - 0.1) < 1e-15 &&
                 fabs(s_curve(3.0) * s_curve(1.0 / 3.0) - 0.01) < 1e-15);
     for (int exponent = -20; exponent <= 30; exponent++) {
@@ -26,7 +25,6 @@ static void levels_are_those_of_the_s_curve(void **state) {
 }
 
 static void a_scene_and_its_reference_scaled_alike_look_the_same(void **state) {
-    (void)state;
     for (float y = 1e-4f; y < 1e4f; y *= 3.0f) {
         sl_display_curve other = {.reference = 64.0f * curve.reference},
                          third = {.reference = 1e-3f * curve.reference};
@@ -38,7 +36,6 @@ static void a_scene_and_its_reference_scaled_alike_look_the_same(void **state) {
 /* ---- the error of a patch ---- */
 
 static void a_patch_from_black_to_very_bright_has_an_error_of_255(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 0.0f, 1);
@@ -49,7 +46,6 @@ static void a_patch_from_black_to_very_bright_has_an_error_of_255(void **state) 
 }
 
 static void errors_are_those_of_what_leaves_a_surface_not_of_what_arrives(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0); /* kd = 1/2 */
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 1);
@@ -70,7 +66,6 @@ static sl_scene *lamp_and_gloss_scene(float emission, float specular, float expo
 }
 
 static void a_patch_with_a_corner_never_evaluated_has_no_error(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(triangle_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     for (int c = 0; c < 3; c++) {
@@ -84,7 +79,6 @@ static void a_patch_with_a_corner_never_evaluated_has_no_error(void **state) {
 
 static void a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it_and_of_no_others(
     void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
     split_levels(&h, want_root(&h, 0), 2);
     evaluate_all(&h, 1.0f, 1);
@@ -107,7 +101,6 @@ static void a_vertex_found_to_differ_raises_the_priority_of_all_leaves_around_it
 /* ---- age ---- */
 
 static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corner(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 7);
@@ -122,7 +115,6 @@ static void only_what_was_evaluated_before_a_change_ages_and_by_its_oldest_corne
 }
 
 static void of_two_ages_the_larger_counts_and_no_more_than_255_levels(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(lamp_and_gloss_scene(0, 0.3f, 50.0f), KEEP_LOBES);
     uint32_t patch = want_root(&h, 0);
     evaluate_all(&h, 1.0f, 5);
@@ -139,7 +131,6 @@ static void of_two_ages_the_larger_counts_and_no_more_than_255_levels(void **sta
 }
 
 static void the_glossier_a_material_the_faster_it_ages(void **state) {
-    (void)state;
     sl_material m = {.diffuse = sl_grey(0.4f)};
     assert_true(sl_age_constant(&m) == 1.0f);
     m.specular = sl_grey(0.3f);
@@ -173,7 +164,6 @@ static double mean_total(size_t count, const sl_leaf_priority *leaves) {
 }
 
 static void where_few_pixels_carry_all_error_the_others_keep_no_chance_but_epsilon(void **state) {
-    (void)state;
     for (int percent = 1; percent <= 5; percent += 4) {
         sl_leaf_priority leaves[1000] = {{0}};
         for (uint32_t i = 0; i < 1000; i++)
@@ -206,7 +196,6 @@ static double next_high(const sl_leaf_priority *leaves, double high) {
 }
 
 static void one_outlier_does_not_hide_ten_thousand_others(void **state) {
-    (void)state;
     static sl_leaf_priority leaves[MANY];
     uint64_t key = sl_random_key(11, 0);
     for (uint32_t i = 0; i < MANY; i++)
@@ -224,7 +213,6 @@ static void one_outlier_does_not_hide_ten_thousand_others(void **state) {
 }
 
 static void equal_priorities_are_all_1_and_no_priorities_all_0(void **state) {
-    (void)state;
     for (int plain = 0; plain < 2; plain++) {
         for (int k = 0; k < 4; k++) {
             float p = (float[]){0.0f, 0.1f, 1e-30f, 255.0f}[k];
@@ -238,7 +226,6 @@ static void equal_priorities_are_all_1_and_no_priorities_all_0(void **state) {
 }
 
 static void leaves_never_evaluated_come_first_and_leave_the_others_as_they_are(void **state) {
-    (void)state;
     sl_leaf_priority alone[50], mixed[60];
     uint64_t key = sl_random_key(5, 5);
     for (uint32_t i = 0; i < 50; i++)
@@ -253,7 +240,6 @@ static void leaves_never_evaluated_come_first_and_leave_the_others_as_they_are(v
 }
 
 static void priorities_that_are_no_numbers_harm_nothing(void **state) {
-    (void)state;
     for (int plain = 0; plain < 2; plain++) {
         sl_leaf_priority leaves[MANY / 10];
         for (uint32_t i = 0; i < MANY / 10; i++) leaves[i] = (sl_leaf_priority){i, 1, (float)(i % 100), 0.0f};
@@ -270,7 +256,6 @@ static void priorities_that_are_no_numbers_harm_nothing(void **state) {
 /* ---- large leaves ---- */
 
 static void a_large_leaf_of_one_colour_counts_by_the_root_of_its_area_and_the_mean_of_the_rest(void **state) {
-    (void)state;
     sl_leaf_priority leaves[4] = {{.pixels = 128, .priority = 0.0f},
                                   {.pixels = 128, .priority = 80.0f},
                                   {.pixels = 32, .priority = 0.0f},

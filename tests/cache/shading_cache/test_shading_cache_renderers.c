@@ -51,7 +51,6 @@ static double share_past_edge(double x, double z, double cosine, double sine) {
 /* A lamp of width s at height H, a screen's edge at height b: the penumbra on the floor is s b / (H - b)
  * wide. */
 static void penumbras_have_their_width(void **state) {
-    (void)state;
     static const float edge_heights[] = {1.0f, 2.5f, 4.0f};
     for (int i = 0; i < 3; i++) {
         const float s0 = 0.8f, high = 5.0f, b = edge_heights[i];
@@ -82,7 +81,6 @@ static void penumbras_have_their_width(void **state) {
 /* All points see the lamp's same 64: its shadow's edge has as many steps. Dense points are asked for by
  * leaves of one pixel, and change nothing where there is no edge. */
 static void dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_else_as_it_was(void **state) {
-    (void)state;
     enum { POINTS = 240 };
     trace_mesh mesh = lamp_over_floor(0.8f, 5.0f, 1.0f);
     /* the edge is 0.8 wide */
@@ -128,7 +126,6 @@ static void dense_points_leave_a_sixth_of_the_bands_in_a_shadows_edge_and_all_el
 /* Points are weighed alike where the lamp is far: of n of them that see it with chance p, E^2 p (1 - p) / (n
  * - 1). */
 static void the_variance_told_is_that_of_points_which_see_the_lamp_or_not(void **state) {
-    (void)state;
     trace_mesh mesh = lamp_over_floor(0.4f, 10.0f, 3.0f);
     trace_mesh_quad(&mesh, sl_v3(0, 5, -30), sl_v3(0, 0, 60), sl_v3(30, 0, 0), 0);
     shop s;
@@ -154,7 +151,6 @@ static void the_variance_told_is_that_of_points_which_see_the_lamp_or_not(void *
 
 /* Phong lobe of a square lamp at height 2, by a fine grid. */
 static void lobes_reflect_a_lamps_points(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 12, 0, 0),
              lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
@@ -193,7 +189,6 @@ static void lobes_reflect_a_lamps_points(void **state) {
 /* A lobe that is narrower than the distance between the lamp's points shows the lamp: ks L (n + 2) / (n + 1)
  * cos. */
 static void narrow_lobes_show_the_lamp(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t glossy = trace_mesh_material(&mesh, 0.0f, 0.6f, 20000, 0, 0),
              lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
@@ -223,7 +218,6 @@ static void narrow_lobes_show_the_lamp(void **state) {
 
 /* It is counted by one renderer: that of indirect light, or, without one, that of direct light. */
 static void the_sky_is_counted_once(void **state) {
-    (void)state;
     sl_environment sky = {.present = true, .constant = {1.0f, 2.0f, 0.5f}};
     trace_mesh mesh = trace_mesh_begin();
     uint32_t black = trace_mesh_material(&mesh, 0.0f, 0.4f, 30, 0, 0),
@@ -273,7 +267,6 @@ static void check_within_errors(const char *what, double found, double variance,
 /* Emission L and albedo rho all around: pi L of direct light, and rho pi L (1 + rho + ...) of up to six
  * further bounces. */
 static void furnaces_are_evenly_lit(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 2.0f);
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
@@ -303,7 +296,6 @@ static bool same_sample(const sl_sample *a, const sl_sample *b) {
 }
 
 static void answers_depend_on_their_request_alone(void **state) {
-    (void)state;
     enum { COUNT = 60 };
     static make_renderer *const makers[] = {sl_area_renderer, sl_bidirectional_renderer};
     shop s;
@@ -343,7 +335,6 @@ static void answers_depend_on_their_request_alone(void **state) {
 
 /* Other sets, other points: their mean over sixteen is nearer the truth than one. */
 static void sets_of_samples_average(void **state) {
-    (void)state;
     trace_mesh mesh = lamp_over_floor(1.0f, 10.0f, 1.0f);
     trace_mesh_quad(&mesh, sl_v3(0, 5, -30), sl_v3(0, 0, 60), sl_v3(30, 0, 0), 0);
     shop s;
@@ -382,7 +373,6 @@ static void sets_of_samples_average(void **state) {
 }
 
 static void points_that_are_not_finite_are_broken_and_leave_the_batch_alone(void **state) {
-    (void)state;
     sl_sample_renderer r = constant_renderer((sl_rgb){1, 2, 3});
     sl_sample_request q[3] = {request_at(sl_v3(0, 0, 0), up), request_at(sl_v3(5, 0, 0), up),
                               request_at(sl_v3(NAN, 0, 0), up)};

@@ -83,7 +83,6 @@ static void choose(picture *p, const sl_selection_settings *s) {
 /* ---- hit-and-test ---- */
 
 static void patches_are_chosen_as_often_as_their_pixels_and_priorities_say(void **state) {
-    (void)state;
     enum { LEAVES = 6, UPDATES = 40000 };
     static const float normal[LEAVES] = {0.0f, 0.1f, 0.3f, 0.5f, 0.8f, 1.0f};
     picture p = picture_of(32, 24, LEAVES);
@@ -111,7 +110,6 @@ static void patches_are_chosen_as_often_as_their_pixels_and_priorities_say(void 
 }
 
 static void tests_for_one_choice_are_the_inverse_of_the_mean_chance(void **state) {
-    (void)state;
     picture p = picture_of(320, 240, 320);
     double mean = 0.0;
     for (int x = 0; x < 320; x++) {
@@ -134,7 +132,6 @@ static void tests_for_one_choice_are_the_inverse_of_the_mean_chance(void **state
 }
 
 static void a_patch_without_any_priority_is_found_in_the_long_run_and_only_by_chance(void **state) {
-    (void)state;
     picture p = picture_of(64, 64, 2);
     for (int i = 0; i < 64 * 64; i++) paint(&p, i % 64, i / 64, i == 2000, i == 2000 ? 0.0f : 0.5f);
     sl_selection_settings s = usual(64), none = usual(64);
@@ -156,7 +153,6 @@ static void a_patch_without_any_priority_is_found_in_the_long_run_and_only_by_ch
 }
 
 static void tests_come_to_an_end_where_nothing_is_to_be_hit(void **state) {
-    (void)state;
     picture p = picture_of(200, 100, 1);
     sl_selection_settings s = usual(64);
     choose(&p, &s); /* no visible patch */
@@ -195,7 +191,6 @@ static void tests_come_to_an_end_where_nothing_is_to_be_hit(void **state) {
 }
 
 static void no_patch_gets_more_than_its_share_and_the_others_get_theirs(void **state) {
-    (void)state;
     for (int how = 0; how < 2; how++) {
         picture p = picture_of(60, 40, 3);
         for (int i = 0; i < 2400; i++)
@@ -236,7 +231,6 @@ static picture shadow_line(void) {
 }
 
 static void one_hit_on_a_shadow_line_spreads_along_it(void **state) {
-    (void)state;
     picture p = shadow_line();
     sl_selection_settings s = usual(64);
     s.flood_threshold = 0.5f;
@@ -260,7 +254,6 @@ static void one_hit_on_a_shadow_line_spreads_along_it(void **state) {
 }
 
 static void floods_take_nothing_below_their_seed_or_the_threshold(void **state) {
-    (void)state;
     static const float normal[] = {0.3f, 0.6f, 0.9f, 0.8f, 0.45f};
     picture p = picture_of(50, 10, 5);
     for (int y = 0; y < 10; y++) {
@@ -289,7 +282,6 @@ static void floods_take_nothing_below_their_seed_or_the_threshold(void **state) 
 /* ---- the highest first ---- */
 
 static void sorted_choices_are_those_of_highest_priority_and_one_of_each_patch_before_two(void **state) {
-    (void)state;
     picture p = picture_of(40, 30, 100);
     for (int i = 0; i < 1200; i++)
         paint(&p, i % 40, i / 40, (uint32_t)(i % 40 / 4 + i / 40 / 3 * 10),

@@ -67,7 +67,6 @@ static size_t grid_of_places(uint32_t patch, int n, sl_chosen_place *places) {
 /* ---- evaluate, or split ---- */
 
 static void a_patch_never_evaluated_gets_its_corners_and_stays_whole(void **state) {
-    (void)state;
     sl_chosen_place places[64];
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
@@ -91,7 +90,6 @@ static void a_patch_never_evaluated_gets_its_corners_and_stays_whole(void **stat
 }
 
 static void corners_from_before_an_edit_hold_up_no_split(void **state) {
-    (void)state;
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
     hierarchy h = hierarchy_of(square_scene(), 0);
@@ -112,7 +110,6 @@ static void corners_from_before_an_edit_hold_up_no_split(void **state) {
 }
 
 static void sixteen_places_give_two_levels_in_one_update_and_no_number_more_than_three(void **state) {
-    (void)state;
     static const int side[] = {1, 2, 4, 8, 16}, depth[] = {1, 1, 2, 3, 3};
     static sl_chosen_place places[256];
     sl_camera camera = camera_above(35);
@@ -133,7 +130,6 @@ static void sixteen_places_give_two_levels_in_one_update_and_no_number_more_than
 }
 
 static void patches_are_handled_in_their_order_and_vertices_are_asked_for_once(void **state) {
-    (void)state;
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
     hierarchy h = hierarchy_of(square_scene(), 0);
@@ -152,7 +148,6 @@ static void patches_are_handled_in_their_order_and_vertices_are_asked_for_once(v
 /* ---- where splits end ---- */
 
 static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixels(void **state) {
-    (void)state;
     static sl_chosen_place places[PLACES_MAX];
     for (int kind = 0; kind < 2; kind++) {
         hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), 0);
@@ -189,7 +184,6 @@ static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixe
 }
 
 static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void **state) {
-    (void)state;
     static sl_chosen_place places[64];
     hierarchy h = hierarchy_of(square_scene(), 0);
     sl_camera camera = camera_above(0.5f); /* the whole root is one pixel */
@@ -209,7 +203,6 @@ static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void
 
 /* A corner that meets a lamp in a mirror would colour all of its pixel. */
 static void of_what_is_polished_leaves_with_contrast_are_split_to_a_sixteenth_of_a_pixel(void **state) {
-    (void)state;
     static const struct {
         float specular, exponent, mirror, bright, pixels_a_unit;
         bool split, wanted;
@@ -241,7 +234,6 @@ static void of_what_is_polished_leaves_with_contrast_are_split_to_a_sixteenth_of
 }
 
 static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(square_scene(), KEEP_SETS);
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
@@ -269,7 +261,6 @@ static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **stat
 }
 
 static void what_changes_is_not_split_below_what_there_is_time_for(void **state) {
-    (void)state;
     for (int kind = 0; kind < 2; kind++) {
         hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), 0);
         sl_camera camera = camera_above(10);
@@ -304,7 +295,6 @@ static sl_screen_size size_of(hierarchy *h, uint32_t patch, const sl_camera *cam
 }
 
 static void a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_it(void **state) {
-    (void)state;
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-1e4f, -1e4f, 0), sl_v3(2e4f, 0, 0), sl_v3(0, 2e4f, 0), 0);
@@ -338,7 +328,6 @@ static sl_scene *pipe_scene(void) {
 }
 
 static void a_curved_patch_is_as_large_as_what_bulges_out_of_its_corners(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(pipe_scene(), 0);
     uint32_t patch = want_root(&h, 0);
     sl_camera camera = camera_above(0.1f); /* from far away: so many pixels a unit */
@@ -352,7 +341,6 @@ static void a_curved_patch_is_as_large_as_what_bulges_out_of_its_corners(void **
 }
 
 static void patches_at_the_eye_are_split_down_to_the_depth_limit_and_no_further(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
     want_root(&h, 0);
     sl_camera camera = {sl_v3(0.3f, 0.3f, 1e-4f), sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), 1.0f};

@@ -58,7 +58,6 @@ static sl_irradiance irradiance_at(bouncer *b, const sl_gather_point *point) {
 
 static void shine_evenly(const void *context, const sl_second_points *points, float *r, float *g, float *b,
                          sl_counters *counters) {
-    (void)counters;
     const float *e = context;
     for (size_t i = 0; i < points->count; i++) {
         r[i] += e[0];
@@ -69,7 +68,6 @@ static void shine_evenly(const void *context, const sl_second_points *points, fl
 
 /* In a closed room whose walls of albedo rho all receive E, every point receives rho E. */
 static void what_the_hits_receive_is_reflected(void **state) {
-    (void)state;
     const float e[3] = {1.0f, 2.0f, 4.0f};
     const sl_second_light light = {e, shine_evenly};
     world *w = world_new();
@@ -113,7 +111,6 @@ static world *integrating_sphere(float albedo) {
 /* Everything emits L_e and reflects rho: b bounces add pi L_e (rho + ... + rho^b) to what arrives straight.
  */
 static void the_furnace_sums_the_series(void **state) {
-    (void)state;
     const double albedo = 0.6;
     const uint32_t bounces[] = {2, 3, 5};
     world *w = furnace((float)albedo, 1.0f);
@@ -138,7 +135,6 @@ static void the_furnace_sums_the_series(void **state) {
 
 /* Inside a sphere of albedo rho every bounce is even: E_b = rho^b <E_direct>, whatever the light's place. */
 static void the_integrating_sphere_dims_by_its_albedo(void **state) {
-    (void)state;
     const double albedo = 0.7;
     world *w = integrating_sphere((float)albedo);
     const uint32_t bounces[] = {2, 4};
@@ -164,7 +160,6 @@ static void the_integrating_sphere_dims_by_its_albedo(void **state) {
 /* More bounces than matter: the iteration ends by itself, with all the light: E = <E_direct> rho / (1 - rho).
  */
 static void bounces_that_change_nothing_are_left_out(void **state) {
-    (void)state;
     const double albedo = 0.4, wanted = albedo / (1.0 - albedo);
     world *w = integrating_sphere((float)albedo);
     bouncer b = bouncer_new(w, 64, 2);
@@ -183,7 +178,6 @@ static void bounces_that_change_nothing_are_left_out(void **state) {
 /* What records send to each other by the links that their second gather found is what they find when they
  * gather the bounce before anew. */
 static void a_bounce_by_links_is_what_gathering_anew_finds(void **state) {
-    (void)state;
     world *w = world_new();
     const uint32_t red = world_material(w, (sl_rgb){0.7f, 0.1f, 0.1f}, sl_grey(0.0f)),
                    grey = world_material(w, sl_grey(0.7f), sl_grey(0.0f));
@@ -224,7 +218,6 @@ static void a_bounce_by_links_is_what_gathering_anew_finds(void **state) {
 /* ---- the path tracer ---- */
 
 static void the_cornell_box_with_four_bounces_is_what_the_path_tracer_says(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", 64, 64), reference = small_settings("path", 64, 64);
     settings.quality = SL_QUALITY_NORMAL;
@@ -249,7 +242,6 @@ static void the_cornell_box_with_four_bounces_is_what_the_path_tracer_says(void 
 /* A surface that sees the sky receives its light once: from the gathers that it escapes, or from samples
  * where a gather hits. */
 static void the_light_of_a_sky_bounces_as_the_path_tracer_says(void **state) {
-    (void)state;
     static const char text[] = "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"environment\": "
                                "{\"radiance\": [1, 1, 1]}, \"materials\": {\"m\": {\"diffuse\": 0.7}}, "
                                "\"camera\": {\"eye\": [0, 1, 4], \"target\": [0, 1, 0], \"fov_deg\": 40}}";
@@ -276,7 +268,6 @@ static void the_light_of_a_sky_bounces_as_the_path_tracer_says(void **state) {
 }
 
 static void second_level_records_stay_as_long_as_the_light_does(void **state) {
-    (void)state;
     const float eye[3] = {320, 300, -300}, target[3] = {60, 100, 300}, up[3] = {0, 1, 0};
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", 24, 24);
@@ -304,7 +295,6 @@ static void second_level_records_stay_as_long_as_the_light_does(void **state) {
 /* Two rooms without a door between them, each with its light: seen from one, the other has no second-level
  * records. */
 static void a_camera_that_goes_elsewhere_brings_second_level_records_there(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t wall = world_material(w, sl_grey(0.6f), sl_grey(0.0f));
     const uint32_t walls[6] = {wall, wall, wall, wall, wall, wall};
@@ -383,7 +373,6 @@ static void open_room(world *w, float x0, float x1, uint32_t wall) {
 /* Two rooms share the planes of their floors, ceilings and backs, and a wall that is a thousandth thick; the
  * light is in one. */
 static void no_bounce_leaks_through_a_thin_wall(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t wall = world_material(w, sl_grey(0.8f), sl_grey(0.0f));
     open_room(w, 0.0f, 2.0f, wall);
@@ -411,7 +400,6 @@ static void no_bounce_leaks_through_a_thin_wall(void **state) {
 }
 
 static void a_scene_without_anything_to_see_has_no_second_level_records(void **state) {
-    (void)state;
     world *w = world_new();
     uint32_t wall = world_material(w, sl_grey(0.5f), sl_grey(0.0f));
     world_quad(w, sl_v3(-1, 0, 1), sl_v3(1, 0, 1), sl_v3(1, 0, -1), sl_v3(-1, 0, -1), wall);

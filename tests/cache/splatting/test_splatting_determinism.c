@@ -8,7 +8,6 @@
 #include "cache/splatting/splatting.h"
 
 static void the_picture_has_the_same_bits_at_any_number_of_threads(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     for (int kind = SL_GATHER_PLANE; kind <= SL_GATHER_RAYS; kind++) {
         sl_settings settings = small_settings("splatting", 40, 40);
@@ -109,7 +108,6 @@ static sl_record_list traverse(stage *s, sl_traversal_order order, size_t batch,
 }
 
 static void speculative_batches_give_the_records_of_one_by_one(void **state) {
-    (void)state;
     static stage s;
     stage_open(&s);
     for (int order = SL_ORDER_COARSE_TO_FINE; order <= SL_ORDER_LINEAR; order++) {
@@ -130,7 +128,6 @@ static void speculative_batches_give_the_records_of_one_by_one(void **state) {
 }
 
 static void in_the_end_every_receiver_is_covered_by_far_fewer_records(void **state) {
-    (void)state;
     static stage s;
     stage_open(&s);
     sl_counters counters = {{0}};
@@ -160,7 +157,6 @@ static size_t pixel_of(const stage *s, const sl_record *record) {
 
 /* The records one by one, in order: none of them was made for a pixel that those before it cover. */
 static void no_record_is_made_on_a_pixel_that_earlier_ones_cover(void **state) {
-    (void)state;
     static stage s;
     stage_open(&s);
     for (int order = SL_ORDER_COARSE_TO_FINE; order <= SL_ORDER_LINEAR; order++) {
@@ -192,7 +188,6 @@ static uint64_t finish(sl_method *method) {
 }
 
 static void a_moved_camera_keeps_the_records_and_looking_back_needs_none(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_camera home = scene->camera;
     sl_settings settings = small_settings("splatting", 40, 40);

@@ -51,7 +51,6 @@ static double glossy_plain(double exponent, double elevation, sl_gather_kind gat
 /* Whatever the order leaves of the lobe, its albedo is kept, for specular 1 and diffuse 0 too. Seen edge-on
  * the albedo goes to 0, and faster than a table over angles of view can tell. */
 static void glossy_lobes_of_any_exponent_reflect_their_albedo_of_an_even_sky(void **state) {
-    (void)state;
     const double exponents[] = {0.0, 1.0, 20.0, 1e4, 1e6}, elevations[] = {90.0, 40.0, 10.0, 0.2},
                  most[] = {0.01, 0.01, 0.01, 0.2};
     for (int e = 0; e < 4; e++) {
@@ -75,7 +74,6 @@ static const char shiny[] = "\"diffuse\": 0.2, \"specular\": 0.6, \"exponent\": 
 /* Irradiance beyond floats, of each kind of light, by rays and by maps: the largest float, and what is black
  * or in shadow stays black. */
 static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
-    (void)state;
     const char *const lamps[] = {"", "\"emission\": 3e38, ", "", "", ""};
     const char *const lights[] = {
         " \"lights\": [{\"type\": \"point\", \"position\": [5e-5, 0, 0], \"intensity\": 1e37}],\n", "",
@@ -96,7 +94,6 @@ static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
 }
 
 static void where_nothing_shines_or_nothing_reflects_nothing_is_gathered(void **state) {
-    (void)state;
     sl_settings settings = small_settings("splatting", 16, 16);
     sl_scene *dark = room(1.0, shiny, "", "");
     dark->environment.present = false; /* what scene files without light are given */
@@ -133,7 +130,6 @@ static void expect_path_tracer(const char *what, sl_scene *scene, double error, 
 }
 
 static void boxes_of_odd_materials_have_the_path_tracers_light(void **state) {
-    (void)state;
     /* A lobe of 1e6 is a mirror; what twelve bands leave of it is blurred, so of that only the sum is right.
      */
     static const char *const boxes[] = {"\"mirror\": 1", "\"diffuse\": 0.5, \"emission\": 2",

@@ -99,7 +99,6 @@ static void look_from(stage *s, sl_vec3 to_viewer, float radiance[3]) {
 }
 
 static void a_pixel_with_the_records_normal_reflects_what_quadrature_says(void **state) {
-    (void)state;
     static stage s;
     const sl_vec3 normals[] = {{0, 0, 1}, {0, 0, -1}, unit(1, 2, -0.5f), unit(-0.3f, 0.1f, 0.9f)};
     for (int i = 0; i < 4; i++) {
@@ -121,7 +120,6 @@ static void a_pixel_with_the_records_normal_reflects_what_quadrature_says(void *
 /* The tilt brings up directions that the record did not see; they take their mirror image's light: the more,
  * the further. */
 static void a_tilted_pixel_reflects_what_quadrature_says_but_for_what_the_record_could_not_see(void **state) {
-    (void)state;
     static stage s;
     double worst = 0.0;
     const sl_vec3 record_normal = unit(0.4f, -0.2f, 0.8f);
@@ -148,7 +146,6 @@ static void a_tilted_pixel_reflects_what_quadrature_says_but_for_what_the_record
 }
 
 static void coefficients_are_translated_along_their_gradients_in_the_records_frame(void **state) {
-    (void)state;
     static stage s;
     float there[3], moved[3], expected[3];
     stage_open(&s, unit(0.3f, 0.5f, 0.7f), unit(0.3f, 0.5f, 0.7f));
@@ -173,7 +170,6 @@ static void coefficients_are_translated_along_their_gradients_in_the_records_fra
 /* At a wall that is almost touched, where depth vanishes, gradients are beyond all measure: the lobe must not
  * show them as a blot. */
 static void gradients_beyond_measure_change_what_is_reflected_by_half(void **state) {
-    (void)state;
     static stage s;
     float there[3], moved[3];
     stage_open(&s, unit(0.3f, 0.5f, 0.7f), unit(0.3f, 0.5f, 0.7f));
@@ -191,7 +187,6 @@ static void gradients_beyond_measure_change_what_is_reflected_by_half(void **sta
 }
 
 static void every_instruction_set_reflects_the_same_bits(void **state) {
-    (void)state;
     static stage s;
     stage_open(&s, unit(0.1f, 0.5f, 0.7f), unit(0.2f, 0.45f, 0.7f));
     s.view.eye = sl_v3(1, 2, 3);
@@ -205,7 +200,6 @@ static void every_instruction_set_reflects_the_same_bits(void **state) {
 }
 
 static void an_eye_on_the_pixel_or_below_it_and_a_normal_that_is_none_give_numbers(void **state) {
-    (void)state;
     static stage s;
     float radiance[3];
     stage_open(&s, sl_v3(0, 0, 1), sl_v3(0, 0, 1));
@@ -237,7 +231,6 @@ static sl_scene *box_with_back(const char *back, sl_settings *settings) {
 /* Gathers see diffuse lobes alone, so a glossy lobe more on one wall is nothing to the pixels of the others.
  */
 static void a_glossy_wall_leaves_diffuse_pixels_as_they_were(void **state) {
-    (void)state;
     sl_settings settings;
     sl_scene *diffuse = box_with_back("{\"diffuse\": [0.3, 0.3, 0.3]}", &settings);
     sl_scene *glossy = box_with_back(
@@ -261,7 +254,6 @@ static void a_glossy_wall_leaves_diffuse_pixels_as_they_were(void **state) {
 }
 
 static void the_glossy_box_agrees_with_the_path_tracer(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = small_settings("splatting", 64, 64), path = small_settings("path", 64, 64);
     settings.quality = SL_QUALITY_NORMAL;

@@ -146,7 +146,6 @@ static void expect_floor(const char *what, const sl_settings *settings, const ca
 }
 
 static void a_floor_before_a_lit_wall_is_lamberts_into_the_corner(void **state) {
-    (void)state;
     const sl_gather_kind gathers[] = {SL_GATHER_PLANE, SL_GATHER_HEMICUBE, SL_GATHER_RAYS};
     /* the plane does not see down to the corner */
     const double mean[] = {0.045, 0.02, 0.012}, worst[] = {0.2, 0.15, 0.15};
@@ -160,7 +159,6 @@ static void a_floor_before_a_lit_wall_is_lamberts_into_the_corner(void **state) 
 /* R vanishes in the corner, and with it 1/R. Few pixels of 4096 get records of their own all the same, and a
  * smaller a costs no more than R_min lets it. */
 static void accuracies_from_a_thousandth_to_two_light_the_floor(void **state) {
-    (void)state;
     const double accuracies[] = {0.001, 0.0011, 0.02, 1.0, 2.0}, worst[] = {0.15, 0.15, 0.15, 0.4, 0.8};
     for (int i = 0; i < 5; i++) {
         sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
@@ -172,7 +170,6 @@ static void accuracies_from_a_thousandth_to_two_light_the_floor(void **state) {
 /* On the lit floor every border of a record would show: weights that do not vanish there jump by up to the
  * records' disagreement. Gathers so fine that their noise does not. */
 static void no_border_of_a_record_shows(void **state) {
-    (void)state;
     sl_settings settings = floor_settings(SL_QUALITY_HIGH);
     settings.gather_size = 160;
     floor_error e = measure_floor(&settings, &from_above);
@@ -182,7 +179,6 @@ static void no_border_of_a_record_shows(void **state) {
 
 /* The eye two hundredths above the floor: splats lie across the near plane and contain the camera. */
 static void an_eye_amid_the_records_sees_the_floor_as_it_is(void **state) {
-    (void)state;
     static const camera low = {{1.5, 0.02, 0.1}, {1.0, -0.08, 0}};
     sl_settings settings = floor_settings(SL_QUALITY_NORMAL);
     expect_floor("an eye close to the floor", &settings, &low, 0.02, 0.06, 300);
@@ -217,7 +213,6 @@ static int append_box(char *out, size_t size, int first, point low, point high) 
  * E = Phi albedo / pi cos cos / d^2. Of a gather's rays few find it, so pixels scatter, but their mean is
  * right. */
 static void a_small_bright_patch_is_right_in_the_mean(void **state) {
-    (void)state;
     static const char json[] =
         "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"m\"}], \"materials\": "
         "{\"m\": {\"diffuse\": 0.5}},\n"
@@ -256,7 +251,6 @@ static void a_small_bright_patch_is_right_in_the_mean(void **state) {
 /* Vertex normals that are opposite, zero, or no numbers: where they cancel there is no shading normal to be
  * had. */
 static void shading_normals_that_cancel_or_are_none_give_light_all_the_same(void **state) {
-    (void)state;
     static const char normals[][100] = {"vn 0 1 0\nvn 0 -1 0\nvn 0 1 0\nvn 0 -1 0\n",
                                         "vn 0 0 0\nvn 0 0 0\nvn 0 0 0\nvn 0 0 0\n",
                                         "vn 1 0 0\nvn -1 0 0\nvn 1 0 0\nvn -1 0 0\n",
@@ -341,12 +335,10 @@ static void assert_walls_hold(const char *where, const char *light, const char *
 }
 
 static void no_light_leaks_through_a_wall_of_a_thousandth(void **state) {
-    (void)state;
     assert_walls_hold("two rooms", "3, 1, 1", rooms_obj);
 }
 
 static void no_light_leaks_under_a_wall_that_stands_on_the_floor(void **state) {
-    (void)state;
     assert_walls_hold("a divided floor", "2.5, 1, 1", divided_obj);
 }
 
@@ -376,7 +368,6 @@ static void assert_all_is_dark(const char *obj, const char *light, const char *c
 /* A folding screen without thickness parts a room from wall to wall; the light is behind it. Records touch
  * it, and at its outlines the rasterizer, whose vertices are snapped, shows pixels of what is behind it. */
 static void no_light_comes_through_a_folding_screen_without_thickness(void **state) {
-    (void)state;
     static const char *const cameras[][2] = {{"0.8498448, 1.11755972, 1.72571254", "-0.354102"},
                                              {"-0.4170288, 1.14097268, 1.89332926", "0.173762"},
                                              {"-0.2517072, 1.89315692, 1.78283794", "0.104878"}};
@@ -396,7 +387,6 @@ static void no_light_comes_through_a_folding_screen_without_thickness(void **sta
 /* A closed cylinder of 24 facets on a floor, a lamp inside: at its outline facets turn their insides to the
  * eye. */
 static void no_facet_of_a_cylinder_around_a_lamp_shows_its_inside(void **state) {
-    (void)state;
     enum { FACETS = 24, TOP = 2 * FACETS + 1 };
     static const char *const cameras[][2] = {{"-0.41796, 3.23511944, 5.190418", "0.083592"},
                                              {"1.94272, 3.24682592, 1.587224", "-0.388544"}};

@@ -80,7 +80,6 @@ static void expected_radiance(const view_of_pixels *v, int order, const sl_moved
 }
 
 static void every_order_on_every_instruction_set_equals_the_plain_loops(void **state) {
-    (void)state;
     static view_of_pixels v;
     for (int order = 1; order <= SL_HSH_ORDER_MAX; order++) {
         sl_moved_lobe *lobe;

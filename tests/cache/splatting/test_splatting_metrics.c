@@ -36,7 +36,6 @@ static double reach(const sl_irradiance *e, const sl_radius_rules *rules, float 
 /* ---- formulas ---- */
 
 static void hessian_records_all_err_by_the_same_in_all(void **state) {
-    (void)state;
     const float footprint = 0.01f, values[] = {0.5f, 2.0f}, curvatures[] = {-0.3f, 4.0f, 50.0f};
     sl_radius_rules rules = rules_with(SL_METRIC_HESSIAN, 0.3);
     double first = 0.0;
@@ -58,7 +57,6 @@ static void hessian_records_all_err_by_the_same_in_all(void **state) {
 }
 
 static void even_light_and_no_light_reach_as_far_as_things_are(void **state) {
-    (void)state;
     sl_radius_rules rules = rules_with(SL_METRIC_HESSIAN, 0.5);
     rules.maximum_radius = 3.0;
     sl_irradiance even = seen(1.0f, 0.0f, 0.8f, 0.1f), dark = seen(0.0f, 0.0f, 0.8f, 0.1f),
@@ -76,7 +74,6 @@ static void even_light_and_no_light_reach_as_far_as_things_are(void **state) {
 /* Within its reach, whatever that is, no record says less than nothing, nor more than a radius (with the
  * Hessian a reach) of E / |grad E| allows. */
 static void extrapolation_stays_between_nothing_and_twice_the_light(void **state) {
-    (void)state;
     for (int m = 0; m < METRICS; m++) {
         sl_radius_rules rules = rules_with(metrics[m], 0.3);
         sl_irradiance e = seen(1.0f, 0.2f, 5.0f, 5.0f);
@@ -121,7 +118,6 @@ static world *floor_with_walls(int walls) {
 }
 
 static void a_record_does_not_count_behind_the_walls_around_it_and_reaches_along_them(void **state) {
-    (void)state;
     world *w = floor_with_walls(2);
     sl_record r = record_reaching(w, sl_v3(0, 0, 0), 3.0, 0.5);
     assert_true(fabsf(0.5f * r.radius - 3.0f) < 1e-5f);
@@ -135,7 +131,6 @@ static void a_record_does_not_count_behind_the_walls_around_it_and_reaches_along
 }
 
 static void the_third_wall_limits_the_reach(void **state) {
-    (void)state;
     world *w = floor_with_walls(3);
     sl_record r = record_reaching(w, sl_v3(0, 0, 0), 3.0, 0.5);
     assert_true(0.5f * r.radius <= 1.4f);
@@ -165,7 +160,6 @@ static double error_of(const sl_image *image, const sl_image *reference) {
 /* Against many more records, of finer gathers. In larger pictures the two differ by more: 2.6 times in one of
  * 400 rows. */
 static void the_hessian_needs_fewer_records_at_equal_error(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", 200, 200);
     settings.spp = 1;

@@ -38,7 +38,6 @@ static double squared_error(const sl_scene *scene, const sl_image *image, uint32
 }
 
 static void what_mirrors_show_is_what_the_path_tracer_says(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(corner_json, corner_obj);
     sl_settings settings = small_settings("splatting", 48, 48);
     sl_image *image = render(scene, &settings, NULL);
@@ -53,7 +52,6 @@ static void what_mirrors_show_is_what_the_path_tracer_says(void **state) {
 /* From a view of mirrors to one without and to another with them: nothing of an earlier view's mirrors is
  * left, and its records stay. */
 static void a_camera_may_turn_away_from_mirrors_and_back(void **state) {
-    (void)state;
     static const float up[3] = {0.0f, 1.0f, 0.0f};
     static const float eyes[3][3] = {{-2.0f, 1.5f, 2.5f}, {1.0f, 0.8f, 1.0f}, {-2.0f, 1.5f, 2.5f}};
     static const float targets[3][3] = {{1.5f, 0.8f, -2.0f}, {-2.0f, 0.0f, 4.0f}, {0.0f, 1.2f, -2.0f}};
@@ -96,7 +94,6 @@ static void show_a_disc(sl_gbuffer *g, sl_reflections *r) {
 static bool holds(sl_splat_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
 
 static void every_pixel_that_a_sphere_reaches_lies_in_its_rectangle(void **state) {
-    (void)state;
     sl_gbuffer *g;
     sl_reflections r = {0};
     uint64_t key = sl_random_key(1, 2), next = 0;

@@ -80,7 +80,6 @@ static void assert_sum_of_records(const drawn *d, const char *what) {
 }
 
 static void every_pixel_is_the_sum_of_all_records_bit_for_bit(void **state) {
-    (void)state;
     static const char *const scenes[] = {"scenes/cornell-glossy.json", "scenes/two-rooms.json"};
     for (int i = 0; i < 4; i++) {
         sl_scene *scene = load_scene(scenes[i / 2]);
@@ -144,7 +143,6 @@ static size_t assert_steps_apart(const sl_splat_state *s, int metric) {
 }
 
 static void no_record_of_a_tread_counts_on_another(void **state) {
-    (void)state;
     const sl_radius_metric metrics[] = {SL_METRIC_HARMONIC, SL_METRIC_HESSIAN};
     sl_scene *scene = stairs();
     size_t near = 0;
@@ -273,7 +271,6 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
  * times as far out. Inside of a larger one nothing is known of what is around: the record reaches as little
  * as it may, and only what it sees. */
 static void a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself(void **state) {
-    (void)state;
     const float footprint = 0.001f;
     size_t count;
     sl_record free_one = records_on_floor(0.0, footprint, 1, &count),
@@ -291,7 +288,6 @@ static void a_record_inside_of_something_looks_out_of_it_or_keeps_to_itself(void
 /* A record may be refused by its own pixel: of one without any reach D is no number. The pixel counts as
  * covered all the same, or every visit would make it another record. */
 static void a_pixel_gets_one_record_even_where_that_does_not_cover_it(void **state) {
-    (void)state;
     size_t count;
     sl_record record = records_on_floor(1e-3, 0.0f, 3, &count);
     assert_true(record.radius == 0.0f);
@@ -300,7 +296,6 @@ static void a_pixel_gets_one_record_even_where_that_does_not_cover_it(void **sta
 
 /* A frame's budget cuts batches to any size. */
 static void a_batch_grows_to_the_room_that_there_is_and_not_beyond(void **state) {
-    (void)state;
     for (size_t size = 1; size <= SL_BATCH_MAX; size++) {
         for (size_t wasted = 0; wasted <= size; wasted++)
             assert_in_range(sl_record_batch_size(size, size, size - wasted), 1, SL_BATCH_MAX);

@@ -8,7 +8,6 @@
 /* Inside a sphere one diffuse bounce is the same everywhere: E = albedo <E_direct>, <E_direct> = power / (4
  * pi R^2) = 1 for a light of intensity 1 and R = 1. So L = albedo / pi * albedo, for albedo 0.5. */
 static void one_bounce_in_the_integrating_sphere_is_uniform(void **state) {
-    (void)state;
     const double wanted = 0.25 / 3.14159265358979;
     sl_scene *scene = load_scene("scenes/sphere.json");
     const sl_gather_kind kinds[] = {SL_GATHER_RAYS, SL_GATHER_HEMICUBE, SL_GATHER_PLANE};
@@ -55,17 +54,14 @@ static void expect_near_reference(const char *path, sl_quality quality, double m
 }
 
 static void the_cornell_box_is_what_the_path_tracer_says(void **state) {
-    (void)state;
     expect_near_reference("scenes/cornell.json", SL_QUALITY_NORMAL, 0.03, 0.005);
 }
 
 static void a_room_lit_only_indirectly_is_what_the_path_tracer_says(void **state) {
-    (void)state;
     expect_near_reference("scenes/two-rooms.json", SL_QUALITY_HIGH, 0.07, 0.02);
 }
 
 static void the_layers_add_up_to_the_picture(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = small_settings("splatting", 32, 32);
     sl_image *image = render(scene, &settings, NULL);
@@ -87,7 +83,6 @@ static const char plane_json[] =
 /* E = pi L on an open plane: reflected radiance is albedo times L, glossy lobe or not: the cache carries the
  * diffuse light of the sky. */
 static void an_open_plane_under_an_even_sky_reflects_albedo_times_its_radiance(void **state) {
-    (void)state;
     const char *const glossy[] = {"", ", \"specular\": [1e-6, 1e-6, 1e-6], \"exponent\": 5"};
     for (int run = 0; run < 2; run++) {
         char json[512];
@@ -117,14 +112,12 @@ static const char niche_json[] =
     " \"camera\": {\"eye\": [1.5, 2, 6], \"target\": [0.2, 0.8, 0], \"up\": [0, 1, 0], \"fov_deg\": 45}}";
 
 static void a_niche_under_lamp_and_sky_is_what_the_path_tracer_says(void **state) {
-    (void)state;
     sl_scene *scene = scene_from_text(niche_json, niche_obj);
     compare_with_reference(scene, "niche", SL_QUALITY_NORMAL, 0.03, 0.005);
     sl_scene_destroy(scene);
 }
 
 static void passes_that_a_scene_does_not_need_do_not_run(void **state) {
-    (void)state;
     sl_scene *furnace = load_scene("scenes/furnace.json");
     sl_settings settings = small_settings("splatting", 24, 24);
     sl_counters counters;

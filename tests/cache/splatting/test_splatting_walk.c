@@ -38,7 +38,6 @@ static sl_image *picture_of(sl_method *method) {
 }
 
 static void a_frame_gets_as_many_new_records_as_it_may_and_no_more(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = walk_settings();
     sl_method *method = start(scene, &settings);
@@ -58,7 +57,6 @@ static void a_frame_gets_as_many_new_records_as_it_may_and_no_more(void **state)
 }
 
 static void a_still_walk_ends_with_the_picture_of_a_single_frame(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings by_frames = walk_settings(), at_once = by_frames;
     at_once.records_per_frame = 1000000000;
@@ -108,7 +106,6 @@ static sl_scene *room_of_fins(void) {
  * from frame to frame falls to the last, over windows of frames and but for a quarter, since a frame's records
  * may all lie where few pixels see them, or many. */
 static void in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end(void **state) {
-    (void)state;
     enum { WINDOW = 4 };
     sl_scene *scene = room_of_fins();
     sl_settings settings = walk_settings();
@@ -151,7 +148,6 @@ static void look(sl_scene *scene, sl_method *method, float x) {
 }
 
 static void a_step_aside_needs_few_new_records_and_a_step_back_none(void **state) {
-    (void)state;
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = walk_settings();
     sl_method *method = start(scene, &settings);
@@ -189,7 +185,6 @@ static sl_image *walk_picture(unsigned threads) {
 }
 
 static void a_walk_has_the_same_bits_at_any_number_of_threads(void **state) {
-    (void)state;
     sl_image *one = walk_picture(1), *three = walk_picture(3);
     assert_true(same_picture(one, three));
     sl_image_destroy(one);

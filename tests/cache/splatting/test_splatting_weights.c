@@ -75,7 +75,6 @@ static void splat(patch *p, const sl_record *records, size_t count, const sl_wei
 }
 
 static void two_records_mix_as_computed_by_hand(void **state) {
-    (void)state;
     patch p;
     patch_clear(&p);
     p.px[0] = 1.0f;
@@ -87,7 +86,6 @@ static void two_records_mix_as_computed_by_hand(void **state) {
 }
 
 static void a_pixel_at_D_equal_to_a_contributes_and_one_ulp_beyond_does_not(void **state) {
-    (void)state;
     patch p;
     patch_clear(&p);
     p.px[0] = 1.0f;
@@ -99,7 +97,6 @@ static void a_pixel_at_D_equal_to_a_contributes_and_one_ulp_beyond_does_not(void
 }
 
 static void a_field_linear_on_a_plane_is_reproduced(void **state) {
-    (void)state;
     patch p;
     patch_plane(&p);
     sl_record records[12];
@@ -118,7 +115,6 @@ static void a_field_linear_on_a_plane_is_reproduced(void **state) {
 }
 
 static void a_turned_receiver_takes_the_rotational_gradient(void **state) {
-    (void)state;
     patch p;
     patch_clear(&p);
     const float angle = 0.1f;
@@ -133,7 +129,6 @@ static void a_turned_receiver_takes_the_rotational_gradient(void **state) {
 }
 
 static void extrapolation_is_never_negative_nor_beyond_what_the_record_knows(void **state) {
-    (void)state;
     patch p;
     patch_clear(&p);
     p.px[0] = 0.9f;
@@ -146,7 +141,6 @@ static void extrapolation_is_never_negative_nor_beyond_what_the_record_knows(voi
 }
 
 static void the_weight_at_the_record_itself_is_finite(void **state) {
-    (void)state;
     patch p;
     patch_clear(&p);
     sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
@@ -155,7 +149,6 @@ static void the_weight_at_the_record_itself_is_finite(void **state) {
 }
 
 static void pixels_that_are_not_finite_and_records_there_add_nothing(void **state) {
-    (void)state;
     const float bad[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f};
     for (int i = 0; i < 5; i++) {
         patch p;
@@ -176,7 +169,6 @@ static void pixels_that_are_not_finite_and_records_there_add_nothing(void **stat
 }
 
 static void gradients_that_are_not_finite_stay_within_what_the_record_knows(void **state) {
-    (void)state;
     const float bad[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f};
     for (int i = 0; i < 5; i++) {
         patch p;
@@ -195,7 +187,6 @@ static void gradients_that_are_not_finite_stay_within_what_the_record_knows(void
 }
 
 static void a_record_in_front_of_a_pixel_is_refused(void **state) {
-    (void)state;
     patch p;
     patch_clear(&p);
     p.pz[0] = -0.2f; /* the record floats above this floor pixel: it sees what the floor does not */
@@ -209,7 +200,6 @@ static void a_record_in_front_of_a_pixel_is_refused(void **state) {
 /* A record of the floor, far below the tread of a step: it sees another piece of the world. aR = 1, so half
  * of it is the most. */
 static void a_record_far_behind_a_pixel_is_refused(void **state) {
-    (void)state;
     patch p;
     patch_clear(&p);
     sl_record record = record_at(0.0f, 0.0f, 2.0f, 1.0f);
@@ -219,7 +209,6 @@ static void a_record_far_behind_a_pixel_is_refused(void **state) {
 }
 
 static void no_record_on_a_sphere_is_refused_for_curvature(void **state) {
-    (void)state;
     patch p;
     for (int inside = 0; inside < 2; inside++) {
         patch_clear(&p);
@@ -238,7 +227,6 @@ static void no_record_on_a_sphere_is_refused_for_curvature(void **state) {
 }
 
 static void coverage_has_the_bits_of_the_splatted_weight_on_every_instruction_set(void **state) {
-    (void)state;
     static patch reference, p;
     sl_record records[20];
     uint64_t key = sl_random_key(5, 6);
@@ -306,21 +294,18 @@ static sl_irradiance seen(float value, float slope, float harmonic_mean, float n
 }
 
 static void the_radius_is_the_harmonic_mean_where_nothing_limits_it(void **state) {
-    (void)state;
     sl_radius_rules rules = rules_with(0.2, 100.0, true);
     sl_irradiance e = seen(1.0f, 0.0f, 3.0f, 3.0f);
     assert_true(sl_record_make(&at_origin, &e, &rules, 0.001f).radius == 3.0f);
 }
 
 static void a_steep_gradient_limits_the_radius_to_where_the_extrapolation_stays_positive(void **state) {
-    (void)state;
     sl_radius_rules rules = rules_with(0.2, 100.0, true);
     sl_irradiance e = seen(1.0f, 2.0f, 3.0f, 3.0f);
     assert_true(fabsf(sl_record_make(&at_origin, &e, &rules, 0.001f).radius - 0.5f) < 1e-6f);
 }
 
 static void the_guard_keeps_a_record_from_reaching_through_a_wall(void **state) {
-    (void)state;
     sl_irradiance e = seen(1.0f, 0.0f, 4.7f, 1.0f); /* a lone wall at distance 1: harmonic mean 3 pi / 2 */
     sl_radius_rules rules = rules_with(0.5, 100.0, true);
     assert_true(0.5f * sl_record_make(&at_origin, &e, &rules, 0.001f).radius <= 1.0f);
@@ -331,7 +316,6 @@ static void the_guard_keeps_a_record_from_reaching_through_a_wall(void **state) 
 /* The plane's lowest ray, of slope 1 / t, meets the wall so high up that r / cos theta' is (1 + t^2) / t^2
  * there. */
 static void the_guard_knows_how_low_a_plane_sees(void **state) {
-    (void)state;
     for (int i = 0; i < 3; i++) {
         float t = 0.5f + (float)i, lowest = (1.0f + t * t) / (t * t);
         sl_irradiance e = seen(1.0f, 0.0f, 40.0f, lowest);
@@ -345,7 +329,6 @@ static void the_guard_knows_how_low_a_plane_sees(void **state) {
 }
 
 static void the_minimum_radius_overrides_the_guard_and_the_gradient_shrinks(void **state) {
-    (void)state;
     sl_radius_rules rules = rules_with(0.5, 100.0, true);
     sl_irradiance e = seen(1.0f, 50.0f, 0.001f, 1e-4f);
     sl_record r = sl_record_make(&at_origin, &e, &rules, 0.1f);
@@ -354,7 +337,6 @@ static void the_minimum_radius_overrides_the_guard_and_the_gradient_shrinks(void
 }
 
 static void seeing_nothing_gives_the_maximum_radius(void **state) {
-    (void)state;
     sl_radius_rules rules = rules_with(0.25, 2.0, true);
     sl_irradiance e = seen(0.0f, 0.0f, INFINITY, INFINITY);
     assert_true(sl_record_make(&at_origin, &e, &rules, 0.001f).radius == 8.0f);
@@ -372,7 +354,6 @@ static float brute_limit(const sl_record *records, size_t count, const sl_record
 }
 
 static void clamped_radii_are_lipschitz_and_do_not_depend_on_the_order(void **state) {
-    (void)state;
     enum { N = 300, SAME_PLACE = 30 };
     static sl_record records[N];
     static float radius[N];

@@ -180,7 +180,6 @@ static void assert_equals_evaluation(const hierarchy *h, const picture *shown, c
 }
 
 static void a_frame_is_what_evaluation_pixel_by_pixel_gives(void **state) {
-    (void)state;
     static picture shown;
     static id_picture ids;
     for (int glossy = 0; glossy < 2; glossy++) {
@@ -202,7 +201,6 @@ static void a_frame_is_what_evaluation_pixel_by_pixel_gives(void **state) {
 /* ---- before any sample ----------------------------------------------------------------------- */
 
 static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(void **state) {
-    (void)state;
     static picture shown;
     static id_picture ids;
     hierarchy h = hierarchy_of(room(false), 0);
@@ -242,7 +240,6 @@ static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(
 }
 
 static void a_split_without_samples_is_not_seen(void **state) {
-    (void)state;
     static picture before, after;
     hierarchy h = hierarchy_of(room(false), 0);
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), 1);
@@ -278,7 +275,6 @@ static void value_beside(const sl_display *d, uint32_t root, double u, double v,
 }
 
 static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state) {
-    (void)state;
     for (int kind = 0; kind < 2; kind++) {
         hierarchy h = hierarchy_of(kind ? triangle_scene() : square_scene(), 0);
         look(h.scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
@@ -325,7 +321,6 @@ static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state
 }
 
 static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state) {
-    (void)state;
     hierarchy h = hierarchy_of(square_scene(), 0);
     uint32_t root = want_root(&h, 0);
     split(&h, root);
@@ -366,7 +361,6 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
 /* ---- two copies ------------------------------------------------------------------------------ */
 
 static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
-    (void)state;
     static picture one, other;
     static id_picture one_ids, other_ids;
     for (int glossy = 0; glossy < 2; glossy++) {

@@ -56,7 +56,6 @@ static bool window_of(const sl_view *view, sl_vec3d p, double out[2]) {
 }
 
 static void no_triangle_is_further_than_half_a_pixel_from_its_surface(void **state) {
-    (void)state;
     hierarchy h = vase();
     sl_display *display = display_of(&h, W, H, guess);
     double worst = 0.0;
@@ -94,7 +93,6 @@ static void no_triangle_is_further_than_half_a_pixel_from_its_surface(void **sta
 }
 
 static void nearer_surfaces_are_cut_finer_and_what_is_out_of_sight_is_not(void **state) {
-    (void)state;
     hierarchy h = vase();
     sl_display *display = display_of(&h, W, H, guess);
     size_t count[3];
@@ -126,7 +124,6 @@ static int compare_ends(const void *a, const void *b) { return memcmp(a, b, offs
 /* The vase is closed but for its mouth, at height 330: every other edge of a triangle is that of one more,
  * the other way round, to the bit. */
 static void triangles_meet_along_whole_edges(void **state) {
-    (void)state;
     hierarchy h = vase();
     sl_display *display = display_of(&h, W, H, guess);
     for (int k = 0; k < VIEWS; k++) {
@@ -181,7 +178,6 @@ static void pierce(sl_scene *scene) {
 /* The scene's own triangles of the surfaces have masks of their own; where these show what is behind, or the
  * vase, all around a pixel, so must the display. */
 static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) {
-    (void)state;
     sl_scene *scene;
     assert_int_equal(sl_scene_load("scenes/vase.json", &scene, NULL), SL_OK);
     pierce(scene);
@@ -235,7 +231,6 @@ static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) 
 /* ---- the cache between its vertices ---------------------------------------------------------- */
 
 static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no_sample(void **state) {
-    (void)state;
     hierarchy h = vase();
     for (uint32_t r = 0; r < 2 * h.primitives->count; r++) split_levels(&h, want_root(&h, r), 2);
     for (uint32_t v = 0; v < h.patches->vertex_count; v++) {
@@ -279,7 +274,6 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
 /* ---- hard cases ------------------------------------------------------------------------------ */
 
 static void an_eye_within_or_on_a_surface_is_no_trouble(void **state) {
-    (void)state;
     hierarchy h = vase();
     sl_display *display = display_of(&h, W, H, guess);
     sl_vec3 on_it;

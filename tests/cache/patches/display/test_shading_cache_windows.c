@@ -103,7 +103,6 @@ static void draw_on_and_on(void *context) {
 }
 
 static void every_frame_is_of_one_build_whole_and_none_older_than_the_last(void **state) {
-    (void)state;
     hierarchy h = wall();
     sl_scene *scene_copy;
     assert_int_equal(sl_scene_copy(h.scene, &scene_copy, NULL), SL_OK);
@@ -150,7 +149,6 @@ static void build_twice(void *context) {
 /* The first build writes to the hidden copy and goes through; the second one would write to what the frame
  * reads. */
 static void a_build_waits_for_the_frame_that_reads_what_it_would_write_to(void **state) {
-    (void)state;
     hierarchy h = wall();
     two_builds t = {.display = display_of(&h, W, H, guess), .h = &h};
     const sl_display_copy *copy = sl_display_take(t.display); /* a frame begins */
@@ -187,7 +185,6 @@ static hierarchy lit(sl_scene *scene) {
 /* The vase turns once and for all where the tests of animation leave it: here the camera alone moves, and its
  * surfaces are cut anew for it. */
 static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state) {
-    (void)state;
     static picture in_window, there, near_by;
     hierarchy h = lit(load_scene("scenes/vase.json"));
     sl_display *display = display_of(&h, W, H, guess);
