@@ -134,7 +134,7 @@ static bool is_grown(const sl_second_cache *cache) {
 /* Lets light bounce again, from direct light on. */
 static sl_status bounce_anew(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
     cache->shines = false;
-    sl_status status = sl_second_gather_first(cache, counters, error);
+    sl_status status = sl_second_gather(cache, cache->list.count, counters, error);
     return status == SL_OK ? sl_let_light_bounce(cache, counters, error) : status;
 }
 

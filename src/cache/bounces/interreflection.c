@@ -23,31 +23,39 @@ void sl_second_set_light(sl_record *r, const sl_irradiance *e) {
     sl_second_tame(r);
 }
 
-/* ---- the first bounce ---- */
+/* ---- the first bounce, and any while things move ---- */
 
-/* result: the record with direct light's first bounce. */
-static void gather_first(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+static size_t in_turn(const sl_second_cache *cache, size_t index) {
+    return (cache->next + index) % cache->list.count;
+}
+
+/* result: the record with the light that it receives now. */
+static void gather_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     const sl_second_cache *cache = context;
     const sl_record_gathers *g = &cache->gathers;
+    const size_t i = in_turn(cache, index);
     sl_irradiance e;
     sl_record *r = result;
-    sl_gather_irradiance(g->gather, &cache->list.points[index], g->scratch[worker], &e, counters);
-    *r = cache->list.records[index];
+    sl_gather_irradiance(g->gather, &cache->list.points[i], g->scratch[worker], &e, counters);
+    *r = cache->list.records[i];
     sl_second_set_light(r, &e);
 }
 
-sl_status sl_second_gather_first(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
-    const size_t count = cache->list.count;
-    sl_record *first = sl_allocate(count, sizeof *first);
-    if (!first) return sl_fail_memory(error, "a bounce of second-level records");
-    const sl_batch batch = {.count = count, .work = gather_first, .context = cache, .results = first,
-                            .result_bytes = sizeof *first, .shared = true};
+sl_status sl_second_gather(sl_second_cache *cache, size_t count, sl_counters *counters, sl_error *error) {
+    sl_second_list *list = &cache->list;
+    if (!count) return SL_OK;
+    sl_record *lit = sl_allocate(count, sizeof *lit);
+    if (!lit) return sl_fail_memory(error, "a bounce of second-level records");
+    const sl_batch batch = {.count = count, .work = gather_one, .context = cache, .results = lit,
+                            .result_bytes = sizeof *lit, .shared = true};
     sl_batch_run(&batch, cache->settings.threads, counters);
-    for (size_t i = 0; i < count; i++) {
-        cache->list.records[i] = first[i];
-        cache->list.terms[i] = sl_record_terms_of(&first[i], &cache->rules);
+    for (size_t k = 0; k < count; k++) {
+        const size_t i = in_turn(cache, k);
+        list->records[i] = lit[k];
+        list->terms[i] = sl_record_terms_of(&lit[k], &cache->rules);
     }
-    sl_free(first);
+    cache->next = in_turn(cache, count);
+    sl_free(lit);
     return SL_OK;
 }
 

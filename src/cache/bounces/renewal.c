@@ -40,43 +40,13 @@ sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, 
 
 /* ---- in turns ---- */
 
-static size_t in_turn(const sl_second_cache *cache, size_t index) {
-    return (cache->next + index) % cache->list.count;
-}
-
-/* result: the record with the light that it receives now. */
-static void gather_again(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
-    const sl_second_cache *cache = context;
-    const sl_record_gathers *g = &cache->gathers;
-    const size_t i = in_turn(cache, index);
-    sl_irradiance e;
-    sl_record *r = result;
-    sl_gather_irradiance(g->gather, &cache->list.points[i], g->scratch[worker], &e, counters);
-    *r = cache->list.records[i];
-    sl_second_set_light(r, &e);
-}
-
 sl_status sl_second_cache_renew(sl_second_cache *cache, const sl_raster *raster, size_t count,
                                 sl_counters *counters, sl_error *error) {
-    sl_second_list *list = &cache->list;
-    if (count > list->count) count = list->count;
+    if (count > cache->list.count) count = cache->list.count;
     if (!count) return SL_OK;
-    sl_record *again = sl_allocate(count, sizeof *again);
-    sl_status status = again ? sl_second_open_gathers(cache, raster, counters, error)
-                             : sl_fail_memory(error, "second-level records");
-    if (status == SL_OK) {
-        const sl_batch batch = {.count = count, .work = gather_again, .context = cache, .results = again,
-                                .result_bytes = sizeof *again, .shared = true};
-        sl_batch_run(&batch, cache->settings.threads, counters);
-        for (size_t k = 0; k < count; k++) {
-            const size_t i = in_turn(cache, k);
-            list->records[i] = again[k];
-            list->terms[i] = sl_record_terms_of(&again[k], &cache->rules);
-        }
-        cache->next = in_turn(cache, count);
-        cache->renewed += count;
-    }
-    sl_free(again);
+    sl_status status = sl_second_open_gathers(cache, raster, counters, error);
+    if (status == SL_OK) status = sl_second_gather(cache, count, counters, error);
+    if (status == SL_OK) cache->renewed += count;
     return status;
 }
 

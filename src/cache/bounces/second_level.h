@@ -107,8 +107,8 @@ SL_KERNELS(void, sl_second_links,
 
 /* Gives a record other light than it had; its reach stays. */
 void sl_second_set_light(sl_record *record, const sl_irradiance *irradiance);
-/* All records gather direct light, their first bounce. */
-sl_status sl_second_gather_first(sl_second_cache *cache, sl_counters *counters, sl_error *error);
+/* So many records whose turn it is gather light: of all of them, which have none yet, the first bounce. */
+sl_status sl_second_gather(sl_second_cache *cache, size_t count, sl_counters *counters, sl_error *error);
 /* Of records that have gathered it: the bounces that follow. */
 sl_status sl_let_light_bounce(sl_second_cache *cache, sl_counters *counters, sl_error *error);
 

@@ -120,38 +120,33 @@ static void trace_slots(const sl_gather_view *view, size_t from, size_t to, sl_c
     }
 }
 
-void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters) {
+/* Gives the rays of slots from `from` on their directions, and traces them. */
+static void see_cells(const sl_gather_view *view, size_t from, sl_ray_cells *cells, sl_counters *counters) {
     const sl_gather *gather = view->gather;
-    const sl_gather_tables *t = gather->tables;
+    const sl_gather_hits *h = &view->scratch->hits;
+    cells->cell = 2.0f / (float)gather->tables->size;
+    cells->frame = view->frame;
+    cells->x = h->direction_x + from;
+    cells->y = h->direction_y + from;
+    cells->z = h->direction_z + from;
+    SL_KERNEL_OF(gather->isa, sl_gather_directions)(cells);
+    trace_slots(view, from, from + cells->count, counters);
+}
+
+void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters) {
     const sl_gather_scratch *s = view->scratch;
-    const sl_gather_hits *h = &s->hits;
-    sl_ray_cells cells = {.count = s->slots - t->used,
-                          .slot_a = s->more_a,
-                          .slot_b = s->more_b,
-                          .cell = 2.0f / (float)t->size,
-                          .bits = s->more_bits,
-                          .frame = view->frame,
-                          .x = h->direction_x + t->used,
-                          .y = h->direction_y + t->used,
-                          .z = h->direction_z + t->used};
-    SL_KERNEL_OF(gather->isa, sl_gather_directions)(&cells);
-    trace_slots(view, t->used, s->slots, counters);
+    const size_t used = view->gather->tables->used;
+    sl_ray_cells cells = {
+        .count = s->slots - used, .slot_a = s->more_a, .slot_b = s->more_b, .bits = s->more_bits};
+    see_cells(view, used, &cells, counters);
 }
 
 void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters) {
-    const sl_gather *gather = view->gather;
-    const sl_gather_tables *t = gather->tables;
-    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_gather_tables *t = view->gather->tables;
     sl_ray_cells cells = {.count = t->used,
                           .slot_a = t->slot_a,
                           .slot_b = t->slot_b,
-                          .cell = 2.0f / (float)t->size,
-                          .jitter = gather->settings.jitter,
-                          .key = sl_random_key(view->point->key, 0),
-                          .frame = view->frame,
-                          .x = h->direction_x,
-                          .y = h->direction_y,
-                          .z = h->direction_z};
-    SL_KERNEL_OF(gather->isa, sl_gather_directions)(&cells);
-    trace_slots(view, 0, t->used, counters);
+                          .jitter = view->gather->settings.jitter,
+                          .key = sl_random_key(view->point->key, 0)};
+    see_cells(view, 0, &cells, counters);
 }
