@@ -243,10 +243,9 @@ cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const 
 static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_method **method,
                         sl_error *error) {
     sl_status status = sl_method_create(scene, &o->settings, method, error);
-    if (status == SL_OK && (o->load_cache || o->save_cache) && !sl_method_keeps_cache(*method)) {
+    if (status == SL_OK && (o->load_cache || o->save_cache) && !sl_method_keeps_cache(*method))
         status = sl_fail(error, SL_ERROR_USAGE, "--%s-cache: %s keeps no cache",
                  o->load_cache ? "load" : "save", o->settings.method);
-    }
     if (status == SL_OK && o->load_cache) status = sl_method_load(*method, o->load_cache, error);
     return status;
 }

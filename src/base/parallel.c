@@ -95,9 +95,8 @@ static void *work(void *argument) {
     inside_loop = true;
     /* Relaxed: a stronger order would tell the thread sanitizer that a task happens after those handed out
      * before it. */
-    for (size_t i; (i = atomic_fetch_add_explicit(w->next, 1, memory_order_relaxed)) < w->count;) {
+    for (size_t i; (i = atomic_fetch_add_explicit(w->next, 1, memory_order_relaxed)) < w->count;)
         w->task(w->context, i, w->worker);
-    }
     inside_loop = false;
     return NULL;
 }

@@ -239,10 +239,9 @@ static sl_status compare(comparison *c, const sl_compare_options *options, sl_co
     c->terms = sl_allocate(6 * c->pixels, sizeof *c->terms);
     if (!c->state || !c->terms) return sl_fail_memory(error, "a comparison");
     classify(c, mask ? mask->planes : NULL, result);
-    if (result->values == 0) {
+    if (result->values == 0)
         return sl_fail(error, SL_ERROR_INPUT, "nothing to compare: no pixel is finite in both images%s",
                        mask ? " and under the mask" : "");
-    }
     absolute_metrics(c, result);
     sl_status status = relative_metrics(c, result, error);
     if (status == SL_OK) status = perceptual_metrics(c, stops, result, error);

@@ -26,17 +26,15 @@ void sl_convolve(const double *in, int width, int height, const double *row_kern
                  const double *column_kernel, int radius, double *scratch, double *out) {
     size_t stride = (size_t)width;
     double *padded = scratch + stride * (size_t)height;
-    for (int y = 0; y < height; y++) {
+    for (int y = 0; y < height; y++)
         convolve_row(in + stride * (size_t)y, width, row_kernel, radius, padded,
                      scratch + stride * (size_t)y);
-    }
     for (int y = 0; y < height; y++) {
         double *sum = out + stride * (size_t)y;
         memset(sum, 0, stride * sizeof *sum);
-        for (int k = 0; k <= 2 * radius; k++) {
+        for (int k = 0; k <= 2 * radius; k++)
             accumulate(sum, scratch + stride * (size_t)clamp_index(y + k - radius, height), column_kernel[k],
                        width);
-        }
     }
 }
 

@@ -79,19 +79,16 @@ static sl_status check_storage(exr_reader *reader, sl_error *error) {
     exr_storage_t storage;
     const char *path = reader->source.bytes->path;
     if (exr_get_storage(reader->context, 0, &storage) != EXR_ERR_SUCCESS) return fail_reading(reader, error);
-    if (storage == EXR_STORAGE_DEEP_SCANLINE || storage == EXR_STORAGE_DEEP_TILED) {
+    if (storage == EXR_STORAGE_DEEP_SCANLINE || storage == EXR_STORAGE_DEEP_TILED)
         return sl_fail(error, SL_ERROR_INPUT, "%s: deep EXR pictures are not supported", path);
-    }
     for (int c = 0; c < reader->channels->num_channels; c++) {
         const exr_attr_chlist_entry_t *channel = &reader->channels->entries[c];
-        if (channel->x_sampling != 1 || channel->y_sampling != 1) {
+        if (channel->x_sampling != 1 || channel->y_sampling != 1)
             return sl_fail(error, SL_ERROR_INPUT, "%s: channel %s is subsampled, which is not supported",
                            path, channel->name.str);
-        }
-        if (channel->name.length >= SL_CHANNEL_NAME_MAX) {
+        if (channel->name.length >= SL_CHANNEL_NAME_MAX)
             return sl_fail(error, SL_ERROR_INPUT, "%s: a channel's name is longer than %d bytes", path,
                            SL_CHANNEL_NAME_MAX - 1);
-        }
     }
     return SL_OK;
 }
@@ -108,15 +105,13 @@ static sl_status read_header(exr_reader *reader, sl_error *error) {
     const uint64_t expansion = 1 << 15;
     reader->data_width = box_width(&reader->data);
     reader->data_height = box_height(&reader->data);
-    if (status == SL_OK) {
+    if (status == SL_OK)
         status = sl_check_claimed_size(reader->source.bytes, reader->data_width, reader->data_height,
                                            reader->channels->num_channels, expansion, error);
-    }
-    if (status == SL_OK) {
+    if (status == SL_OK)
         status = sl_check_claimed_size(reader->source.bytes, box_width(&reader->display),
                                            box_height(&reader->display), reader->channels->num_channels,
                                            expansion, error);
-    }
     return status;
 }
 
@@ -170,10 +165,9 @@ static sl_status create_image(exr_reader *reader, sl_error *error) {
         int count = order_channels(reader, names);
         status = sl_image_create((int)box_width(&reader->display), (int)box_height(&reader->display), count,
                                  names, &reader->image, &detail);
-        if (status != SL_OK) {
+        if (status != SL_OK)
             status = sl_fail(error, status == SL_ERROR_USAGE ? SL_ERROR_INPUT : status, "%s: %s", path,
                              detail.message);
-        }
     }
     sl_free(names);
     return status;

@@ -37,9 +37,8 @@ static int64_t sink_write(exr_const_context_t context, void *user, const void *f
 
 static exr_result_t add_channels(exr_context_t context, const char *const *names, int count) {
     exr_result_t result = EXR_ERR_SUCCESS;
-    for (int c = 0; c < count && result == EXR_ERR_SUCCESS; c++) {
+    for (int c = 0; c < count && result == EXR_ERR_SUCCESS; c++)
         result = exr_add_channel(context, 0, names[c], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
-    }
     return result;
 }
 
@@ -51,9 +50,8 @@ static const float *plane_of(const sl_image *image, const char *const *names, in
 
 static exr_result_t add_metadata(exr_context_t context, const sl_image *image) {
     exr_result_t result = EXR_ERR_SUCCESS;
-    for (size_t i = 0; i < image->metadata_count && result == EXR_ERR_SUCCESS; i++) {
+    for (size_t i = 0; i < image->metadata_count && result == EXR_ERR_SUCCESS; i++)
         result = exr_attr_set_string(context, 0, image->metadata[i].key, image->metadata[i].value);
-    }
     return result;
 }
 
@@ -146,20 +144,18 @@ static exr_result_t write_pixels(exr_context_t context, const sl_image *image, c
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
     compress_function *compress = NULL;
     exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
-    for (int y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += lines) {
+    for (int y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += lines)
         result = encode_chunk(context, image, names, y, &encoder, &compress);
-    }
     if (encoder.channels) exr_encoding_destroy(context, &encoder);
     return result;
 }
 
 sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *error) {
     const char *reserved = reserved_key(image);
-    if (reserved) {
+    if (reserved)
         return sl_fail(error, SL_ERROR_USAGE,
                        "cannot write %s: '%s' has a meaning of its own in EXR and cannot be metadata",
                        file->name, reserved);
-    }
     exr_sink sink = {.file = file, .status = SL_OK, .error = error};
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = on_error;
@@ -177,11 +173,10 @@ sl_status sl_exr_write(const sl_image *image, sl_output_file *file, sl_error *er
         exr_result_t finished = exr_finish(&context); /* writes the table of chunks */
         if (result == EXR_ERR_SUCCESS) result = finished;
     }
-    if (result != EXR_ERR_SUCCESS && sink.status == SL_OK) {
+    if (result != EXR_ERR_SUCCESS && sink.status == SL_OK)
         sink.status = result == EXR_ERR_OUT_OF_MEMORY
                           ? sl_fail_memory(error, file->name)
                           : sl_fail(error, SL_ERROR_OUTPUT, "cannot write %s: %s", file->name,
                                     exr_get_default_error_message(result));
-    }
     return sink.status;
 }

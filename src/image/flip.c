@@ -176,9 +176,8 @@ static void perceive(const workspace *w, const double *rgb, const appearance *a)
     opponent_plane(w, rgb, 2, w->opponent);
     filter_color(w, w->opponent, k->blue_yellow[0], a->lab[2]);
     filter_color(w, w->opponent, k->blue_yellow[1], w->temporary);
-    for (size_t i = 0; i < w->pixels; i++) {
+    for (size_t i = 0; i < w->pixels; i++)
         a->lab[2][i] = k->blue_yellow_weight[0] * a->lab[2][i] + k->blue_yellow_weight[1] * w->temporary[i];
-    }
     perceive_color(w, a);
 }
 

@@ -41,19 +41,16 @@ static sl_status parse_header(hdr_reader *reader, int *width, int *height, sl_er
     const char *path = reader->bytes->path;
     char line[256];
     do {
-        if (!next_line(reader, line, sizeof line)) {
+        if (!next_line(reader, line, sizeof line))
             return sl_fail(error, SL_ERROR_INPUT, "%s: the Radiance header does not end", path);
-        }
-        if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0) {
+        if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
             return sl_fail(error, SL_ERROR_INPUT, "%s: '%s' is not supported, only FORMAT=32-bit_rle_rgbe",
                            path, line);
-        }
     } while (line[0]);
     char end;
-    if (!next_line(reader, line, sizeof line) || sscanf(line, "-Y %9d +X %9d%c", height, width, &end) != 2) {
+    if (!next_line(reader, line, sizeof line) || sscanf(line, "-Y %9d +X %9d%c", height, width, &end) != 2)
         return sl_fail(error, SL_ERROR_INPUT,
                        "%s: expected '-Y height +X width' at the end of the Radiance header", path);
-    }
     /* A run of 127 equal bytes takes two, and there are four bytes a pixel. */
     return sl_check_claimed_size(reader->bytes, *width, *height, 1, 64, error);
 }

@@ -20,15 +20,13 @@ static const char *default_channel_name(int channels, int channel) {
 }
 
 static sl_status check_size(int width, int height, int channels, sl_error *error) {
-    if (width < 1 || height < 1 || channels < 1) {
+    if (width < 1 || height < 1 || channels < 1)
         return sl_fail(error, SL_ERROR_USAGE, "an image cannot be %d x %d pixels with %d channels", width,
                        height, channels);
-    }
     uint64_t pixels = (uint64_t)width * (uint64_t)height;
-    if (pixels > most_values / (uint64_t)channels) {
+    if (pixels > most_values / (uint64_t)channels)
         return sl_fail(error, SL_ERROR_RESOURCES, "an image of %d x %d pixels with %d channels is too large",
                        width, height, channels);
-    }
     return SL_OK;
 }
 
@@ -62,10 +60,9 @@ static sl_status name_channels(sl_image *image, const char *const *names, sl_err
         const char *name = names ? names[c] : default_channel_name(image->channels, c);
         if (!name) return fail_nameless(image->channels, error);
         size_t length = strlen(name);
-        if (length == 0 || length >= SL_CHANNEL_NAME_MAX) {
+        if (length == 0 || length >= SL_CHANNEL_NAME_MAX)
             return sl_fail(error, SL_ERROR_USAGE, "a channel name has 1 to %d bytes, '%s' has %zu",
                            SL_CHANNEL_NAME_MAX - 1, name, length);
-        }
         memcpy(image->channel_name[c], name, length + 1);
     }
     return check_distinct(image, error);
@@ -130,10 +127,9 @@ static sl_metadatum *find_metadatum(const sl_image *image, const char *key) {
 sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error) {
     if (!image || !key || !value) return sl_fail_null(error, "an image, a key and its value");
     size_t key_length = strlen(key), value_length = strlen(value);
-    if (key_length == 0 || key_length >= SL_METADATA_KEY_MAX) {
+    if (key_length == 0 || key_length >= SL_METADATA_KEY_MAX)
         return sl_fail(error, SL_ERROR_USAGE, "a metadata key has 1 to %d bytes, '%s' has %zu",
                        SL_METADATA_KEY_MAX - 1, key, key_length);
-    }
     char *copy = malloc(value_length + 1);
     if (!copy) return sl_fail_memory(error, "metadata");
     memcpy(copy, value, value_length + 1);

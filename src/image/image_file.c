@@ -59,10 +59,9 @@ sl_status sl_check_claimed_size(const sl_bytes *bytes, int64_t width, int64_t he
     /* Small pictures pass whatever they say: nothing is lost by trying. */
     const uint64_t small = (uint64_t)1 << 20, largest = (uint64_t)1 << 29;
     const int64_t longest = 1 << 24;
-    if (width < 1 || height < 1 || width > longest || height > longest) {
+    if (width < 1 || height < 1 || width > longest || height > longest)
         return sl_fail(error, SL_ERROR_INPUT, "%s: %lld x %lld pixels is no size for a picture", bytes->path,
                        (long long)width, (long long)height);
-    }
     const uint64_t pixels = (uint64_t)width * (uint64_t)height, values = pixels * (uint64_t)channels;
     if (pixels <= largest && (values <= small || values / expansion <= bytes->size)) return SL_OK;
     return sl_fail(error, SL_ERROR_INPUT,

@@ -34,20 +34,18 @@ static sl_status parse_header(const sl_bytes *bytes, pfm_header *header, sl_erro
                        bytes->path);
     const int64_t width = strtoll(width_word, NULL, 10), height = strtoll(height_word, NULL, 10);
     const char *digits = scale + (scale[0] == '-' || scale[0] == '+');
-    if (strspn(digits, "0123456789.eE+-") != strlen(digits) || strpbrk(digits, "123456789") == NULL) {
+    if (strspn(digits, "0123456789.eE+-") != strlen(digits) || strpbrk(digits, "123456789") == NULL)
         return sl_fail(error, SL_ERROR_INPUT,
                        "%s: damaged PFM header: the scale is '%s', expected 1.0 or -1.0", bytes->path, scale);
-    }
     sl_status status = sl_check_claimed_size(bytes, width, height, 1, 1, error);
     if (status != SL_OK) return status;
     *header = (pfm_header){bytes->data[1] == 'F' ? 3 : 1, (int)width, (int)height, scale[0] == '-',
                            (size_t)used + 3};
     uint64_t needed = (uint64_t)width * (uint64_t)height * (uint64_t)header->channels * 4;
     uint64_t present = bytes->size > header->data ? bytes->size - header->data : 0;
-    if (present < needed) {
+    if (present < needed)
         return sl_fail(error, SL_ERROR_INPUT, "%s: cut short: %llu bytes of pixels, expected %llu",
                        bytes->path, (unsigned long long)present, (unsigned long long)needed);
-    }
     return SL_OK;
 }
 

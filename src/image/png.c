@@ -122,9 +122,8 @@ sl_status sl_png_decode(const sl_bytes *bytes, int *width, int *height, bool *ha
         work.status = sl_fail_memory(error, bytes->path);
         done = false;
     }
-    if (!done && work.status == SL_OK) {
+    if (!done && work.status == SL_OK)
         work.status = sl_fail(error, SL_ERROR_INPUT, "%s: damaged PNG: %s", bytes->path, work.reason);
-    }
     png_destroy_read_struct(&work.png, &work.info, NULL);
     sl_free(work.rows);
     if (done) {

@@ -47,9 +47,8 @@ sl_status sl_ssim(const sl_picture_pair *pictures, double *mean, sl_error *error
     }
     double kernel[2 * RADIUS + 1];
     sl_gaussian_kernel(sigma, RADIUS, true, kernel);
-    for (int m = 0; m < MOMENTS; m++) {
+    for (int m = 0; m < MOMENTS; m++)
         sl_convolve(moment[m], pictures->width, pictures->height, kernel, kernel, RADIUS, scratch, moment[m]);
-    }
     double sum = 0.0, count = 0.0;
     for (size_t i = 0; i < pixels; i++) {
         if (!pictures->use[i]) continue;

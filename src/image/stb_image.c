@@ -93,18 +93,16 @@ static bool is_taken_for_jpeg(const sl_bytes *bytes) {
 }
 
 static sl_status check_header(const sl_bytes *bytes, bool *has_alpha, sl_error *error) {
-    if (is_taken_for_jpeg(bytes) && !sl_jpeg_tables_are_sound(bytes)) {
+    if (is_taken_for_jpeg(bytes) && !sl_jpeg_tables_are_sound(bytes))
         return sl_fail(error, SL_ERROR_INPUT, "%s: damaged JPEG: its segments or Huffman tables are broken",
                        bytes->path);
-    }
     watched_stream stream = {bytes, 0, false};
     int width, height, channels;
     bool known = stbi_info_from_callbacks(&callbacks, &stream, &width, &height, &channels);
     if (starved) return sl_fail_memory(error, bytes->path);
-    if (!known) {
+    if (!known)
         return sl_fail(error, SL_ERROR_INPUT, "%s: not a PNG, JPEG, BMP or TGA picture, or a damaged one",
                        bytes->path);
-    }
     *has_alpha = channels == 2 || channels == 4;
     /* A JPEG spends at least a bit on each of the six blocks of 256 pixels; run-length TGAs stay far below.
      */

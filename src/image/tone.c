@@ -139,10 +139,9 @@ sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl
     const float *planes[3];
     sl_status status = check_tone(*tone, error);
     if (status != SL_OK) return status;
-    if (!sl_picture_planes(image, planes)) {
+    if (!sl_picture_planes(image, planes))
         return sl_fail(error, SL_ERROR_USAGE,
                        "a PNG needs the channels R, G, B or Y, which the image does not have");
-    }
     double exposure = exposure_of(image, *tone);
     if (tone->automatic) *tone = (sl_tone){tone->curve, (float)stops_of(exposure), false};
     map_planes(planes, (size_t)image->width * (size_t)image->height, exposure, tone->curve, bytes);

@@ -71,11 +71,10 @@ sl_status sl_scene_place_camera(sl_scene *s, const sl_camera *given, const sl_vi
                                 sl_error *error) {
     bool inside = false;
     *shut_out = false;
-    if (given && !camera_is_valid(given)) {
+    if (given && !camera_is_valid(given))
         return sl_fail(
             error, SL_ERROR_INPUT,
             "camera: expected a finite frame and a vertical field of view between 0 and 180 degrees");
-    }
     s->camera = given ? *given : sl_camera_framed(s, &inside, shut_out);
     if (view && !take_view(view, s, &s->camera)) return fail_of_view(error);
     *shut_out = *shut_out && !(view && view->has_eye);

@@ -67,19 +67,17 @@ static void find_opaque_shares(sl_scene *scene) {
 
 sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error) {
     size_t emissive = 0;
-    for (size_t t = 0; t < scene->triangle_count; t++) {
+    for (size_t t = 0; t < scene->triangle_count; t++)
         emissive += sl_material_is_emitter(&scene->materials[scene->material_index[t]]);
-    }
     scene->emitters = sl_allocate(emissive, sizeof *scene->emitters);
     scene->opaque_share = sl_allocate(emissive, sizeof *scene->opaque_share);
     scene->emissive_count = emissive;
     if (!scene->emitters || !scene->opaque_share) return sl_fail_memory(error, "the scene's emitters");
     find_opaque_shares(scene);
     size_t without_area = sl_scene_derive(scene);
-    if (without_area) {
+    if (without_area)
         sl_scene_warn(scene,
                       "%zu emissive triangles are too small (or too large) to have an area and give no light",
                       without_area);
-    }
     return SL_OK;
 }

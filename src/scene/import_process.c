@@ -92,11 +92,10 @@ static sl_status start(helper *h, const sl_affine *placement, const char *folder
     write_placement(placement, place);
     const char *arguments[] = {h->program, numbers[0], numbers[1], numbers[2], numbers[3],
                                h->path,    place,      folder,     NULL};
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
         return sl_fail(h->error, SL_ERROR_RESOURCES,
                        "%s: cannot be read: no line to the importer of mesh files: %s", h->path,
                        strerror(errno));
-    }
     failed = spawn(h, ends[1], (char *const *)(void *)arguments);
     close(ends[1]);
     h->line = ends[0];
@@ -158,10 +157,9 @@ static sl_status hear(const helper *h, void **reply, size_t *size, bool *whole) 
     if (bytes == 0) return SL_OK;
     *size = (size_t)bytes;
     *reply = sl_allocate_unset(*size, 1);
-    if (!*reply) {
+    if (!*reply)
         return sl_fail(h->error, SL_ERROR_RESOURCES, "%s: not enough memory for the %zu bytes that are in it",
                        h->path, *size);
-    }
     memcpy(*reply, header, sizeof header);
     size_t rest = *size - sizeof header;
     *whole = receive(h, (char *)*reply + sizeof header, rest) == rest && receive(h, &beyond, 1) == 0;

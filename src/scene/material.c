@@ -138,12 +138,11 @@ static void conserve_energy(sl_scene *scene, sl_material *m) {
     bool r = conserve_channel(&m->diffuse.r, &m->specular.r),
          g = conserve_channel(&m->diffuse.g, &m->specular.g),
          b = conserve_channel(&m->diffuse.b, &m->specular.b);
-    if (r || g || b) {
+    if (r || g || b)
         sl_scene_warn(
             scene,
             "material '%s': diffuse (%g, %g, %g) and specular (%g, %g, %g) together exceed 1; both scaled",
             m->name, (double)kd.r, (double)kd.g, (double)kd.b, (double)ks.r, (double)ks.g, (double)ks.b);
-    }
     if (sl_rgb_max(m->mirror) > 1.0f) {
         sl_scene_warn(scene, "material '%s': mirror reflectance (%g, %g, %g) exceeds 1; cut to 1", m->name,
                       (double)m->mirror.r, (double)m->mirror.g, (double)m->mirror.b);
@@ -154,10 +153,9 @@ static void conserve_energy(sl_scene *scene, sl_material *m) {
 /* A perfect mirror has no other lobe. */
 static void settle_mirror(sl_scene *scene, sl_material *m) {
     if (!sl_material_is_mirror(m)) return;
-    if (sl_rgb_max(m->diffuse) > 0.0f || sl_rgb_max(m->specular) > 0.0f) {
+    if (sl_rgb_max(m->diffuse) > 0.0f || sl_rgb_max(m->specular) > 0.0f)
         sl_scene_warn(scene, "material '%s' is a mirror; its diffuse and specular reflectance are left out",
                       m->name);
-    }
     m->diffuse = m->specular = sl_grey(0.0f);
     m->texture = SL_NO_INDEX;
 }

@@ -117,9 +117,8 @@ static void read_film(sl_scene_file *file, const cJSON *item) {
     if (json->status != SL_OK) return;
     file->model.scene.film_width = (int)size[0];
     file->model.scene.film_height = (int)size[1];
-    if ((double)file->model.scene.film_width != size[0] || (double)file->model.scene.film_height != size[1]) {
+    if ((double)file->model.scene.film_width != size[0] || (double)file->model.scene.film_height != size[1])
         sl_json_fail(json, item, "expected 'width' and 'height' to be whole numbers");
-    }
 }
 
 static void read_root(sl_scene_file *file) {

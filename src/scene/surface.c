@@ -31,10 +31,9 @@ static void raise(const sl_scene *scene, uint32_t triangle, const uint32_t corne
     float u = interpolate(scene->texture_u, corner, w1, w2),
           v = interpolate(scene->texture_v, corner, w1, w2);
     sl_bump(scene, triangle, to_viewer, &u, &v, s);
-    if (s->material->texture != SL_NO_INDEX) {
+    if (s->material->texture != SL_NO_INDEX)
         s->diffuse =
             sl_rgb_mul(s->material->diffuse, sl_texture_color(&scene->textures[s->material->texture], u, v));
-    }
 }
 
 void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float w2, sl_vec3 to_viewer,

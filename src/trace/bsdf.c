@@ -62,10 +62,9 @@ static float phong_power(const sl_bsdf *b, sl_vec3 to_light) {
 sl_rgb sl_bsdf_value(const sl_bsdf *b, sl_vec3 to_light, unsigned lobes) {
     sl_rgb f = {0.0f, 0.0f, 0.0f};
     if (lobes & SL_LOBE_DIFFUSE) f = sl_rgb_scale(b->diffuse, per_pi);
-    if ((lobes & SL_LOBE_GLOSSY) && sl_rgb_max(b->specular) > 0.0f) {
+    if ((lobes & SL_LOBE_GLOSSY) && sl_rgb_max(b->specular) > 0.0f)
         f = sl_rgb_add(
             f, sl_rgb_scale(b->specular, (b->exponent + 2.0f) * per_two_pi * phong_power(b, to_light)));
-    }
     return f;
 }
 
@@ -97,8 +96,7 @@ float sl_bsdf_pdf(const sl_bsdf *b, sl_vec3 to_light) {
     float cosine = cosine_above(b, to_light);
     if (b->black || !(cosine > 0.0f)) return 0.0f;
     float pdf = b->diffuse_share * cosine * per_pi;
-    if (b->diffuse_share < 1.0f) {
+    if (b->diffuse_share < 1.0f)
         pdf += (1.0f - b->diffuse_share) * (b->exponent + 1.0f) * per_two_pi * phong_power(b, to_light);
-    }
     return pdf;
 }

@@ -206,10 +206,9 @@ static sl_status build_hierarchy(sl_tracer *tracer, sl_error *error) {
         status = attach_part(tracer, tracer->hierarchy, &tracer->plain, (unsigned)c->copy_count, error);
     if (status != SL_OK) return status;
     rtcCommitScene(tracer->hierarchy);
-    if (rtcGetDeviceError(tracer->device) != RTC_ERROR_NONE) {
+    if (rtcGetDeviceError(tracer->device) != RTC_ERROR_NONE)
         return sl_fail(error, SL_ERROR_RESOURCES, "Embree could not build the hierarchy of %zu triangles",
                        tracer->scene->triangle_count);
-    }
     return SL_OK;
 }
 
@@ -250,10 +249,9 @@ static sl_status make(sl_tracer *tracer, unsigned threads, const char *embree_co
 sl_status sl_tracer_create_sharing(const sl_scene *scene, unsigned threads, const char *embree_config,
                                    size_t worth, sl_tracer **out, sl_error *error) {
     *out = NULL;
-    if (scene->triangle_count >= SL_NO_INDEX) {
+    if (scene->triangle_count >= SL_NO_INDEX)
         return sl_fail(error, SL_ERROR_RESOURCES, "a scene may have at most %u triangles, this has %zu",
                        SL_NO_INDEX - 1, scene->triangle_count);
-    }
     sl_tracer *tracer = sl_allocate(1, sizeof *tracer);
     if (!tracer) return sl_fail_memory(error, "the tracer");
     tracer->scene = scene;

@@ -173,9 +173,8 @@ static bool left_share(const sl_light_tree *tree, const node *n, sl_vec3 positio
 static float leaf_weights(const sl_light_tree *tree, const node *n, sl_vec3 position, sl_vec3 normal,
                           float weight[LEAF_EMITTERS]) {
     float sum = 0.0f;
-    for (uint32_t k = 0; k < n->count; k++) {
+    for (uint32_t k = 0; k < n->count; k++)
         sum += weight[k] = importance_of(&tree->emitters[tree->order[n->first + k]], position, normal);
-    }
     return sum > 0.0f && isfinite(sum) ? sum : 0.0f;
 }
 

@@ -43,10 +43,9 @@ sl_status sl_path_tracer_create(const sl_scene *scene, const sl_tracer *tracer,
                                 const sl_path_settings *settings, sl_path_tracer **out, sl_error *error) {
     *out = NULL;
     sl_pixel_filter filter = settings->transport.filter;
-    if (settings->width <= 0 || settings->height <= 0) {
+    if (settings->width <= 0 || settings->height <= 0)
         return sl_fail(error, SL_ERROR_USAGE, "a film has at least one pixel, not %d x %d", settings->width,
                        settings->height);
-    }
     if (filter == SL_FILTER_METHOD)
         return sl_fail(error, SL_ERROR_USAGE, "a path tracer's filter is box, centre or blackman-harris");
     sl_path_tracer *path = sl_allocate(1, sizeof *path);

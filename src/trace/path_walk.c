@@ -171,9 +171,8 @@ static bool arrive(const sl_path_walk *walk, sl_walker *w, uint32_t triangle, fl
     sl_surface surface;
     sl_scene_surface(scene, triangle, w1, w2, to_viewer, &surface);
     uint32_t emitter = scene->emitter_of_triangle[triangle];
-    if (emitter != SL_NO_INDEX && (surface.front || scene->emitters[emitter].two_sided)) {
+    if (emitter != SL_NO_INDEX && (surface.front || scene->emitters[emitter].two_sided))
         meet_light(walk, w, scene->emitters[emitter].radiance, triangle, t);
-    }
     if (sl_material_is_mirror(surface.material)) return follow_mirror(walk, w, &surface, to_viewer, triangle);
     return reach_surface(walk, w, &surface, to_viewer, triangle, queue);
 }

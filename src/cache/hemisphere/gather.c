@@ -61,9 +61,8 @@ static sl_status make_maps(sl_gather *gather, unsigned threads, sl_counters *cou
 }
 
 static sl_status make_light(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
-    if (gather->settings.direct == SL_DIRECT_SHADOW_MAPS) {
+    if (gather->settings.direct == SL_DIRECT_SHADOW_MAPS)
         return make_maps(gather, threads, counters, error);
-    }
     return make_sources(gather, error);
 }
 

@@ -55,10 +55,9 @@ static inline float deviation(float a, float b, float c, float d, float e, float
 
 static void spread_of_row(size_t width, const float *restrict below, const float *restrict here,
                           const float *restrict above, float *restrict to) {
-    for (size_t x = 1; x < width - 1; x++) {
+    for (size_t x = 1; x < width - 1; x++)
         to[x] = deviation(below[x - 1], below[x], below[x + 1], here[x - 1], here[x + 1], above[x - 1],
                           above[x], above[x + 1]);
-    }
     for (int end = 0; end < 2; end++) { /* mirrored */
         size_t x = end ? width - 1 : 0, in = end ? width - 2 : 1;
         to[x] = deviation(below[in], below[x], below[in], here[in], here[in], above[in], above[x], above[in]);
@@ -67,10 +66,9 @@ static void spread_of_row(size_t width, const float *restrict below, const float
 
 void SL_KERNEL(sl_gather_spread)(int width, int height, const float *value, float *spread) {
     size_t w = (size_t)width, h = (size_t)height;
-    for (size_t y = 0; y < h; y++) {
+    for (size_t y = 0; y < h; y++)
         spread_of_row(w, value + w * (y > 0 ? y - 1 : 1), value + w * y,
                       value + w * (y + 1 < h ? y + 1 : h - 2), spread + w * y);
-    }
 }
 
 /* ---- surfaces -------------------------------------------------------------------------------- */

@@ -114,10 +114,9 @@ static void trace_packet(const sl_gather_view *view, size_t first, unsigned coun
 }
 
 static void trace_slots(const sl_gather_view *view, size_t from, size_t to, sl_counters *counters) {
-    for (size_t first = from; first < to; first += SL_PACKET) {
+    for (size_t first = from; first < to; first += SL_PACKET)
         trace_packet(view, first, to - first < SL_PACKET ? (unsigned)(to - first) : (unsigned)SL_PACKET,
                      counters);
-    }
 }
 
 /* Gives the rays of slots from `from` on their directions, and traces them. */

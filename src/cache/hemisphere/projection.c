@@ -377,9 +377,8 @@ void sl_project(const sl_projection *p, sl_isa isa, const float *const picture[4
     for (int g = 0; g < p->groups; g++) {
         for (int c = 0; c < GROUP; c++) {
             uint32_t place = p->place[g * GROUP + c];
-            for (size_t v = 0; place != SL_NO_INDEX && v < SL_PROJECTION_VECTORS; v++) {
+            for (size_t v = 0; place != SL_NO_INDEX && v < SL_PROJECTION_VECTORS; v++)
                 coefficients[v * stride + place] = (float)sums.sum[g][v][c];
-            }
         }
     }
 }

@@ -80,9 +80,8 @@ static uint8_t *brick_texel(const sl_volume *bricks, size_t brick, unsigned cell
 static size_t nodes_at(const sl_octree *octree, int level) {
     int shift = 3 * (octree->depth - level);
     size_t count = 0;
-    for (size_t i = 0; i < octree->leaf_count; i++) {
+    for (size_t i = 0; i < octree->leaf_count; i++)
         count += i == 0 || octree->leaf[i].morton >> shift != octree->leaf[i - 1].morton >> shift;
-    }
     return count;
 }
 
@@ -92,11 +91,10 @@ static sl_status create_bricks(sl_voxel_texture *t, const sl_octree *octree, sl_
     for (int level = 1; level < octree->depth; level++) count += nodes_at(octree, level);
     size_t deep = (count + side * side - 1) / (side * side), high = (count + side * deep - 1) / (side * deep),
            wide = (count + high * deep - 1) / (high * deep);
-    if (deep > side) {
+    if (deep > side)
         return sl_fail(error, SL_ERROR_RESOURCES,
                        "the octree has %zu bricks, 24 bits address %zu: a smaller depth is needed", count,
                        side * side * side);
-    }
     t->brick_count = count;
     return sl_volume_create(2 * (int)wide, 2 * (int)high, 2 * (int)deep, &t->bricks, error);
 }

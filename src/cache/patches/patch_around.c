@@ -12,10 +12,9 @@ typedef struct uv_box {
 /* Closed regions: a leaf holds what lies on its edges. All triangles of a root are upright or turned by half
  * a turn. */
 static bool meets(const sl_patch_place *place, const uv_box *box) {
-    if (place->corners == 4) {
+    if (place->corners == 4)
         return box->u[0] <= place->u[2] && box->u[1] >= place->u[0] && box->v[0] <= place->v[2] &&
                box->v[1] >= place->v[0];
-    }
     int side = (int)place->u[1] - (int)place->u[0], turned = side < 0 ? -1 : 1;
     int a = (box->u[0] - (int)place->u[0]) * turned, b = (box->v[0] - (int)place->v[0]) * turned;
     return a >= 0 && b >= 0 && a + b <= side * turned;

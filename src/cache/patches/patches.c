@@ -197,9 +197,8 @@ sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, dou
     sl_patch_place place = sl_patch_root_place(p, root);
     u = scaled(u);
     v = scaled(v);
-    while (place.patch != SL_NO_INDEX && !sl_patch_is_leaf(p, place.patch)) {
+    while (place.patch != SL_NO_INDEX && !sl_patch_is_leaf(p, place.patch))
         place = sl_patch_child_place(p, &place, child_at(&place, u, v));
-    }
     return place;
 }
 
@@ -262,9 +261,8 @@ static sl_vec3d area_vector(const sl_vec3d corner[4], int corners) {
 }
 
 static void corner_positions(const sl_patches *p, const sl_patch_place *place, sl_vec3d corner[4]) {
-    for (int c = 0; c < place->corners; c++) {
+    for (int c = 0; c < place->corners; c++)
         corner[c] = sl_to_double(sl_root_position(p->primitives, place->root, place->u[c], place->v[c]));
-    }
 }
 
 /* A quarter of a plane patch has a quarter of its area, unless floats no longer tell its corners apart: where
@@ -274,10 +272,9 @@ static void corner_positions(const sl_patches *p, const sl_patch_place *place, s
 static bool is_degenerate(const sl_patches *p, const sl_patch_place *child, sl_vec3d parent_area) {
     sl_vec3d corner[4];
     corner_positions(p, child, corner);
-    if (p->primitives->kind[child->root / 2] != SL_PRIMITIVE_BICUBIC) {
+    if (p->primitives->kind[child->root / 2] != SL_PRIMITIVE_BICUBIC)
         return !(sl_dotd(area_vector(corner, child->corners), parent_area) >
                  0.125 * sl_dotd(parent_area, parent_area));
-    }
     sl_vec3d first = area_vector(corner, 3),
              second = area_vector((sl_vec3d[4]){corner[0], corner[2], corner[3]}, 3);
     double sum = sl_lengthd(first) + sl_lengthd(second);

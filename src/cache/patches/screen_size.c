@@ -98,10 +98,9 @@ static sl_screen_size curved_size(const sl_patches *p, const sl_view *view, cons
     sl_screen_size size = {0.0f, 0.0f};
     uint32_t side_u = (uint32_t)(place->u[2] - place->u[0]), side_v = (uint32_t)(place->v[2] - place->v[0]);
     for (uint32_t j = 0; j <= CELLS; j++) {
-        for (uint32_t i = 0; i <= CELLS; i++) {
+        for (uint32_t i = 0; i <= CELLS; i++)
             grid[j][i] = seen_at(p, view, place->root, place->u[0] + side_u * i / CELLS,
                                  place->v[0] + side_v * j / CELLS);
-        }
     }
     for (int j = 0; j < CELLS; j++) {
         for (int i = 0; i < CELLS; i++) {

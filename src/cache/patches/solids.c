@@ -170,9 +170,8 @@ sl_status sl_solids_find(const sl_scene *scene, sl_solids **out, sl_error *error
     solids->scene = scene;
     solids->body_of = sl_allocate(scene->triangle_count, sizeof *solids->body_of);
     bool found = solids->body_of && find_bodies(solids);
-    if (found) {
+    if (found)
         solids->solid = sl_allocate(solids->count, sizeof *solids->solid);
-    }
     if (!found || !solids->solid) {
         sl_solids_destroy(solids);
         return sl_fail_memory(error, "the scene's solids");

@@ -158,9 +158,8 @@ static unsigned advance(const reflecting *c, reflected *rays, unsigned count, sl
     sl_ray16 packet;
     sl_hit16 hits;
     memset(&packet, 0, sizeof packet);
-    for (unsigned i = 0; i < count; i++) {
+    for (unsigned i = 0; i < count; i++)
         sl_ray16_set(&packet, i, rays[i].origin, rays[i].direction, 0.0f, INFINITY, rays[i].skip);
-    }
     if (c->tracer) sl_trace(c->tracer, &packet, count, true, &hits, counters);
     else memset(hits.triangle, 0xff, sizeof hits.triangle); /* SL_NO_INDEX */
     unsigned left = 0;

@@ -87,10 +87,9 @@ static void render_point(const void *state, const sl_sample_request *q, unsigned
         sample->radiance = colour_of(value.mean);
         sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     }
-    if (irradiance || lobe) {
+    if (irradiance || lobe)
         sl_request_sky_light(&r->settings, &r->sequence, q, r->settings.cache.indirect_samples, sample,
                              counters);
-    }
 }
 
 /* ---- the renderer ---------------------------------------------------------------------------- */

@@ -128,9 +128,8 @@ static bool is_sharp(const sl_patches *p, const sl_work_settings *s, const sl_pa
 static bool is_large(const sl_patches *p, const sl_work_settings *s, const sl_patch_place *place,
                      sl_screen_size size) {
     float area = s->split_above;
-    if (s->coarsest > 0.0f && s->changes->object[sl_root_object(p->primitives, place->root)].changing) {
+    if (s->coarsest > 0.0f && s->changes->object[sl_root_object(p->primitives, place->root)].changing)
         area = fmaxf(area, 4.0f * (place->corners == 3 ? 0.5f * s->coarsest : s->coarsest));
-    }
     if (area == s->split_above && is_sharp(p, s, place)) area /= (float)SL_SHARP_PARTS;
     return size.area > area && size.edge > sqrtf(fmaxf(fminf(s->split_above, area), 0.0f));
 }

@@ -277,10 +277,9 @@ void sl_connect_all(const sl_path_maker *m, unsigned count, sl_subpath *const *e
             if (is_joinable(&light[lane][s - 1]) && sl_connect_camera(m, light[lane], s, &c, &x, &y))
                 put(&q, lane, &c, x, y);
         }
-        for (unsigned t = 2; t <= eye[lane]->count; t++) {
+        for (unsigned t = 2; t <= eye[lane]->count; t++)
             connect_eye_vertex(&q, lane, eye[lane], t, light[lane], light_count[lane], key[lane],
                                index[lane]);
-        }
     }
     empty(&q);
 }

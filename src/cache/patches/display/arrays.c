@@ -48,9 +48,8 @@ static bool allocate_arrays(sl_display *d) {
     for (uint32_t i = 0; ok && curved && i < d->primitives->count; i++) {
         if (d->primitives->kind[i] == SL_PRIMITIVE_BICUBIC) d->curved[d->curved_count++] = i;
     }
-    for (size_t t = 0; ok && curved && t < d->scene->triangle_count; t++) {
+    for (size_t t = 0; ok && curved && t < d->scene->triangle_count; t++)
         d->left_out[t] = d->primitives->kind[d->primitives->of_triangle[t]] == SL_PRIMITIVE_BICUBIC;
-    }
     return ok;
 }
 
