@@ -1,28 +1,16 @@
 /* Eviction: children go that were not seen within the window, or whose parent covers less than a pixel; those
  * first that have not been seen for longest, and from the leaves up, so that what remains is always a tree.
  */
-#include <stdlib.h>
-
+#include "base/code_sort.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/patches/patches.h"
 
-/* A patch that can lose its children, all of them leaves. */
-typedef struct candidate {
-    uint32_t seen, patch;
-} candidate;
-
-static int oldest_first(const void *a, const void *b) {
-    const candidate *x = a, *y = b;
-    if (x->seen != y->seen) return x->seen < y->seen ? -1 : 1;
-    return x->patch < y->patch ? -1 : x->patch > y->patch;
-}
-
-/* Tells whether a patch has four leaves for children that may go. Pixels are those of the children seen last.
- */
+/* Tells whether a patch has four leaves for children that may go; *found: the patch, coded by when one of
+ * them was seen last. Pixels are those of the children seen last. */
 static bool may_lose_children(const sl_patches *p, uint32_t patch, uint32_t since, double small,
-                              candidate *found) {
+                              sl_coded *found) {
     uint32_t first = p->patch[patch].child, latest = 0, pixels = 0;
     if (first == SL_NO_INDEX) return false;
     for (uint32_t k = 0; k < 4; k++) {
@@ -31,18 +19,18 @@ static bool may_lose_children(const sl_patches *p, uint32_t patch, uint32_t sinc
         if (child->seen > latest) latest = child->seen, pixels = 0;
         if (child->seen == latest) pixels += child->pixels;
     }
-    *found = (candidate){latest, patch};
+    *found = (sl_coded){latest, patch};
     return latest < since || (double)pixels < small;
 }
 
 /* Drops its children, and those of the patches above it that are as old by then. */
-static void drop_upwards(sl_patches *p, candidate from, uint32_t since, double small, size_t wanted) {
-    candidate next = from;
+static void drop_upwards(sl_patches *p, sl_coded from, uint32_t since, double small, size_t wanted) {
+    sl_coded next = from;
     do {
-        sl_patch_drop_children(p, next.patch);
-        next.patch = sl_patch_parent(p, next.patch);
-    } while (next.patch != SL_NO_INDEX && p->patches_alive > wanted &&
-             may_lose_children(p, next.patch, since, small, &next) && next.seen == from.seen);
+        sl_patch_drop_children(p, next.item);
+        next.item = sl_patch_parent(p, next.item);
+    } while (next.item != SL_NO_INDEX && p->patches_alive > wanted &&
+             may_lose_children(p, next.item, since, small, &next) && next.code == from.code);
 }
 
 sl_status sl_patches_evict(sl_patches *p, size_t limit, uint32_t since, double small, sl_counters *counters,
@@ -50,13 +38,13 @@ sl_status sl_patches_evict(sl_patches *p, size_t limit, uint32_t since, double s
     if (p->patches_alive <= limit) return SL_OK;
     size_t wanted = limit - limit / 10, before = p->patches_alive, count;
     /* no more than there are blocks of children */
-    candidate *oldest = sl_allocate_unset(p->patch_count / 4 + 1, sizeof *oldest);
+    sl_coded *oldest = sl_allocate_unset(p->patch_count / 4 + 1, sizeof *oldest);
     if (!oldest) return sl_fail_memory(error, "eviction");
     do {
         count = 0;
         for (uint32_t i = 0; i < p->patch_count; i++)
             count += sl_patch_is_alive(p, i) && may_lose_children(p, i, since, small, &oldest[count]);
-        qsort(oldest, count, sizeof *oldest, oldest_first);
+        sl_sort_coded(oldest, count);
         for (size_t i = 0; i < count && p->patches_alive > wanted; i++)
             drop_upwards(p, oldest[i], since, small, wanted);
     } while (count > 0 && p->patches_alive > wanted);

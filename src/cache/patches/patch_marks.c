@@ -1,6 +1,5 @@
 /* For those who look on: the edges of leaves as marks, and the shares of vertices in what a place shows. */
-#include <stdlib.h>
-
+#include "base/code_sort.h"
 #include "base/memory.h"
 #include "cache/patches/patches.h"
 
@@ -9,20 +8,16 @@ static uint64_t pair_of(uint32_t a, uint32_t b) {
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
-static int ascending(const void *a, const void *b) {
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return x < y ? -1 : x > y;
-}
-
-static size_t list_edges(const sl_patches *p, const sl_edge_marking *how, uint64_t *pair) {
+static size_t list_edges(const sl_patches *p, const sl_edge_marking *how, sl_coded *edge) {
     size_t count = 0;
     for (uint32_t i = 0; i < p->patch_count; i++) {
         if (!sl_patch_is_alive(p, i) || !sl_patch_is_leaf(p, i) || !how->shows(how->context, i)) continue;
         int corners = sl_patch_corners(p, i);
         for (int c = 0; c < corners; c++)
-            pair[count++] = pair_of(sl_patch_corner(p, i, c), sl_patch_corner(p, i, (c + 1) % corners));
+            edge[count++] = (sl_coded){
+                pair_of(sl_patch_corner(p, i, c), sl_patch_corner(p, i, (c + 1) % corners)), 0};
     }
-    qsort(pair, count, sizeof *pair, ascending);
+    sl_sort_coded(edge, count);
     return count;
 }
 
@@ -39,13 +34,13 @@ static sl_mark mark_of(const sl_patches *p, const sl_edge_marking *how, uint64_t
 }
 
 sl_mark *sl_patches_edge_marks(const sl_patches *p, const sl_edge_marking *how, size_t *count) {
-    uint64_t *pair = sl_allocate_unset(4 * p->leaves_alive, sizeof *pair);
-    size_t edges = pair ? list_edges(p, how, pair) : 0;
+    sl_coded *edge = sl_allocate_unset(4 * p->leaves_alive, sizeof *edge);
+    size_t edges = edge ? list_edges(p, how, edge) : 0;
     sl_mark *marks = edges ? sl_allocate(edges, sizeof *marks) : NULL;
     *count = 0;
     for (size_t i = 0; marks && i < edges; i++)
-        if (i == 0 || pair[i] != pair[i - 1]) marks[(*count)++] = mark_of(p, how, pair[i]);
-    sl_free(pair);
+        if (i == 0 || edge[i].code != edge[i - 1].code) marks[(*count)++] = mark_of(p, how, edge[i].code);
+    sl_free(edge);
     return marks;
 }
 

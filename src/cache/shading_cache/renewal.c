@@ -2,8 +2,8 @@
  * Each update has a share of its samples for that, for either layer; choices of pixels (hit-and-test, flood
  * fill) are for what is new, whatever moves. */
 #include <math.h>
-#include <stdlib.h>
 
+#include "base/code_sort.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
@@ -53,17 +53,6 @@ static size_t dear_renewals(const sl_shading_state *s, size_t cheap_taken) {
 
 /* ---- which ---- */
 
-typedef struct renewal {
-    float urgency;
-    uint32_t vertex;
-} renewal;
-
-static int most_urgent_first(const void *a, const void *b) {
-    const renewal *x = a, *y = b;
-    if (x->urgency != y->urgency) return x->urgency > y->urgency ? -1 : 1;
-    return x->vertex < y->vertex ? -1 : x->vertex > y->vertex;
-}
-
 /* Weighs a vertex: pixels of the largest patch in view that it is a corner of (where it hangs on an
  * edge, of the leaf); and of its dear layer those times what it adds to what lies between coarser ones,
  * which falls as second differences do. */
@@ -112,10 +101,16 @@ static void weigh_vertices(const sl_shading_state *s, vertex_weight *weight) {
  * with the third roots of w_i: what is asked for first has the greatest w age^3. */
 static float urgency_of(float weight, uint32_t age) { return weight * (float)age * (float)age * (float)age; }
 
+/* Codes a vertex so that the most urgent one comes first; floats of 0 and above are in the order of their
+ * bits. */
+static sl_coded renewal_of(uint32_t vertex, float weight, uint32_t age) {
+    return (sl_coded){~(uint64_t)sl_float_bits(urgency_of(weight, age)), vertex};
+}
+
 typedef struct renewals {
     vertex_weight *weight;     /* by vertex */
     uint8_t *layers;           /* by vertex: SL_LAYER_ bits that it is asked for */
-    renewal *list[2];          /* stale cheap layers, dear ones */
+    sl_coded *list[2];         /* stale cheap layers, dear ones */
     size_t count[2];
 } renewals;
 
@@ -138,18 +133,18 @@ static void list_stale(const sl_shading_state *s, renewals *r) {
         if (!(r->weight[v].cheap > 0.0f) || p->vertex[v].evaluated == SL_VERTEX_NEVER) continue;
         if (sl_vertex_is_stale(p, &s->work, v))
             r->list[0][r->count[0]++] =
-                (renewal){urgency_of(r->weight[v].cheap, s->now - p->vertex[v].evaluated), v};
+                renewal_of(v, r->weight[v].cheap, s->now - p->vertex[v].evaluated);
         if (sl_dear_layer_is_stale(&s->layers, p, v))
             r->list[1][r->count[1]++] =
-                (renewal){urgency_of(r->weight[v].dear, s->layers.now - s->layers.version[v]), v};
+                renewal_of(v, r->weight[v].dear, s->layers.now - s->layers.version[v]);
     }
-    for (int k = 0; k < 2; k++) qsort(r->list[k], r->count[k], sizeof *r->list[k], most_urgent_first);
+    for (int k = 0; k < 2; k++) sl_sort_coded(r->list[k], r->count[k]);
 }
 
 /* Takes the most urgent ones of a list. */
 static void take(sl_shading_state *s, renewals *r, int k, size_t taken, size_t *count) {
     for (size_t i = 0; i < taken; i++) {
-        uint32_t vertex = r->list[k][i].vertex;
+        uint32_t vertex = r->list[k][i].item;
         bool whole = !s->layers.kept || s->layers.version[vertex] == SL_VERSION_UNKNOWN;
         if (!r->layers[vertex]) s->vertex[(*count)++] = vertex;
         r->layers[vertex] |= whole ? SL_LAYERS_ALL : k == 0 ? SL_LAYER_CHEAP : SL_LAYER_DEAR;

@@ -34,7 +34,7 @@ bool sl_selection_take(sl_selection *s, uint32_t pixel, sl_choice_kind kind) {
 
 typedef struct ranked {
     float normal, priority;
-    uint32_t leaf, share; /* how many of its pixels */
+    uint32_t leaf;
 } ranked;
 
 static int highest_first(const void *a, const void *b) {
@@ -44,22 +44,17 @@ static int highest_first(const void *a, const void *b) {
     return x->leaf < y->leaf ? -1 : x->leaf > y->leaf;
 }
 
-static int by_leaf(const void *a, const void *b) {
-    const ranked *x = a, *y = b;
-    return x->leaf < y->leaf ? -1 : x->leaf > y->leaf;
-}
-
 /* One pixel of each leaf, from the highest priority down; where there are fewer leaves than choices, one more
- * of each, and so on. */
-static void share_out(const sl_selection *s, ranked *leaves) {
+ * of each, and so on. share: by leaf. */
+static void share_out(const sl_selection *s, const ranked *leaves, uint32_t *share) {
     size_t left = (size_t)s->settings->points;
     for (bool more = true; more && left > 0;) {
         more = false;
         for (size_t i = 0; i < s->leaf_count && left > 0; i++) {
-            const sl_leaf_priority *leaf = &s->leaves[leaves[i].leaf];
-            if (leaves[i].share >= leaf->pixels || leaves[i].share >= (uint32_t)s->settings->per_patch)
+            const uint32_t leaf = leaves[i].leaf;
+            if (share[leaf] >= s->leaves[leaf].pixels || share[leaf] >= (uint32_t)s->settings->per_patch)
                 continue;
-            leaves[i].share++;
+            share[leaf]++;
             left--;
             more = true;
         }
@@ -73,25 +68,25 @@ static bool is_next(uint32_t passed, uint32_t pixels, uint32_t taken, uint32_t s
 
 static sl_status select_sorted(sl_selection *s, sl_error *error) {
     ranked *leaves = sl_allocate_unset(s->leaf_count, sizeof *leaves);
-    uint32_t *passed = sl_allocate(s->leaf_count, sizeof *passed);
+    uint32_t *passed = sl_allocate(2 * s->leaf_count, sizeof *passed);
     if (!leaves || !passed) {
         sl_free(leaves);
         sl_free(passed);
         return sl_fail_memory(error, "sorted selection");
     }
+    uint32_t *share = passed + s->leaf_count;
     for (uint32_t i = 0; i < s->leaf_count; i++) {
         float priority = s->leaves[i].priority; /* never evaluated: before all others */
-        leaves[i] = (ranked){s->leaves[i].normal, priority >= 0.0f ? priority : HUGE_VALF, i, 0};
+        leaves[i] = (ranked){s->leaves[i].normal, priority >= 0.0f ? priority : HUGE_VALF, i};
     }
     if (s->settings->per_patch > 0) {
         qsort(leaves, s->leaf_count, sizeof *leaves, highest_first);
-        share_out(s, leaves);
-        qsort(leaves, s->leaf_count, sizeof *leaves, by_leaf);
+        share_out(s, leaves, share);
     }
     for (uint32_t pixel = 0; pixel < s->pixel_count; pixel++) {
         uint32_t leaf = s->leaf[pixel];
         if (leaf == SL_NO_INDEX) continue;
-        if (is_next(passed[leaf]++, s->leaves[leaf].pixels, s->taken[leaf], leaves[leaf].share))
+        if (is_next(passed[leaf]++, s->leaves[leaf].pixels, s->taken[leaf], share[leaf]))
             sl_selection_take(s, pixel, SL_CHOICE_HIT);
     }
     sl_free(leaves);

@@ -4,8 +4,8 @@
 #include "cache/shading_cache/work.h"
 
 #include <math.h>
-#include <stdlib.h>
 
+#include "base/code_sort.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -200,24 +200,14 @@ static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index
 
 /* ---- all places ---- */
 
-typedef struct located {
-    uint32_t patch, index;
-} located;
-
-static int by_patch(const void *a, const void *b) {
-    const located *x = a, *y = b;
-    if (x->patch != y->patch) return x->patch < y->patch ? -1 : 1;
-    return x->index < y->index ? -1 : x->index > y->index;
-}
-
 /* Processes the places of one patch after another's. */
-static sl_status process_all(worker *w, size_t count, located *sorted, uint32_t *index) {
+static sl_status process_all(worker *w, size_t count, sl_coded *sorted, uint32_t *index) {
     sl_status status = SL_OK;
-    for (uint32_t i = 0; i < count; i++) sorted[i] = (located){w->places[i].patch, i};
-    qsort(sorted, count, sizeof *sorted, by_patch);
+    for (uint32_t i = 0; i < count; i++) sorted[i] = (sl_coded){w->places[i].patch, i};
+    sl_sort_coded(sorted, count);
     for (size_t begin = 0, end; begin < count && status == SL_OK; begin = end) {
-        uint32_t patch = sorted[begin].patch;
-        for (end = begin; end < count && sorted[end].patch == patch; end++) index[end] = sorted[end].index;
+        const uint32_t patch = (uint32_t)sorted[begin].code;
+        for (end = begin; end < count && sorted[end].code == patch; end++) index[end] = sorted[end].item;
         if (patch >= w->patches->patch_count || !sl_patch_is_alive(w->patches, patch)) continue;
         sl_patch_place place = sl_patch_place_of(w->patches, patch);
         status = process(w, &place, index + begin, end - begin, 0);
@@ -236,7 +226,7 @@ sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, siz
                 .vertex = vertex,
                 .counters = counters,
                 .error = error};
-    located *sorted = sl_allocate_unset(count, sizeof *sorted);
+    sl_coded *sorted = sl_allocate_unset(count, sizeof *sorted);
     uint32_t *index = sl_allocate_unset(2 * count, sizeof *index);
     sl_status status = sorted && index ? SL_OK : sl_fail_memory(error, "work");
     if (status == SL_OK) {

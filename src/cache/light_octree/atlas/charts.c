@@ -4,9 +4,9 @@
  * ramp: the later ones leave, and grow charts of their own. */
 #include "cache/light_octree/atlas/parts.h"
 
-#include <stdlib.h>
 #include <string.h>
 
+#include "base/code_sort.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
@@ -14,24 +14,13 @@
 /* Of so many turns within a quarter the one with the smallest box is taken. */
 enum { TURNS = 16 };
 
-typedef struct ranked_face {
-    double area;
-    uint32_t face;
-} ranked_face;
-
 typedef struct growing {
     const sl_atlas_faces *faces;
     sl_atlas_charts *charts;
     double cos_bend;
     size_t listed;          /* of charts->face */
-    ranked_face *order;
+    sl_coded *order;        /* faces, the largest first */
 } growing;
-
-static int by_area(const void *x, const void *y) {
-    const ranked_face *a = x, *b = y;
-    if (a->area != b->area) return a->area > b->area ? -1 : 1;
-    return (a->face > b->face) - (a->face < b->face);
-}
 
 /* ---- growing ---- */
 
@@ -218,7 +207,7 @@ static bool drop_overlaps(growing *g, sl_atlas_plane *p) {
 static bool grow_round(growing *g, bool *left) {
     *left = false;
     for (size_t i = 0; i < g->faces->count; i++) {
-        uint32_t seed = g->order[i].face;
+        uint32_t seed = g->order[i].item;
         if (g->charts->of_face[seed] != SL_NO_INDEX) continue;
         uint32_t id = (uint32_t)g->charts->count++;
         sl_atlas_plane *p = &g->charts->plane[id];
@@ -245,10 +234,10 @@ sl_status sl_atlas_charts_create(const sl_atlas_faces *faces, double bend, sl_at
                  .order = sl_allocate(count, sizeof *g.order)};
     bool good = charts->plane && charts->face && charts->of_face && g.order, left = true;
     for (uint32_t f = 0; good && f < count; f++) {
-        g.order[f] = (ranked_face){faces->area[f], f};
+        g.order[f] = (sl_coded){~sl_double_bits(faces->area[f]), f};
         charts->of_face[f] = SL_NO_INDEX;
     }
-    if (good) qsort(g.order, count, sizeof *g.order, by_area);
+    if (good) sl_sort_coded(g.order, count);
     while (good && left) good = grow_round(&g, &left);
     sl_free(g.order);
     if (good) return SL_OK;
