@@ -5,7 +5,6 @@
 #include "app/options.h"
 #include "app/page.h"
 #include "app/same_file.h"
-#include "base/error.h"
 #include "base/values.h"
 
 #include <stdio.h>

@@ -1,7 +1,6 @@
 /* softlux: the program. Each subcommand has a file of its own. */
 #include "app/commands.h"
 #include "app/manual.h"
-#include "app/options.h"
 #include "base/values.h"
 #include "softlux.h"
 

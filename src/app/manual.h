@@ -5,7 +5,6 @@
 
 #include "app/commands.h"
 #include "app/options.h"
-#include "cache/frame/settings.h"
 
 #include <stddef.h>
 

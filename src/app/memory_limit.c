@@ -4,7 +4,6 @@
 #include "base/sanitized.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>

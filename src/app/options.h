@@ -4,8 +4,6 @@
 #define SL_APP_OPTIONS_H
 
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 #include "cache/frame/settings.h"
 

@@ -7,7 +7,6 @@
 #include "app/picture.h"
 #include "app/same_file.h"
 #include "app/scene_of_ranks.h"
-#include "base/error.h"
 #include "cache/frame/all_light.h"
 
 #include <stdio.h>

@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-#include <limits.h>
 #include <math.h>
 #include <openexr.h>
 #include <stdio.h>

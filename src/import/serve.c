@@ -18,7 +18,6 @@
 #include "base/values.h"
 #include "import/assimp.h"
 #include "import/files.h"
-#include "scene/file.h"
 #include "scene/import_reply.h"
 
 enum { MOST_DESCRIPTORS = 1024 }; /* that are closed */

@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "base/error.h"
-#include "base/memory.h"
 #include "scene/derive.h"
 
 /* ---- the surface ----------------------------------------------------------------------------- */

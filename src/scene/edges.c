@@ -1,7 +1,5 @@
 #include "scene/edges.h"
 
-#include <string.h>
-
 #include "base/code_sort.h"
 #include "base/math.h"
 #include "base/memory.h"

@@ -5,7 +5,6 @@
  * its column, by inverting the cumulative sums; inside the texel directions are uniform. So pdf = P(texel) /
  * solid angle of the texel. */
 #include <math.h>
-#include <string.h>
 
 #include "base/error.h"
 #include "base/math.h"

@@ -6,7 +6,6 @@
 #include <stdatomic.h>
 
 #include "trace/copies.h"
-#include "trace/embree.h"
 #include "trace/ray_setup.h"
 #include "trace/trace.h"
 #include "trace/triangle_test.h"

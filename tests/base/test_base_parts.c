@@ -9,7 +9,6 @@
 #include "unit_test.h"
 #include "base/counters.h"
 #include "base/error.h"
-#include "base/grow.h"
 #include "base/isa.h"
 #include "base/memory.h"
 #include "base/parallel.h"

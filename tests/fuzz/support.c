@@ -2,8 +2,6 @@
 
 #include "least_settings.h"
 
-#include "scene/animation.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
 #include "support.h"
 
 #include <stdio.h>
-#include <string.h>
 
 static const char *const extensions[] = {"obj", "gltf", "glb", "ply", "stl", "off", "3ds", "dae",
                                          "x",   "ms3d", "fbx", "lwo", "md2", "ase", "ac",  "dxf"};

@@ -1,7 +1,6 @@
 /* Pictures of every kind: as textures, as images, compared and tone mapped. */
 #include "support.h"
 
-#include "base/memory.h"
 #include "image/formats.h"
 #include "scene/model.h"
 

@@ -1,12 +1,10 @@
 /* The metrics of sl_image_compare(): by hand where a hand can, against plain forms of their papers' formulas
  * (whole 2-D kernels, libm) elsewhere. */
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "unit_test.h"
 #include "base/random.h"
-#include "image/metrics.h"
 #include "softlux.h"
 
 static sl_image *make(int width, int height, const float *rgb) {

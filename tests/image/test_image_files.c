@@ -20,7 +20,6 @@
 
 #include "unit_test.h"
 #include "base/random.h"
-#include "image/color.h"
 #include "image/formats.h"
 #include "image_support.h"
 #include "scene_files.h"

@@ -3,7 +3,6 @@
  * no one asked), and what was to be made is NULL, 0 or as it was. Run with sanitizers, too, which tell of
  * what leaks. Files that are damaged and memory that ends are elsewhere: test_image_damage,
  * test_every_allocation. */
-#include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>

@@ -3,9 +3,7 @@
 #include <math.h>
 
 #include "unit_test.h"
-#include "base/random.h"
 #include "scene/ambient.h"
-#include "scene/derive.h"
 #include "scene/scene.h"
 #include "trace_scenes.h"
 

@@ -5,9 +5,7 @@
 #include <string.h>
 
 #include "unit_test.h"
-#include "base/counters.h"
 #include "base/math.h"
-#include "base/random.h"
 #include "rendering.h"
 #include "trace/trace.h"
 #include "trace_scenes.h"

@@ -6,12 +6,10 @@
 #include <string.h>
 
 #include "unit_test.h"
-#include "base/counters.h"
 #include "base/math.h"
 #include "base/parallel.h"
 #include "rendering.h"
 #include "trace/bidirectional/bidirectional.h"
-#include "trace/bsdf.h"
 #include "trace_scenes.h"
 
 typedef struct world {

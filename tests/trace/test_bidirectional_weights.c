@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "unit_test.h"
-#include "base/counters.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "trace/bidirectional/subpath.h"

@@ -3,8 +3,6 @@
 #include <string.h>
 
 #include "unit_test.h"
-#include "base/random.h"
-#include "trace/sequence.h"
 #include "trace/trace.h"
 #include "trace_scenes.h"
 

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include "unit_test.h"
-#include "base/counters.h"
 #include "rendering.h"
 #include "trace_scenes.h"
 

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "unit_test.h"
-#include "base/counters.h"
 #include "base/math.h"
 #include "trace/trace.h"
 #include "trace_scenes.h"

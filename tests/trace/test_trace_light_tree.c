@@ -4,10 +4,7 @@
 
 #include "unit_test.h"
 #include "base/math.h"
-#include "base/random.h"
 #include "trace/light_tree.h"
-#include "trace/sequence.h"
-#include "trace/trace.h"
 #include "trace_scenes.h"
 
 enum { COLUMNS = 8, ROWS = 6, EMITTERS = 2 * COLUMNS * ROWS, SAMPLES = 1 << 15 };

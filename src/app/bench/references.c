@@ -1,7 +1,6 @@
 #include "app/bench/references.h"
 
 #include "app/same_file.h"
-#include "base/error.h"
 #include "cache/frame/all_light.h"
 #include "cache/frame/method.h"
 

@@ -2,7 +2,6 @@
 
 #include "app/bench/plot.h"
 #include "app/page.h"
-#include "base/error.h"
 
 #include <math.h>
 #include <stdlib.h>

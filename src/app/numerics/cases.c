@@ -1,7 +1,5 @@
 #include "app/numerics/cases.h"
 
-#include "base/error.h"
-
 #include <string.h>
 
 /* ---- the room ---- */

@@ -5,7 +5,6 @@
 
 #include "app/steps/marks.h"
 #include "app/steps/narrative.h"
-#include "cache/frame/settings.h"
 
 /* ---- what passes announce ---- */
 

@@ -12,7 +12,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static void tell(const sl_steps_options *o, const char *what, double fraction) {
     sl_progress_show(o->quiet, fraction, "%s", what);

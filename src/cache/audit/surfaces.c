@@ -1,10 +1,7 @@
 /* A lamp that is seen is hundreds of times as bright as what it lights, and any method shows it as it is: in
  * the mean that errors are relative to it would hide the surfaces. */
-#include "base/counters.h"
 #include "base/parallel.h"
 #include "cache/audit/trace_probes.h"
-
-#include <math.h>
 
 typedef struct looking {
     const sl_path_walk *walk;

@@ -1,14 +1,9 @@
 /* The second-level cache: where its records lie, what they answer, and how it follows the camera. */
 #include "cache/bounces/second_level.h"
 
-#include <string.h>
-
-#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
-#include "base/parallel.h"
 
 enum { ORIGINS = 1600, CHECKS = 64, CHECK_GENERATION = 100 };
 /* Few look-ups of visible gathers shall miss the records; those of second-level gathers matter less, and

@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "base/parallel.h"
 #include "base/random.h"
 #include "cache/hemisphere/gather_tables.h"
 

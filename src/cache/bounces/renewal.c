@@ -3,10 +3,6 @@
  * moves over some turns of all. */
 #include "cache/bounces/second_level.h"
 
-#include "base/batch.h"
-#include "base/error.h"
-#include "base/memory.h"
-
 sl_status sl_second_open_gathers(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                                  sl_error *error) {
     if (cache->gathers.gather) return SL_OK;

@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/hemisphere/harmonics.h"
 
 enum { EVERY_LIGHT_MAX = 8 };
 

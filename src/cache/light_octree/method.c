@@ -3,8 +3,6 @@
 #include "base/memory.h"
 #include "cache/light_octree/light_octree.h"
 
-#include <string.h>
-
 /* The sky in the octree rises above its own mean by this factor at most. */
 static const double sky_contrast = 10.0;
 

@@ -1,5 +1,4 @@
 /* A picture: emission, direct and indirect light, and what mirrors leave of them; its metadata; memory. */
-#include "base/error.h"
 #include "base/print.h"
 #include "cache/light_octree/light_octree.h"
 #include "image/unset.h"

@@ -1,7 +1,5 @@
 #include "cache/light_octree/voxel_texture.h"
 
-#include <string.h>
-
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"

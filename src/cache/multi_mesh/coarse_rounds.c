@@ -4,8 +4,6 @@
  * E_i). From then on indirect light has a mesh to gather from. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
-#include <math.h>
-
 #include "base/batch.h"
 #include "base/error.h"
 #include "base/math.h"

@@ -4,7 +4,6 @@
 #define SL_MULTI_MESH_DIRECT_H
 
 #include "cache/light/light_sample.h"
-#include "cache/patches/mesh.h"
 
 /* From the shares of one point's lights (sl_irradiance_at()). */
 sl_rgb sl_direct_diffuse(const sl_sampled_lights *lights, const float *share);

@@ -2,7 +2,6 @@
  * leaf's corners and what lies on its edges add weight times value times what the surface reflects. */
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/direct.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 /* ---- a pixel's vertices ---- */

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/counters.h"
-#include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
 

@@ -14,7 +14,6 @@
  *                         equations (4), (6) and (8) lack (merge.c) */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/multi_mesh/direct.h"

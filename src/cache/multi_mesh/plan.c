@@ -2,7 +2,6 @@
 
 #include "base/math.h"
 #include "cache/hemisphere/gather.h"
-#include "cache/patches/mesh.h"
 #include "scene/features.h"
 
 typedef struct by_quality {

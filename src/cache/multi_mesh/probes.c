@@ -12,7 +12,6 @@
 #include <math.h>
 
 #include "base/batch.h"
-#include "base/math.h"
 #include "cache/multi_mesh/direct.h"
 
 enum { SPACING = 4, CLOSER_RAYS = 4 };

@@ -6,7 +6,6 @@
 #include "cache/multi_mesh/displayed.h"
 
 #include "base/code_sort.h"
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/math.h"

@@ -4,9 +4,7 @@
 
 #include <math.h>
 
-#include "base/error.h"
 #include "base/math.h"
-#include "base/memory.h"
 #include "scene/ambient.h"
 
 /* The finest of size criteria: leaves of direct light that are larger are probed for what lies between their

@@ -1,5 +1,4 @@
 /* The reference tracers as methods: one update is one more sample for every pixel. */
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/frame/announce.h"

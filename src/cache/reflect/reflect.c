@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "raster/textures/mip.h"
 #include "scene/bump.h"
-#include "base/parallel.h"
 #include "trace/bsdf.h"
 
 #include <string.h>

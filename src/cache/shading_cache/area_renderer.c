@@ -10,7 +10,6 @@
  * Who counts what: lamps and lights as seen from the point are counted here and nowhere else, by its diffuse
  * part and by its glossy lobe. Mirrors reflect lamps as well as all else by bidirectional_renderer.c. So does
  * the environment shine, which is counted here only where no renderer of indirect light is wanted. */
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"

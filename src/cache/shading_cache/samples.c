@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/math.h"
-#include "base/memory.h"
 #include "cache/shading_cache/state.h"
 
 #include <string.h>

@@ -5,8 +5,6 @@
 
 #include <math.h>
 
-#include "base/counters.h"
-#include "base/math.h"
 #include "base/random.h"
 #include "trace/walker.h"
 

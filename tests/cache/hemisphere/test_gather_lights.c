@@ -3,7 +3,6 @@
 
 #include "unit_test.h"
 #include "base/math.h"
-#include "cache/hemisphere/gather_internal.h"
 #include "gather_world.h"
 #include "polygon_truth.h"
 

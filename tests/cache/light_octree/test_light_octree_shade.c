@@ -1,8 +1,6 @@
 /* Shading from the octree's lights, against sums written as the formulas stand. */
 #include "light_octree_support.h"
 
-#include "cache/light_octree/pixels.h"
-
 typedef struct world {
     sl_scene *scene;
     sl_octree *octree;

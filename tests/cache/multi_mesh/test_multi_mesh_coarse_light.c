@@ -1,7 +1,6 @@
 /* Direct light on the coarse mesh's vertices: few rays, and of many lights those that matter. */
 #include "light_sample_support.h"
 
-#include "base/counters.h"
 #include "cache/multi_mesh/coarse.h"
 #include "cache/patches/irradiance.h"
 

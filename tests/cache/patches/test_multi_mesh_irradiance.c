@@ -2,7 +2,6 @@
  * nowhere else. */
 #include "light_sample_support.h"
 
-#include "base/math.h"
 #include "cache/patches/irradiance.h"
 
 enum { DEPTH = 6, LEFT = 0, RIGHT = 1 };

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/counters.h"
 #include "cache/shading_cache/state.h"
 #include "rendering.h"
 

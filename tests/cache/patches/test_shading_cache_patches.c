@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/counters.h"
 #include "base/random.h"
 #include "rendering.h"
 

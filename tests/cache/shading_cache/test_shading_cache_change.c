@@ -2,10 +2,8 @@
  */
 #include <math.h>
 
-#include "base/random.h"
 #include "cache/shading_cache/change.h"
 #include "cache/shading_cache/selection.h"
-#include "cache/shading_cache/work.h"
 #include "shading_cache_support.h"
 #include "scene_parts.h"
 

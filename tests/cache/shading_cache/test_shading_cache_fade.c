@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/counters.h"
 #include "cache/shading_cache/change.h"
 #include "rendering.h"
 

@@ -1,7 +1,6 @@
 /* The choice of pixels: hit-and-test, its bias, floods, equal steps along a curve, the highest first. */
 #include <math.h>
 
-#include "base/random.h"
 #include "cache/shading_cache/selection.h"
 #include "patch_support.h"
 

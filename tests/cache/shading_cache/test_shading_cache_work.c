@@ -2,7 +2,6 @@
 #include <math.h>
 
 #include "base/math.h"
-#include "base/random.h"
 #include "cache/shading_cache/work.h"
 #include "scene/model.h"
 #include "shading_cache_support.h"

@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"

@@ -5,12 +5,10 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/counters.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "cache/patches/display/display.h"
 #include "cache/patches/display/leaf_lookup.h"
-#include "cache/patches/patch_parts.h"
 
 enum { W = 96, H = 80, PIXELS = W * H };
 

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/counters.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"

@@ -6,7 +6,6 @@
 #include <stdatomic.h>
 #include <time.h>
 
-#include "base/counters.h"
 #include "base/math.h"
 #include "base/random.h"
 #include "base/thread.h"
