@@ -38,13 +38,13 @@ void sl_convolve(const double *in, int width, int height, const double *row_kern
     }
 }
 
-double sl_gaussian_kernel(double sigma, int radius, bool unit_sum, double *kernel) {
+double sl_gaussian_kernel(double sigma, int radius, double *kernel) {
     double sum = 0.0;
     for (int i = 0; i <= 2 * radius; i++) {
         double d = i - radius;
         kernel[i] = sl_exp(-d * d / (2.0 * sigma * sigma));
         sum += kernel[i];
     }
-    for (int i = 0; unit_sum && i <= 2 * radius; i++) kernel[i] /= sum;
+    for (int i = 0; i <= 2 * radius; i++) kernel[i] /= sum;
     return sum;
 }

@@ -84,7 +84,7 @@ typedef struct {
 /* A term a sqrt(pi/b) exp(-pi^2 d^2 / b) of the contrast sensitivity, d in degrees (section 4.1.1), as a
  * Gaussian in pixels. Returns the sum of the whole kernel without its factor a. */
 static double sensitivity_kernel(double b, double *kernel) {
-    double sum = sl_gaussian_kernel(pixels_per_degree * sqrt(b / 2.0) / SL_PI, COLOR_RADIUS, true, kernel);
+    double sum = sl_gaussian_kernel(pixels_per_degree * sqrt(b / 2.0) / SL_PI, COLOR_RADIUS, kernel);
     return sqrt(SL_PI / b) * sum * sum;
 }
 
@@ -106,7 +106,7 @@ static void make_kernels(kernels *k) {
     k->blue_yellow_weight[1] = narrow / (wide + narrow);
     /* section 4.2: the width of an edge that the eye detects, in degrees */
     double sigma = 0.5 * 0.082 * pixels_per_degree;
-    sl_gaussian_kernel(sigma, FEATURE_RADIUS, true, k->feature_gaussian);
+    sl_gaussian_kernel(sigma, FEATURE_RADIUS, k->feature_gaussian);
     for (int i = 0; i <= 2 * FEATURE_RADIUS; i++) {
         double d = i - FEATURE_RADIUS, g = k->feature_gaussian[i];
         k->edge[i] = -d * g;

@@ -18,9 +18,8 @@ typedef struct sl_picture_pair {
 void sl_convolve(const double *in, int width, int height, const double *row_kernel,
                  const double *column_kernel, int radius, double *scratch, double *out);
 size_t sl_convolve_margin(int width, int radius);
-/* kernel[i] = exp(-(i - radius)^2 / (2 sigma^2)), scaled to sum 1 where unit_sum. Returns the sum before
- * scaling. */
-double sl_gaussian_kernel(double sigma, int radius, bool unit_sum, double *kernel);
+/* kernel[i] = exp(-(i - radius)^2 / (2 sigma^2)), scaled to sum 1. Returns the sum before scaling. */
+double sl_gaussian_kernel(double sigma, int radius, double *kernel);
 
 /* Mean structural similarity (Wang et al. 2004, equations 13 to 17) of the sRGB-encoded Rec. 709 luminance:
  * Gaussian window of 11 x 11 pixels and sigma 1.5, C1 = 0.01^2, C2 = 0.03^2, edges continued. 1 for equal

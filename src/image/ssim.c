@@ -46,7 +46,7 @@ sl_status sl_ssim(const sl_picture_pair *pictures, double *mean, sl_error *error
         moment[PRODUCT][i] = x * y;
     }
     double kernel[2 * RADIUS + 1];
-    sl_gaussian_kernel(sigma, RADIUS, true, kernel);
+    sl_gaussian_kernel(sigma, RADIUS, kernel);
     for (int m = 0; m < MOMENTS; m++)
         sl_convolve(moment[m], pictures->width, pictures->height, kernel, kernel, RADIUS, scratch, moment[m]);
     double sum = 0.0, count = 0.0;

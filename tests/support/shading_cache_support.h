@@ -3,7 +3,6 @@
 #ifndef TESTS_SHADING_CACHE_SUPPORT_H
 #define TESTS_SHADING_CACHE_SUPPORT_H
 
-#include "base/counters.h"
 #include "cache/patches/display/display.h"
 #include "patch_support.h"
 
@@ -27,8 +26,7 @@ static inline sl_display *display_of(const hierarchy *h, int width, int height, 
 }
 
 static inline void build_display(sl_display *display, const hierarchy *h) {
-    sl_counters counters = {0};
-    assert_int_equal(sl_display_build(display, h->patches, &counters, NULL), SL_OK);
+    assert_int_equal(sl_display_build(display, h->patches, NULL), SL_OK);
 }
 
 #endif

@@ -166,7 +166,7 @@ static sl_status compare(sl_multi_mesh_state *s, const old_world *old, bool *fol
 
 /* Tells whether the meshes are those of the plan: where all was dark the indirect one is not. */
 static bool is_planned_so(const sl_multi_mesh_state *s) {
-    const sl_multi_mesh_plan now = sl_multi_mesh_plan_make(s->scene, &s->settings);
+    const sl_multi_mesh_plan now = sl_multi_mesh_plan_make(s->scene);
     return memcmp(&now, &s->plan, sizeof now) == 0;
 }
 

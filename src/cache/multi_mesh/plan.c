@@ -48,8 +48,7 @@ void sl_multi_mesh_complete(sl_settings *settings) {
     settings->bounces = bounces_of(settings);
 }
 
-sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_settings *settings) {
-    (void)settings;
+sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene) {
     sl_features f = sl_scene_features(scene);
     bool lights = f.point_lights || f.spot_lights || f.directional_lights || f.emitters;
     return (sl_multi_mesh_plan){
@@ -84,7 +83,7 @@ void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings
                                              "a frustum around the light", "shadow rays"};
     const sl_multi_mesh_settings *m = &settings->multi_mesh;
     sl_features f = sl_scene_features(scene);
-    sl_multi_mesh_plan p = sl_multi_mesh_plan_make(scene, settings);
+    sl_multi_mesh_plan p = sl_multi_mesh_plan_make(scene);
     sl_plan_pass(writer, true, "identifiers, visible sizes", "%d x %d pixels, %zu triangles", settings->width,
                  settings->height, scene->triangle_count);
     sl_plan_pass(writer, true, "material: k_d", "%zu diffuse triangles", f.diffuse_triangles);

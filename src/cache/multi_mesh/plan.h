@@ -18,7 +18,7 @@ typedef struct sl_multi_mesh_plan {
 void sl_multi_mesh_complete(sl_settings *settings);
 /* Returns the coarse mesh's longest edge, in scene units. */
 double sl_multi_mesh_coarse_edge(const sl_scene *scene, const sl_settings *settings);
-sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene, const sl_settings *settings);
+sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene);
 void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transport);
 void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 

@@ -35,7 +35,7 @@ static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *set
     s->scene = scene;
     s->settings = *settings;
     s->world = 1;
-    s->plan = sl_multi_mesh_plan_make(scene, settings);
+    s->plan = sl_multi_mesh_plan_make(scene);
     s->announcer =
         (sl_announcer){.observer = settings->observer, .method = "multi-mesh", .counters = &s->counters};
     s->id = sl_allocate(sl_multi_mesh_pixels(s), sizeof *s->id);
@@ -172,7 +172,7 @@ static double coarse_bytes(const sl_scene *scene, const sl_settings *settings) {
 }
 
 sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *settings) {
-    const sl_multi_mesh_plan plan = sl_multi_mesh_plan_make(scene, settings);
+    const sl_multi_mesh_plan plan = sl_multi_mesh_plan_make(scene);
     const double triangles = (double)scene->triangle_count, n = settings->gather_size,
                  l = settings->multi_mesh.light_size;
     const double lights = sl_need_lights(scene);

@@ -91,7 +91,7 @@ static sl_status make_anew(sl_multi_mesh_state *s, sl_error *error) {
     sl_multi_mesh_forget_world(s);
     s->full = s->has_light = false;
     s->made++;
-    s->plan = sl_multi_mesh_plan_make(s->scene, &s->settings); /* light may fall where none fell */
+    s->plan = sl_multi_mesh_plan_make(s->scene); /* light may fall where none fell */
     sl_status status = sl_multi_mesh_make_world(s, error);
     if (status != SL_OK) sl_multi_mesh_forget_world(s);
     return status;

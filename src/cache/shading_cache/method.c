@@ -157,7 +157,7 @@ static sl_status want_roots(sl_shading_state *s, sl_error *error) {
 static sl_status take_view(sl_shading_state *s, sl_error *error) {
     if (s->drawn) return SL_OK;
     sl_status status = want_roots(s, error);
-    if (status == SL_OK) status = sl_display_build(s->display, s->patches, &s->counters, error);
+    if (status == SL_OK) status = sl_display_build(s->display, s->patches, error);
     s->drawn = status == SL_OK;
     return status;
 }

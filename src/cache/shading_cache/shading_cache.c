@@ -247,7 +247,7 @@ static sl_status move_and_age(sl_shading_state *s, size_t vertices, sl_error *er
 /* ---- display arrays: two copies, one of which is shown ---- */
 
 static sl_status build_display_arrays(sl_shading_state *s, sl_error *error) {
-    sl_status status = sl_display_build(s->display, s->patches, &s->counters, error);
+    sl_status status = sl_display_build(s->display, s->patches, error);
     sl_announce_pass(&s->announcer, "display arrays", "display loop");
     return status;
 }

@@ -176,8 +176,7 @@ static bool update_copy(sl_display *d, sl_display_copy *copy, sl_patches *p) {
     return true;
 }
 
-sl_status sl_display_build(sl_display *d, sl_patches *p, sl_counters *counters, sl_error *error) {
-    (void)counters;
+sl_status sl_display_build(sl_display *d, sl_patches *p, sl_error *error) {
     sl_display_copy *copy = sl_display_hidden(d);
     sl_status status = update_copy(d, copy, p) ? SL_OK : sl_fail_memory(error, "the display");
     if (status == SL_OK && d->curved) status = sl_tessellate(d, &d->own, error);

@@ -38,7 +38,7 @@ size_t sl_display_memory_bytes(const sl_display *display);
  * surfaces with the camera, and swaps. Another thread may draw meanwhile, in a window of its own: its frame
  * goes on with the copy that it has begun with, never waits, and the next build waits for its end. After a
  * failure the shown copy is what it was, and the hidden one is made anew next time. */
-sl_status sl_display_build(sl_display *display, sl_patches *patches, sl_counters *counters, sl_error *error);
+sl_status sl_display_build(sl_display *display, sl_patches *patches, sl_error *error);
 /* Another guess from the next build on, if it is more than a hundredth off; false: it is not. */
 bool sl_display_guess(sl_display *display, sl_rgb guess);
 /* Positions follow the scene's objects as they stand now: before the next frame. */
