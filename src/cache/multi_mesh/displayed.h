@@ -286,9 +286,8 @@ void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node);
 /* A leaf stays as it is: parents whose children are all closed by now go, and priorities are raised. */
 void sl_displayed_close(sl_displayed *d, const sl_patch_place *leaf, sl_counters *counters);
 
-/* Tests edges again that have been tested, and whose values are of now. Returns true where one has changed.
- * */
-bool sl_displayed_retest(sl_displayed *d, const sl_patch_place *leaf);
+/* Tests edges again that have been tested, and whose values are of now. */
+void sl_displayed_retest(sl_displayed *d, const sl_patch_place *leaf);
 
 /* ---- probes.c ---- */
 

@@ -109,7 +109,7 @@ static bool is_of_now(const sl_displayed *d, const sl_patch_place *leaf, int edg
     return !old;
 }
 
-bool sl_displayed_retest(sl_displayed *d, const sl_patch_place *leaf) {
+void sl_displayed_retest(sl_displayed *d, const sl_patch_place *leaf) {
     sl_patch *node = &d->mesh->patch[leaf->patch];
     bool changed = false;
     for (int e = 0; e < 3; e++) {
@@ -121,7 +121,6 @@ bool sl_displayed_retest(sl_displayed *d, const sl_patch_place *leaf) {
     }
     if (changed) sl_mesh_set_tested_size(node, 0.0f);
     if (changed && sl_all_edges_closed(node)) sl_displayed_judge_probes(d, node, sl_displayed_size(d, leaf));
-    return changed;
 }
 
 /* ---- split ---- */
