@@ -72,7 +72,7 @@ static sl_status find_places(sl_second_cache *cache, size_t most, sl_counters *c
         const size_t room = most < most_records[generation] ? most : most_records[generation];
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
-        if (count == 0) break;
+        if (count == 0 || cache->list.count - start >= most) break;
         status = sl_probe_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen,
                                counters, error);
         if (status == SL_OK)
