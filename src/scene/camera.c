@@ -1,5 +1,4 @@
 /* Cameras: an orthonormal frame from eye, target and up; and which one a scene has. */
-
 #include "base/error.h"
 #include "base/math.h"
 #include "scene/derive.h"

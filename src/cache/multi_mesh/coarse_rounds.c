@@ -157,7 +157,7 @@ static sl_status begin_shares(sl_multi_mesh_state *s, sl_error *error) {
 
 sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error) {
     bool moves = s->whole.coarse && s->whole.lit != s->lit, rolls = moves && rounds_of(s) > 0;
-    bool hasty = !s->whole.coarse && s->world > 1;
+    bool hasty = s->hastens && !s->whole.coarse;
     /* a quarter of the vertices while things move, and of those another: what has gone on is soon seen */
     int halvings = hasty ? 2 : rolls;
     sl_coarse_settings coarse = {ldexpf((float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), halvings),
@@ -249,6 +249,7 @@ static bool is_awaited(const sl_multi_mesh_state *s) {
 
 void sl_multi_mesh_hasten_coarse(sl_multi_mesh_state *s) {
     const sl_coarse_rounds *r = &s->next;
+    s->hastens = true;
     if (s->whole.coarse || !r->coarse || r->hasty || r->indirect || 2 * r->done > r->coarse->vertex_count)
         return;
     sl_multi_mesh_forget_coarse(&s->next, s->settings.threads);

@@ -85,6 +85,7 @@ typedef struct sl_multi_mesh_state {
     sl_coarse_rounds whole, next;   /* coarse meshes: that which gathers see, and one that is being made */
     sl_coarse_kept kept;            /* light samples of the last that was whole */
     bool gathers_wait;              /* for a coarse mesh of now: an edit came to one that was */
+    bool hastens;                   /* something has changed before there was a coarse mesh */
     sl_object_places *places;       /* where objects are in it */
     float scale;                    /* the scene's: tolerances follow it */
     uint32_t world;                 /* 1, and one more with each edit of what is lit or lights it */

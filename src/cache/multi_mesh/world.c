@@ -52,7 +52,7 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     sl_multi_mesh_forget_coarse(&s->whole, s->settings.threads);
     sl_multi_mesh_forget_coarse(&s->next, s->settings.threads);
     sl_coarse_forget_kept(&s->kept);
-    s->gathers_wait = false;
+    s->gathers_wait = s->hastens = false;
     sl_irradiance_meshes_destroy(s->irradiance);
     sl_light_sampling_destroy(s->sampling);
     sl_sampled_lights_destroy(s->lights);

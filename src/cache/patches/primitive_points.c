@@ -1,5 +1,4 @@
 /* Points of roots: from (u, v) to the scene's triangles and back. */
-
 #include "cache/patches/primitive_parts.h"
 #include "scene/bicubic.h"
 #include "scene/surface_rules.h"

@@ -5,7 +5,6 @@
  *     p_(t+1) / p_t = pE(v_t) / pL(v_t),
  *
  * pE and pL the densities at v_t of walks from the eye and from the light. */
-
 #include "trace/bidirectional/subpath.h"
 
 /* v_i, and the densities at it of either walk. */

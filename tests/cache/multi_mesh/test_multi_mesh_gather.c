@@ -2,7 +2,6 @@
  * hard input. */
 #include "multi_mesh_gather_support.h"
 
-
 static bool near(double a, double b, double tolerance) { return fabs(a - b) <= tolerance; }
 
 static double half_angle(double degrees) { return 0.5 * degrees / 180.0 * SL_PI; }
