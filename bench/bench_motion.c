@@ -474,7 +474,8 @@ static options parse(int argc, char **argv) {
 int main(int argc, char **argv) {
     static const char *const scenes[] = {"bench/scenes/motion-ball.json", "bench/scenes/motion-lamp.json",
                                          "bench/scenes/motion-door.json", "bench/scenes/motion-walk.json",
-                                         "bench/scenes/motion-room-lamp.json", "bench/scenes/motion-all.json"};
+                                         "bench/scenes/motion-room-lamp.json",
+                                         "bench/scenes/motion-all.json"};
     options o = parse(argc, argv);
     if (o.csv && access(o.csv, W_OK) != 0) {
         fprintf(stderr, "bench_motion: --csv %s: expected a folder that can be written to\n", o.csv);

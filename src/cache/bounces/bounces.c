@@ -133,8 +133,8 @@ static sl_status bounce_anew(sl_second_cache *cache, sl_counters *counters, sl_e
     return status == SL_OK ? sl_let_light_bounce(cache, counters, error) : status;
 }
 
-/* Has those from `first` on gather the light of all bounces, that of each other included: where they were made
- * one after the other, each knows of those before. */
+/* Has those from `first` on gather the light of all bounces, each other's included: as they were made, each
+ * had that of those before. */
 static sl_status settle(sl_second_cache *cache, size_t first, const sl_raster *raster, sl_counters *counters,
                         sl_error *error) {
     enum { TIMES = 2 };

@@ -19,7 +19,7 @@ sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, 
     cache->tracer = tracer;
     cache->settings.gather.maps = maps;
     cache->moved = true;
-    cache->renewed = 0;
+    cache->renewed = cache->waiting = 0;
     sl_record_gathers_destroy(&cache->gathers);
     sl_record_octree_free(&cache->octree);
     for (size_t i = 0; i < list->count && status == SL_OK; i++) {

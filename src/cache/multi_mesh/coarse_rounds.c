@@ -191,8 +191,8 @@ static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *er
                                 &s->counters, error);
 }
 
-/* U_dd and E_i / pi is what gathers see. Before E_i is known it is the ambient term where many bounces are soon
- * to be seen, else nothing. */
+/* Gathers see U_dd and E_i / pi. Before E_i is known a hasty mesh of several bounces has the ambient term,
+ * any other nothing. */
 static void set_coarse(const sl_multi_mesh_state *s, const sl_coarse_rounds *r) {
     const sl_rgb unknown = r->hasty && s->settings.bounces > 1 ? s->ambient_in_motion : sl_grey(0.0f);
     for (size_t i = 0; i < r->coarse->vertex_count; i++) {
