@@ -10,7 +10,8 @@
  *
  * Errors are those of pixels over their whole squares, on surfaces (pixels that show a lamp or the sky are
  * left out), against all light, path traced twice over: the mean of (x - p)(x - q) is the squared error
- * without the noise of either half. Beside the methods runs the RenderCache (render_cache.h), whose samples
+ * without the noise of either half. They are relative to the mean of the thirty seconds, since a room is dark
+ * while its door is closed. Beside the methods runs the RenderCache (render_cache.h), whose samples
  * are few points on lamps and few paths. Flicker is the root mean square of what a pixel shown changes by
  * from a frame to the next, over that of the truth. */
 #include <math.h>
@@ -246,30 +247,33 @@ typedef struct truth {
     uint32_t pixel[PROBES]; /* on surfaces */
     size_t count;
     double p[PROBES][3], q[PROBES][3];
-    double white; /* five times the mean of surfaces */
 } truth;
 
-/* A screen's white: a lamp that is shown where it is no more counts as white does, not a hundredfold. */
+/* Five times the run's mean is a screen's white: a lamp that is shown where it is no more counts as white
+ * does, not a hundredfold. */
 static double shown(double value, double white) { return value < white ? value : white; }
 
-/* Finds white, and makes the halves what a screen shows of them. */
-static void show_truth(truth *t) {
+/* Returns the mean of all light on surfaces. */
+static double mean_of(const truth *t) {
     double sum = 0.0;
     for (size_t i = 0; i < t->count; i++) {
         for (int c = 0; c < 3; c++) sum += 0.5 * (t->p[i][c] + t->q[i][c]);
     }
-    t->white = t->count ? 5.0 * sum / (3.0 * (double)t->count) : 1.0;
+    return t->count ? sum / (3.0 * (double)t->count) : 0.0;
+}
+
+/* Makes the halves what a screen shows of them. */
+static void show_truth(truth *t, double white) {
     for (size_t i = 0; i < t->count; i++) {
         for (int c = 0; c < 3; c++) {
-            t->p[i][c] = shown(t->p[i][c], t->white);
-            t->q[i][c] = shown(t->q[i][c], t->white);
+            t->p[i][c] = shown(t->p[i][c], white);
+            t->q[i][c] = shown(t->q[i][c], white);
         }
     }
 }
 
-/* Traces pixels in random places, the same in each frame, of the scene as it stands; false: none shows a
- * surface. */
-static bool trace_truth(truth *t, const sl_scene *scene, int size, uint32_t samples) {
+/* Traces pixels in random places, the same in each frame, of the scene as it stands. */
+static void trace_truth(truth *t, const sl_scene *scene, int size, uint32_t samples) {
     sl_settings settings, asked;
     sl_transport transport;
     sl_error error = {SL_ERROR_USAGE, "options that mean nothing"};
@@ -288,36 +292,45 @@ static bool trace_truth(truth *t, const sl_scene *scene, int size, uint32_t samp
     for (size_t i = 0; i < t->count; i++)
         sl_probe_tracer_means(&t->tracer, t->pixel[i], t->p[i], t->q[i]);
     sl_probe_tracer_release(&t->tracer);
-    show_truth(t);
-    return t->count > 0;
 }
 
-static double shown_value(const sl_image *image, const truth *t, uint32_t pixel, int channel) {
+/* Returns the mean of the whole run; the scene is left at its end. */
+static double mean_of_run(sl_scene *scene, int size) {
+    static truth some;
+    double sum = 0.0;
+    sl_error error;
+    for (int k = 0; k < FRAMES; k += RATE) {
+        check(sl_scene_set_time(scene, (double)k / RATE, NULL, &error), &error);
+        trace_truth(&some, scene, size, 2);
+        sum += mean_of(&some);
+    }
+    return sum / (FRAMES / RATE);
+}
+
+static double shown_value(const sl_image *image, double white, uint32_t pixel, int channel) {
     size_t plane = (size_t)image->width * (size_t)image->height;
-    return shown((double)image->planes[(size_t)channel * plane + pixel], t->white);
+    return shown((double)image->planes[(size_t)channel * plane + pixel], white);
 }
 
-static double relative_error(const sl_image *image, const truth *t) {
-    double square = 0.0, mean = 0.0;
+static double error_of(const sl_image *image, const truth *t, double white) {
+    double square = 0.0;
     for (size_t i = 0; i < t->count; i++) {
         for (int c = 0; c < 3; c++) {
-            double x = image ? shown_value(image, t, t->pixel[i], c) : 0.0;
+            double x = image ? shown_value(image, white, t->pixel[i], c) : 0.0;
             square += (x - t->p[i][c]) * (x - t->q[i][c]);
-            mean += 0.5 * (t->p[i][c] + t->q[i][c]);
         }
     }
-    double n = 3.0 * (double)t->count;
-    return mean > 0.0 ? sqrt(fmax(square / n, 0.0)) / (mean / n) : 0.0;
+    return t->count ? sqrt(fmax(square / (3.0 * (double)t->count), 0.0)) : 0.0;
 }
 
 /* Adds to the sums of squares of changes since the frame before, of pixels that show surfaces in both. */
-static void add_changes(contestant *c, const truth *before, const truth *now) {
+static void add_changes(contestant *c, const truth *before, const truth *now, double white) {
     for (size_t i = 0, k = 0; c->before && i < now->count; i++) {
         while (k < before->count && before->pixel[k] < now->pixel[i]) k++;
         if (k == before->count || before->pixel[k] != now->pixel[i]) continue;
         for (int ch = 0; ch < 3; ch++) {
-            double x = shown_value(c->shown, now, now->pixel[i], ch) -
-                       shown_value(c->before, now, now->pixel[i], ch);
+            double x = shown_value(c->shown, white, now->pixel[i], ch) -
+                       shown_value(c->before, white, now->pixel[i], ch);
             c->change += x * x;
             c->truth += (now->p[i][ch] - before->p[k][ch]) * (now->q[i][ch] - before->q[k][ch]);
         }
@@ -436,6 +449,9 @@ static void run_scene(const options *o, const char *path) {
     const int size = o->common.brief ? 128 : SIZE, step = o->common.brief ? 5 * STEP : STEP;
     bench_scene_name(path, name);
     if (!bench_wants(&o->common, name) || !bench_open_scene(path, &scene)) return;
+    const double white = 5.0 * mean_of_run(scene, size);
+    double mean = 0.0;
+    int frames = 0;
     check(sl_scene_set_time(scene, 0.0, NULL, &error), &error);
     int count = open_all(o, scene, path, size, contestants);
     for (int k = 0; k < FRAMES; k++) {
@@ -443,16 +459,24 @@ static void run_scene(const options *o, const char *path) {
         bool judged = k % step == 0, pair = k % RATE == 1 && is_moving(k) && k > RATE;
         check(sl_scene_set_time(scene, time, NULL, &error), &error);
         if (pair) before = now;
-        if (judged || pair) trace_truth(&now, scene, size, o->common.brief ? 4 : SAMPLES);
+        if (judged || pair) {
+            trace_truth(&now, scene, size, o->common.brief ? 4 : SAMPLES);
+            show_truth(&now, white);
+        }
+        mean += judged ? mean_of(&now) : 0.0;
+        frames += judged;
         for (int i = 0; i < count; i++) {
             contestant *c = &contestants[i];
             play(c, time, size);
             c->dark += !c->shown || !has_light(c->shown);
-            if (judged) c->error[k] = relative_error(c->shown, &now);
-            if (pair) add_changes(c, &before, &now);
+            if (judged) c->error[k] = error_of(c->shown, &now, white);
+            if (pair) add_changes(c, &before, &now, white);
         }
     }
-    for (int i = 0; i < count; i++) put_row(name, &contestants[i]);
+    for (int i = 0; i < count; i++) {
+        for (int k = 0; k < FRAMES && mean > 0.0; k++) contestants[i].error[k] *= frames / mean;
+        put_row(name, &contestants[i]);
+    }
     put_curves(o, name, contestants, count);
     for (int i = 0; i < count; i++) close_contestant(&contestants[i]);
     sl_scene_destroy(scene);

@@ -21,7 +21,7 @@ SCENES = {"atrium": "scenes/generated/atrium.json", "figure": "scenes/generated/
 NEEDS = {"Sponza": "../shared/scenes/sponza-dabrovic/sponza-dabrovic.obj"}
 METHODS = {"splatting high": ["-m", "splatting", "-q", "high"], "path": ["-m", "path"],
            "multi-mesh": ["-m", "multi-mesh", "--batches", "100"],
-           "shading-cache": ["-m", "shading-cache"]}
+           "shading-cache": ["-m", "shading-cache"], "direct radiance": ["-m", "direct-radiance"]}
 
 
 def arguments(scene, method):

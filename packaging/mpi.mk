@@ -5,4 +5,4 @@ $(BUILD)/o/src/mpi/program.o: src/app/main.c
 	$(compile) -Dmain=sl_program_main -c $< -o $@
 $(BUILD)/softlux-mpi: $(MPI_OBJECTS) $(BUILD)/o/src/mpi/program.o $(filter-out %/app/main.o,$(APP_OBJECTS)) \
                       $(filter-out %/ranks_alone.o,$(LIBRARY_OBJECTS))
-	$(link) -Wl,--wrap=sl_batch_run $(LIBS) $(SERVE_LIBS) $(shell pkg-config --libs ompi-c)
+	$(link) -Wl,--wrap=sl_batch_run,--wrap=sl_ranks_share $(LIBS) $(SERVE_LIBS) $(shell pkg-config --libs ompi-c)

@@ -76,6 +76,26 @@ for signal in KILL STOP; do
 done
 [ "$(grep -c 'softlux-mpi: rank 2 has not been heard of for 8 s' "$folder/told")" = 1 ] ||
     fail "it is not told in a line that a rank does nothing"
+# A call with a journal that was ended is gone on with, by other ranks, and behind a fault in the file too.
+journal() { # journal RANKS: a call that takes seconds
+    mpirun -n "$1" "$build/softlux-mpi" render scenes/cornell.json -m path --spp 300 -s 96x96 -t 1 \
+        --journal "$folder/journal" -o "$folder/many.exr" >"$folder/told" 2>&1
+}
+"$build/softlux" render scenes/cornell.json -m path --spp 300 -s 96x96 --quiet -o "$folder/one.exr"
+rm -f "$folder/many.exr"
+journal 2 &
+job=$!
+until [ "$(stat -c %s "$folder/journal" 2>/dev/null || echo 0)" -gt 1000000 ] || ! kill -0 $job; do sleep 0.1; done
+pkill -KILL -n -f -- "--journal $folder/journal"
+wait $job && fail "a rank that was killed was no failure with a journal"
+mpirun -n 2 "$build/softlux-mpi" render scenes/cornell.json -m path --spp 400 -s 96x96 -t 1 \
+    --journal "$folder/journal" -o "$folder/many.exr" >"$folder/told" 2>&1 && fail "another call's journal was taken"
+grep -q 'the journal is of another scene or other options' "$folder/told" || fail "it is not told whose journal it is"
+printf 'fault' | dd of="$folder/journal" bs=1 seek=500000 conv=notrunc 2>/dev/null
+journal 3 || fail "a journal was not gone on with"
+grep -q 'goes on from .*batches are there' "$folder/told" || fail "it is not told that a journal is gone on with"
+cmp -s "$folder/one.exr" "$folder/many.exr" || fail "other bits by a journal"
+[ ! -e "$folder/journal" ] || fail "the journal of a call that is done is still there"
 # What batches cost is written, and read by what tells of more ranks.
 SOFTLUX_BATCHES=$folder/batches "$build/softlux-mpi" render scenes/cornell.json -m splatting -q draft -s 32x32 -t 1 \
     --quiet -o "$folder/one.exr" && python3 bench/ranks.py "$folder/batches.0" >"$folder/told"

@@ -75,6 +75,12 @@ static void open_log(void) {
     if (batches.file) atexit(close_log);
 }
 
+bool __real_sl_ranks_share(void);
+bool __wrap_sl_ranks_share(void);
+
+/* As many ranks would. */
+bool __wrap_sl_ranks_share(void) { return batches.file || __real_sl_ranks_share(); }
+
 void __wrap_sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters) {
     if (!batches.asked) open_log();
     const bool wanted = batches.file && batch->shared && !batches.inside;

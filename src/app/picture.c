@@ -9,7 +9,7 @@
 #include "image/output_file.h"
 #include "image/tone.h"
 #include "scene/features.h"
-#include "cache/frame/all_light.h"
+#include "cache/frame/method.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -246,6 +246,7 @@ static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_me
     if (status == SL_OK && (o->load_cache || o->save_cache) && !sl_method_keeps_cache(*method))
         status = sl_fail(error, SL_ERROR_USAGE, "--%s-cache: %s keeps no cache",
                  o->load_cache ? "load" : "save", o->settings.method);
+    if (status == SL_OK) (*method)->batch_by_batch = o->batches > 0;
     if (status == SL_OK && o->load_cache) status = sl_method_load(*method, o->load_cache, error);
     return status;
 }

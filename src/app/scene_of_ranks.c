@@ -59,10 +59,10 @@ static sl_status load_shared(const char *folder, const char *path, const sl_load
 sl_status sl_load_for_ranks(const char *path, const sl_load_options *load, const sl_settings *settings,
                             sl_scene **scene, sl_error *error) {
     char folder[NAME];
-    if (sl_ranks_here().count == 1) return sl_load_within_memory(path, load, settings, scene, error);
+    if (!sl_ranks_share()) return sl_load_within_memory(path, load, settings, scene, error);
     if (!make_folder(folder)) return sl_fail(error, SL_ERROR_OUTPUT, "no folder for the scene's files");
     sl_status status = load_shared(folder, path, load, settings, scene, error);
     remove_folder(folder);
-    if (status != SL_OK || sl_ranks_agree(sl_scene_hash(*scene))) return status;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: ranks have read different scenes", path);
+    const char *why = status == SL_OK ? sl_ranks_begin(sl_scene_hash(*scene)) : NULL;
+    return why ? sl_fail(error, SL_ERROR_INPUT, "%s: %s", path, why) : status;
 }

@@ -61,3 +61,7 @@ const char *sl_counter_name(sl_counter counter) {
 void sl_counters_add(sl_counters *sum, const sl_counters *other) {
     for (int i = 0; i < SL_COUNTERS; i++) sum->value[i] += other->value[i];
 }
+
+void sl_counters_subtract(sl_counters *from, const sl_counters *other) {
+    for (int i = 0; i < SL_COUNTERS; i++) from->value[i] -= other->value[i];
+}

@@ -191,22 +191,28 @@ static void run_share(const sl_batch *batch, sl_ranks here, unsigned threads, sl
     sl_free(by_worker);
 }
 
+/* An item of a batch that is shared out is one rank's, with all that it takes. */
+static _Thread_local bool inside_shared;
+
 /* Loops within loops are not in the same order on all ranks. */
-static bool is_shared(const sl_batch *batch, sl_ranks here) {
-    return here.count > 1 && batch->shared && !inside_another();
+static bool is_shared(const sl_batch *batch) {
+    return sl_ranks_share() && batch->shared && !inside_shared && !inside_another();
 }
 
 void sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters) {
-    const sl_ranks here = sl_ranks_here();
-    if (!is_shared(batch, here)) {
+    if (!is_shared(batch)) {
         run_share(batch, (sl_ranks){0, 1}, threads, counters);
         return;
     }
     sl_counters counted = {{0}};
     sl_batch_plane planes[1 + SL_BATCH_PLANES] = {{batch->results, batch->result_bytes}};
     for (unsigned k = 0; k < batch->plane_count; k++) planes[1 + k] = batch->planes[k];
-    run_share(batch, here, threads, &counted);
-    sl_ranks_exchange(planes, 1 + batch->plane_count, batch->count, &counted);
+    if (!sl_ranks_recall(planes, 1 + batch->plane_count, batch->count, &counted)) {
+        inside_shared = true;
+        run_share(batch, sl_ranks_here(), threads, &counted);
+        inside_shared = false;
+        sl_ranks_exchange(planes, 1 + batch->plane_count, batch->count, &counted);
+    }
     sl_counters_add(counters, &counted);
 }
 

@@ -18,8 +18,11 @@ typedef struct sl_ranks {
 
 sl_ranks sl_ranks_here(void);
 
-/* Tells whether all ranks have the same number here. */
-bool sl_ranks_agree(uint64_t number);
+/* Tells whether batches are shared out: there are other ranks, or a journal is kept of what they bring. */
+bool sl_ranks_share(void);
+
+/* Work begins on the scene of that hash. Returns why it cannot, NULL: it can. */
+const char *sl_ranks_begin(uint64_t scene);
 
 /* Of each `ranks` items one behind the other every rank has one. Who begins changes evenly: no column of a
  * picture is one rank's. The turn-th item of a rank, which may be one behind the last. */
@@ -39,6 +42,10 @@ static inline size_t sl_ranks_items(sl_ranks at, size_t count) {
  * job, too: others would wait. */
 void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,
                        sl_counters *counted);
+
+/* Fills in the items of all ranks from the journal of a call that ended before it was done, and what they have
+ * counted. False: it does not have this batch. */
+bool sl_ranks_recall(const sl_batch_plane *planes, unsigned plane_count, size_t count, sl_counters *counted);
 
 /* Gives all ranks the files of the first one's folder, into folders of their own, if it says that there are
  * some. Returns whether it did; ends the job where files cannot be read or written. */

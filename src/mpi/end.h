@@ -2,6 +2,11 @@
 #ifndef SL_MPI_END_H
 #define SL_MPI_END_H
 
+#include <stdint.h>
+
+/* A hash of the call: of all that results depend on but for the scene. */
+extern uint64_t sl_ranks_call;
+
 /* Where the reason is told; ranks behind the first say nothing else. */
 extern int sl_ranks_voice;
 

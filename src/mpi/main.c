@@ -1,12 +1,15 @@
-/* softlux-mpi: `softlux render` on as many ranks as mpirun starts, of which the first writes and tells. */
+/* softlux-mpi: `softlux render` on as many ranks as mpirun starts, of which the first writes and tells. One
+ * option more, --journal FILE, keeps what batches bring until the call is done. */
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/random.h"
 #include "base/ranks.h"
 #include "mpi/end.h"
+#include "mpi/journal.h"
 #include "softlux.h"
 
 /* main() of ../app/main.c */
@@ -19,6 +22,35 @@ static const char *refused(int argc, char **argv) {
     for (int i = 2; i < argc; i++)
         if (strncmp(argv[i], "--time", 6) == 0) return "--time: not on several ranks, whose clocks differ";
     return NULL;
+}
+
+/* Takes --journal FILE out of the arguments; returns how many are left, -1: there is no FILE. */
+static int take_journal(int argc, char **argv) {
+    int left = 0;
+    for (int i = 0; i < argc; i++) {
+        const bool is_it = strcmp(argv[i], "--journal") == 0;
+        if (is_it && i + 1 == argc) return -1;
+        if (is_it) sl_ranks_journal_name(argv[++i]);
+        else argv[left++] = argv[i];
+    }
+    argv[left] = NULL;
+    return left;
+}
+
+/* Returns a hash of what results depend on besides the scene. How many threads there are is no such thing. */
+static uint64_t hash_of_call(int argc, char **argv) {
+    uint64_t hash = 0;
+    for (const char *c = sl_version(); *c; c++) hash = sl_hash64(hash ^ (uint64_t)*c);
+    for (int i = 1; i < argc; i++) {
+        const bool threads = strcmp(argv[i], "-t") == 0 || strcmp(argv[i], "--threads") == 0;
+        if (threads) i++;
+        if (threads || strncmp(argv[i], "--threads=", 10) == 0 || strcmp(argv[i], "--quiet") == 0) continue;
+        for (const char *c = argv[i];; c++) {
+            hash = sl_hash64(hash ^ (uint64_t)*c);
+            if (!*c) break;
+        }
+    }
+    return hash;
 }
 
 /* Ranks behind the first are silent, but for the line that says why one has failed. */
@@ -45,14 +77,18 @@ static int run(int argc, char **argv) {
     sl_heartbeat_start();
     const int status = sl_program_main(argc, argv);
     if (told && status) tell_last_line(told, here.rank);
-    if (!status) sl_heartbeat_stop();
+    if (status) return status;
+    sl_heartbeat_stop();
+    sl_ranks_journal_remove();
     return status;
 }
 
 int main(int argc, char **argv) {
     int level;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &level);
-    const char *why = refused(argc, argv);
+    argc = take_journal(argc, argv);
+    const char *why = argc < 0 ? "--journal: expected the name of a file" : refused(argc, argv);
+    sl_ranks_call = hash_of_call(argc, argv);
     if (why && sl_ranks_here().rank == 0) fprintf(stderr, "softlux-mpi: %s\n", why);
     const int status = why ? SL_ERROR_USAGE : run(argc, argv);
     /* Others may wait for a rank that has failed by itself. */

@@ -1,6 +1,8 @@
 /* Ranks by MPI, which starts, places and connects them. */
+#include "base/random.h"
 #include "base/ranks.h"
 #include "mpi/end.h"
+#include "mpi/journal.h"
 
 #include <limits.h>
 #include <mpi.h>
@@ -17,10 +19,20 @@ sl_ranks sl_ranks_here(void) {
     return (sl_ranks){(unsigned)rank, (unsigned)count};
 }
 
-bool sl_ranks_agree(uint64_t number) {
+bool sl_ranks_share(void) { return sl_ranks_here().count > 1 || sl_ranks_journal_is_kept(); }
+
+/* Tells whether all ranks have the same number here. */
+static bool agree(uint64_t number) {
     uint64_t ends[2] = {number, ~number}, least[2]; /* the least of ~n is that of the largest n */
     MPI_Allreduce(ends, least, 2, MPI_UINT64_T, MPI_MIN, MPI_COMM_WORLD);
     return least[0] == ~least[1];
+}
+
+uint64_t sl_ranks_call;
+
+const char *sl_ranks_begin(uint64_t scene) {
+    if (!agree(scene)) return "ranks have read different scenes";
+    return sl_ranks_journal_open(sl_hash64(scene ^ sl_ranks_call));
 }
 
 int sl_ranks_voice = STDERR_FILENO;
@@ -108,14 +120,8 @@ static void exchange_piece(sl_ranks here, const piece *p, size_t bytes) {
     free(all);
 }
 
-void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,
-                       sl_counters *counted) {
-    const sl_ranks here = sl_ranks_here();
-    size_t bytes = 0;
-    if (here.count == 1) return;
-    for (unsigned k = 0; k < plane_count; k++) bytes += planes[k].bytes;
-    exchange_heads(here, count, bytes, counted);
-    if (!bytes) return;
+static void exchange_items(sl_ranks here, const sl_batch_plane *planes, unsigned plane_count, size_t count,
+                           size_t bytes) {
     /* MPI counts in int: whole rounds of all ranks at a time */
     const size_t rounds = (size_t)INT_MAX / 2 / bytes / here.count;
     const size_t most = (rounds ? rounds : 1) * here.count;
@@ -123,4 +129,14 @@ void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_
         const size_t end = count - first < most ? count : first + most;
         exchange_piece(here, &(piece){planes, plane_count, first, end}, bytes);
     }
+}
+
+void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,
+                       sl_counters *counted) {
+    const sl_ranks here = sl_ranks_here();
+    size_t bytes = 0;
+    for (unsigned k = 0; k < plane_count; k++) bytes += planes[k].bytes;
+    if (here.count > 1) exchange_heads(here, count, bytes, counted);
+    if (here.count > 1 && bytes) exchange_items(here, planes, plane_count, count, bytes);
+    sl_ranks_journal_note(planes, plane_count, count, counted);
 }

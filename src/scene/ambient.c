@@ -61,6 +61,12 @@ static rgbd reflecting_area(const sl_scene *scene, bool central, double *area) {
     return sum;
 }
 
+double sl_mean_reflectance(const sl_scene *scene) {
+    double area;
+    const rgbd reflecting = reflecting_area(scene, sl_scene_is_scattered(scene), &area);
+    return area > 0.0 ? fmin(fmax(reflecting.r, fmax(reflecting.g, reflecting.b)) / area, 1.0) : 0.0;
+}
+
 /* Returns what a light sends into the scene: of sunlight, what falls on its box. */
 static double solid_angle_or_area(const sl_scene *scene, bool central, const sl_light *light) {
     if (light->type == SL_LIGHT_POINT) return 4.0 * SL_PI;

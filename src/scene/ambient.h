@@ -12,6 +12,9 @@ sl_rgb sl_ambient_irradiance(const sl_scene *scene);
 /* rho Phi / (A (1 - rho)): of all bounces. */
 sl_rgb sl_ambient_irradiance_of_all_bounces(const sl_scene *scene);
 
+/* k_d, the mean over all surfaces of the channel of which it is the largest. */
+double sl_mean_reflectance(const sl_scene *scene);
+
 /* 0 where it is not finite. */
 double sl_triangle_area(const sl_scene *scene, size_t triangle);
 

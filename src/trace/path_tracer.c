@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-enum { TILE = 4, TILES_A_TASK = 16, TASKS_AT_ONCE = 1024 };
+enum { TILE = 4, TILES_A_TASK = 4, TASKS_AT_ONCE = 4096 };
 
 struct sl_path_tracer {
     const sl_scene *scene;

@@ -3,12 +3,15 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/frame/method.h"
+#include "scene/ambient.h"
+#include "scene/features.h"
 #include "trace/trace.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { PIXELS = 1024, FEW_SAMPLES = 4, MOST_BOUNCES = 64 };
+/* DARK: where so many bounces bring no light others are not looked for. */
+enum { PIXELS = 1024, FEW_SAMPLES = 4, MOST_BOUNCES = 64, DARK = 8 };
 static const double that_matters = 0.005;
 
 bool sl_has_bounces(const sl_settings *settings) {
@@ -81,6 +84,14 @@ static sl_bounces_measured go_on(const double *light, uint32_t measured, uint32_
     return found;
 }
 
+/* A picture without light tells nothing of the one that will be there when a door is opened. */
+static sl_bounces_measured by_reflectance(const sl_scene *scene, uint32_t most) {
+    const double reflectance = sl_mean_reflectance(scene);
+    sl_bounces_measured found = {1, reflectance};
+    for (; found.bounces < most && found.left > that_matters; found.bounces++) found.left *= reflectance;
+    return found;
+}
+
 sl_status sl_measure_bounces(const sl_scene *scene, const sl_settings *settings, sl_bounces_measured *found,
                              sl_error *error) {
     sl_settings asked = *settings;
@@ -97,10 +108,13 @@ sl_status sl_measure_bounces(const sl_scene *scene, const sl_settings *settings,
     while (n <= most && status == SL_OK) {
         transport.bounces = ++n;
         status = measure(&m, &transport, &light[n], error);
-        if (n > 1 && !(light[n] - light[n - 1] > that_matters * light[n])) break;
+        if (n > 1 && !(light[n] - light[n - 1] > that_matters * light[n]) && (light[n] > 0.0 || n >= DARK))
+            break;
     }
     sl_tracer_destroy(m.tracer);
-    if (status == SL_OK) *found = go_on(light, n, most);
+    if (status != SL_OK) return status;
+    *found = light[n] > 0.0 || !sl_scene_features(scene).light ? go_on(light, n, most)
+                                                               : by_reflectance(scene, most);
     return status;
 }
 

@@ -171,24 +171,40 @@ static unsigned point_of(const sl_film *f, unsigned index) {
     return is_quick(f) ? index ^ 2 : index < PILOT ? index : index - PILOT;
 }
 
-bool sl_film_next(const sl_film *f, sl_sub_frame *next) {
-    const bool asking = f->asked < asks_of(f);
-    const unsigned index = asking ? f->asked : f->drawn;
+static sl_sub_frame sub_frame(const sl_film *f, unsigned index, bool asking) {
     float point[3];
-    if (!asking && f->drawn >= f->most) return false;
     sl_sequence_point(&f->sequence, 0, index < PILOT ? 0 : 1, point_of(f, index), point);
     sl_pixel_shape_place(&f->shape, point);
-    *next = (sl_sub_frame){.right = point[0] - 0.5f,
-                           .up = point[1] - 0.5f,
-                           .purpose = !f->asks       ? SL_SUB_FRAME_BOTH
-                                      : !asking      ? SL_SUB_FRAME_SHOWS
-                                      : f->asked > 0 ? SL_SUB_FRAME_ASKS
-                                                     : SL_SUB_FRAME_BOTH,
-                           .turn = index,
-                           .share = share_of(f, index),
-                           .wanted = index < pilot_of(f) ? NULL : f->wanted,
-                           .mips = f->mips};
+    return (sl_sub_frame){.right = point[0] - 0.5f,
+                          .up = point[1] - 0.5f,
+                          .purpose = !f->asks       ? SL_SUB_FRAME_BOTH
+                                     : !asking      ? SL_SUB_FRAME_SHOWS
+                                     : f->asked > 0 ? SL_SUB_FRAME_ASKS
+                                                    : SL_SUB_FRAME_BOTH,
+                          .turn = index,
+                          .share = share_of(f, index),
+                          .wanted = index < pilot_of(f) ? NULL : f->wanted,
+                          .mips = f->mips};
+}
+
+static bool is_asking(const sl_film *f) { return f->asked < asks_of(f); }
+
+bool sl_film_next(const sl_film *f, sl_sub_frame *next) {
+    const bool asking = is_asking(f);
+    if (!asking && f->drawn >= f->most) return false;
+    *next = sub_frame(f, asking ? f->asked : f->drawn, asking);
     return true;
+}
+
+unsigned sl_film_ahead(const sl_film *f, unsigned *first) {
+    *first = f->drawn;
+    if (is_asking(f) || !f->drawn) return 0;
+    return (!is_quick(f) && f->drawn < PILOT ? PILOT : f->most) - f->drawn;
+}
+
+sl_sub_frame sl_film_at(sl_film *f, unsigned ahead) {
+    set_wanted(f, f->drawn + ahead);
+    return sub_frame(f, f->drawn + ahead, false);
 }
 
 double sl_film_share(const sl_film *f) {
@@ -372,6 +388,40 @@ sl_status sl_film_add(sl_film *f, const sl_raster *raster, const sl_image *pictu
     if (f->drawn >= pilot_of(f)) set_wanted(f, f->drawn);
     return status;
 }
+
+/* ---- sub-frames that are drawn elsewhere ---- */
+
+/* Tells whether sub-frame `first` shows it; those behind it show no others. */
+static bool is_packed(const sl_film *f, unsigned first, size_t pixel) {
+    return first < pilot_of(f) || f->count[pixel] > first;
+}
+
+size_t sl_film_pack(const sl_film *f, unsigned first, const sl_image *picture, float *packed) {
+    const size_t pixels = pixels_of(f);
+    size_t used = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        if (!is_packed(f, first, i)) continue;
+        const size_t at = image_place(f, i), channels = (size_t)f->sums->channels;
+        for (size_t c = 0; packed && c < channels; c++) packed[used + c] = picture->planes[c * pixels + at];
+        used += channels;
+    }
+    return used;
+}
+
+void sl_film_unpack(const sl_film *f, unsigned first, const float *packed, sl_image *picture) {
+    const size_t pixels = pixels_of(f);
+    for (size_t i = 0; i < pixels; i++) {
+        if (!is_packed(f, first, i)) continue;
+        const size_t at = image_place(f, i);
+        for (size_t c = 0; c < (size_t)f->sums->channels; c++) picture->planes[c * pixels + at] = *packed++;
+    }
+}
+
+sl_status sl_film_picture(const sl_film *f, sl_image **picture, sl_error *error) {
+    return make_like(f->sums, NULL, picture, error);
+}
+
+void sl_film_count(sl_film *f, const sl_counters *counted) { sl_counters_add(&f->counters, counted); }
 
 /* Puts what a close-up saw of lamps and sky in the place of what the pixel's own samples saw. */
 static void put_rim(const sl_film *f, size_t pixel, size_t at, sl_image *image) {

@@ -28,6 +28,19 @@ bool sl_film_next(const sl_film *film, sl_sub_frame *next);
 /* The next one is drawn: its picture, rows from the top; NULL where it was only asked for. raster: of the
  * scene. */
 sl_status sl_film_add(sl_film *film, const sl_raster *raster, const sl_image *picture, sl_error *error);
+/* Returns how many sub-frames, from the next one on, could be drawn in any order and elsewhere, since none
+ * asks, and none tells which there are; *first: the number of the next one. */
+unsigned sl_film_ahead(const sl_film *film, unsigned *first);
+/* Returns the one that is so many behind the next. Its pixels are listed in the film until another is. */
+sl_sub_frame sl_film_at(sl_film *film, unsigned ahead);
+/* Packs what sub-frame `first` and those behind it show of a picture; packed (NULL: nothing is written) has as
+ * many floats as are returned. */
+size_t sl_film_pack(const sl_film *film, unsigned first, const sl_image *picture, float *packed);
+void sl_film_unpack(const sl_film *film, unsigned first, const float *packed, sl_image *picture);
+/* Makes a picture to unpack into, of any values. The caller destroys it. */
+sl_status sl_film_picture(const sl_film *film, sl_image **picture, sl_error *error);
+/* Counts what was counted elsewhere. */
+void sl_film_count(sl_film *film, const sl_counters *counted);
 /* Returns what the film has counted on top of the method's own; valid until the next call. */
 const sl_counters *sl_film_counters(sl_film *film, const sl_counters *of_method);
 /* Returns how much of the picture is there, by sub-frames. */

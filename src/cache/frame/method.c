@@ -5,6 +5,7 @@
 #include "base/print.h"
 #include "cache/frame/all_light.h"
 #include "cache/frame/budget.h"
+#include "cache/frame/exposure.h"
 #include "cache/frame/settings.h"
 
 #include "base/counters.h"
@@ -130,51 +131,6 @@ static bool region_has_moved(const sl_method *m) {
     return larger > 2.0f * smaller || !(moved <= 0.25 * fmin(before, now));
 }
 
-/* ---- the film ---- */
-
-/* Shows the class the scene as it stands, by a sub-frame. */
-static void look(sl_method *m, sl_sub_frame at) {
-    m->seen = *m->scene;
-    m->seen.sub_frame = at;
-}
-
-/* Shows it the first sub-frame. Without a film it sees the scene itself. */
-static void look_anew(sl_method *m, bool objects_moved) {
-    sl_sub_frame first = {0};
-    if (!m->film) return;
-    sl_film_begin(m->film, objects_moved);
-    sl_film_next(m->film, &first);
-    look(m, first);
-}
-
-/* Hands what the class has finished to the film, and goes on to its next sub-frame; *whole: there is none. */
-static sl_status expose(sl_method *m, bool *whole, sl_error *error) {
-    sl_image *picture = m->sub_frame;
-    sl_sub_frame next;
-    const bool shows = !m->class->asks || m->seen.sub_frame.purpose == SL_SUB_FRAME_SHOWS;
-    sl_status status = shows ? m->class->resolve(m->state, &picture, error) : SL_OK;
-    if (picture != m->sub_frame) sl_image_destroy(m->sub_frame);
-    m->sub_frame = picture;
-    if (status == SL_OK)
-        status = sl_film_add(m->film, m->class->raster(m->state), shows ? picture : NULL, error);
-    *whole = status == SL_OK && !sl_film_next(m->film, &next);
-    if (status != SL_OK || *whole) return status;
-    look(m, next);
-    return m->class->edit(m->state, SL_CHANGED_CAMERA, error);
-}
-
-static sl_status update_film(sl_method *m, sl_progress *now, sl_error *error) {
-    sl_status status = m->class->update(m->state, now, error);
-    const bool drawn = now->done;
-    const double part = now->fraction;
-    if (status != SL_OK) return status;
-    now->done = now->frame_done = false;
-    if (drawn) status = expose(m, &now->done, error);
-    now->fraction = sl_film_share(m->film);
-    if (!drawn && now->fraction == 0.0) now->fraction = 0.5 * part;
-    return status;
-}
-
 /* ---- creation ---- */
 
 static void destroy_state(sl_method *m) {
@@ -191,7 +147,7 @@ static sl_status create_state(sl_method *m, sl_error *error) {
     m->seen = *m->scene;
     if (sl_method_has_film(m->class, &m->settings))
         status = sl_film_create(&m->seen, &m->settings, m->class->asks, &m->film, error);
-    if (status == SL_OK) look_anew(m, true);
+    if (status == SL_OK) sl_expose_anew(m, true);
     const sl_scene *seen = m->film ? &m->seen : m->scene;
     if (status == SL_OK) status = m->class->create(seen, &m->settings, &m->transport, &m->state, error);
     if (status != SL_OK) destroy_state(m);
@@ -285,7 +241,7 @@ sl_status sl_method_update(sl_method *method, sl_progress *progress, sl_error *e
     sl_status status = check_health(method, error);
     if (status != SL_OK) return status;
     if (!method->progress.done) {
-        status = method->film ? update_film(method, &now, error)
+        status = method->film ? sl_expose(method, &now, error)
                               : method->class->update(method->state, &now, error);
         method->resolved = false;
         if (status != SL_OK) method->health = SL_METHOD_FAILED;
@@ -362,7 +318,7 @@ static sl_status edit_state(sl_method *m, unsigned changes, sl_error *error) {
     if (!m->state || kinds || (changes & SL_CHANGED_LIGHTS && is_lit_otherwise(m)))
         return create_anew(m, error);
     if (changes & SL_CHANGED_OBJECTS) remember_region(m);
-    look_anew(m, changes & SL_CHANGED_OBJECTS);
+    sl_expose_anew(m, changes & SL_CHANGED_OBJECTS);
     return m->class->edit(m->state, changes & told, error);
 }
 
@@ -413,7 +369,7 @@ sl_status sl_method_load(sl_method *method, const char *path, sl_error *error) {
     if (!method->class->load)
         return sl_fail(error, SL_ERROR_USAGE, "%s keeps no cache that could be loaded", method->class->name);
     sl_status status = check_health(method, error);
-    if (status == SL_OK) look_anew(method, false);
+    if (status == SL_OK) sl_expose_anew(method, false);
     if (status == SL_OK) status = method->class->load(method->state, path, error);
     if (status == SL_OK) method->progress.done = method->progress.frame_done = method->resolved = false;
     return status;

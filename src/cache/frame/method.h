@@ -117,6 +117,8 @@ struct sl_method {
     sl_counters *before; /* of states that are gone; behind them all with this one's. NULL: there are none */
     sl_film *film; /* NULL: pixels are what their centres show */
     sl_image *sub_frame; /* the last one's picture; NULL: there is none */
+    bool looks_elsewhere; /* seen has another sub-frame than the class has been told of */
+    bool batch_by_batch;  /* somebody looks between updates: none stands for several */
     sl_settings settings; /* complete */
     char name[32], transport_name[64];
     uint64_t memory_bytes; /* as asked for */

@@ -18,7 +18,8 @@
 #include "base/memory.h"
 #include "cache/multi_mesh/direct.h"
 
-enum { FIRST_VERTICES = 1024 /* an update's, before refinement */, LEAF_VERTICES = 6 };
+/* An update's vertices before refinement; light samples while things move. */
+enum { FIRST_VERTICES = 1024, QUICK_SAMPLES = 8192, LEAF_VERTICES = 6 };
 
 /* ---- image pass 1: identifiers and visible sizes; image pass 2: materials ---- */
 
@@ -133,12 +134,20 @@ sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t
 
 /* ---- progressive sampling: the first picture, from the roots alone ---- */
 
+/* Returns how many vertices an update takes at most: with many lights fewer while things move, so that what
+ * it brings is soon seen. */
+static size_t most_first_vertices(const sl_multi_mesh_state *s) {
+    const size_t lights = s->lights ? s->lights->count : 0;
+    const bool few = s->is_edited && lights * FIRST_VERTICES > QUICK_SAMPLES;
+    return few ? QUICK_SAMPLES / lights + 1 : FIRST_VERTICES;
+}
+
 /* Some of the vertices that visible leaves lack; *none: there are no more. */
 static sl_status fill_missing(sl_multi_mesh_state *s, sl_component part, bool *none, sl_error *error) {
     uint32_t vertex[FIRST_VERTICES];
     sl_wanted_vertex wanted[FIRST_VERTICES];
-    size_t count = sl_displayed_missing(s->part[part], vertex, FIRST_VERTICES);
-    *none = count < FIRST_VERTICES;
+    const size_t most = most_first_vertices(s), count = sl_displayed_missing(s->part[part], vertex, most);
+    *none = count < most;
     s->priorities_stale |= count > 0;
     for (size_t i = 0; i < count; i++) wanted[i] = (sl_wanted_vertex){vertex[i], 0};
     return sl_multi_mesh_sample(s, part, count, wanted, error);

@@ -40,11 +40,12 @@ static sl_status refine_or_end(sl_multi_mesh_state *s, sl_error *error) {
 
 /* ---- an update ---- */
 
-/* From then on frames may show it: the most visible edges of light are split, or at least the roots lit while
- * something moves. */
+/* From then on frames may show it: the most visible edges of light are split, or while something moves at
+ * least some roots lit. */
 static void note_light(sl_multi_mesh_state *s) {
-    bool refines = s->phase == SL_PHASE_REFINE && (s->is_edited || s->fraction >= 0.25);
-    s->has_light = s->has_light || refines || s->phase == SL_PHASE_DONE;
+    bool refines = s->phase == SL_PHASE_REFINE && s->fraction >= 0.25;
+    bool begins = s->is_edited && s->phase >= SL_PHASE_FIRST;
+    s->has_light = s->has_light || refines || begins || s->phase == SL_PHASE_DONE;
 }
 
 /* The first picture: one phase after the other. */

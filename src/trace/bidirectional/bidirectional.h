@@ -11,7 +11,7 @@
 typedef struct sl_path_pairs sl_path_pairs;
 
 /* Light that falls on other pixels is kept in so many lists. */
-enum { SL_PAIR_LISTS = 64 };
+enum { SL_PAIR_LISTS = 256 };
 
 /* But with SL_FILTER_BOX light subpaths are not joined to the camera. */
 sl_status sl_path_pairs_create(const sl_path_walk *walk, const sl_path_lens *lens, unsigned workers,

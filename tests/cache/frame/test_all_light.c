@@ -53,10 +53,27 @@ static void where_nothing_is_reflected_there_is_one_bounce(void **state) {
     sl_scene_destroy(scene);
 }
 
+/* The lamp is in a closed box, which may be opened. */
+static void where_no_light_is_seen_bounces_are_those_of_the_mean_reflectance(void **state) {
+    static const char *const walls[] = {"\"diffuse\": 0.7", "\"diffuse\": 0.3"};
+    static const uint32_t bounces[] = {14, 5}; /* .7^15 and .3^6 are less than half a per cent */
+    for (int i = 0; i < 2; i++) {
+        sl_scene *scene = room_with_a_box(1.0, 0.0, walls[i], walls[i], "",
+                                          "\"lights\": [{\"type\": \"point\", \"position\": [0, -0.7, 0], "
+                                          "\"intensity\": 5}],");
+        const sl_bounces_measured found = measured(scene);
+        print_message("%s: %u bounces, %.2f %% left\n", walls[i], (unsigned)found.bounces, 100.0 * found.left);
+        assert_in_range(found.bounces, bounces[i] - 1, bounces[i] + 1);
+        assert_true(found.left > 0.0 && found.left < 0.005);
+        sl_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bounces_that_are_left_out_hold_less_than_half_a_per_cent_of_the_light),
         cmocka_unit_test(where_nothing_is_reflected_there_is_one_bounce),
+        cmocka_unit_test(where_no_light_is_seen_bounces_are_those_of_the_mean_reflectance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
