@@ -1,6 +1,7 @@
 /* Continuous motion: what is shown while things move without rest, of every method at equal budget.
  *
- *     build/bench/bench_motion [--method NAME] [--budget TIMES] [--only SCENE] [--csv FOLDER] [--brief]
+ *     build/bench/bench_motion [--method NAME] [--budget TIMES] [--only SCENE] [--csv FOLDER] [--film FOLDER]
+ *                              [--brief]
  *
  * Thirty seconds at 25 frames a second of the scene's time: eight of motion, three of rest, eight, three,
  * five, three. A frame's budget is counted work, by one table of costs a counter, so that the same frames are
@@ -13,7 +14,8 @@
  * without the noise of either half. They are relative to the mean of the thirty seconds, since a room is dark
  * while its door is closed. Beside the methods runs the RenderCache (render_cache.h), whose samples
  * are few points on lamps and few paths. Flicker is the root mean square of what a pixel shown changes by
- * from a frame to the next, over that of the truth. */
+ * from a frame to the next, over that of the truth. --film: 24 frames of those that move are path traced as
+ * whole pictures; FLIP is the mean against them, and what each method showed is written as PNGs. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,10 +30,11 @@
 #include "shading_bench.h"
 
 enum { RATE = 25, FRAMES = 30 * RATE, STEP = 5, SIZE = 512, PROBES = 4096, SAMPLES = 24, CONTESTANTS = 24 };
+enum { FILM_BEGIN = 6 * RATE, FILM_FRAMES = 24, FILM_SAMPLES = 128 };
 
 typedef struct options {
     bench_options common;
-    const char *method, *csv;
+    const char *method, *csv, *film;
     double budget; /* 0: half, one and two */
 } options;
 
@@ -91,6 +94,7 @@ typedef struct contestant {
     bool may_move;        /* what was last told of has been shown */
     uint64_t shows, dark; /* frames that show another picture than the last, that show no light */
     double error[FRAMES]; /* relative RMSE of judged frames; NAN: not judged */
+    double flip;          /* the mean of the film's frames */
     double change, truth; /* sums of squares from a frame to the next, while things move */
 } contestant;
 
@@ -337,6 +341,53 @@ static void add_changes(contestant *c, const truth *before, const truth *now, do
     }
 }
 
+/* ---- a film ---------------------------------------------------------------------------------- */
+
+static void write_frame(const options *o, const char *scene, const char *name, int frame,
+                        const sl_image *image, double white) {
+    char path[512];
+    sl_error error = {SL_ERROR_OUTPUT, "the film's folder has too long a name"};
+    const sl_tone tone = {SL_TONE_CLIP, (float)-log2(white), false};
+    const int used = snprintf(path, sizeof path, "%s/%s-%s-%02d.png", o->film, scene, name, frame);
+    check(used < (int)sizeof path ? SL_OK : SL_ERROR_OUTPUT, &error);
+    check(sl_image_write_png(image, path, tone, &error), &error);
+}
+
+static void trace_whole(const sl_scene *scene, int size, sl_image **image) {
+    sl_settings settings = sl_settings_default();
+    sl_method *method;
+    sl_progress progress = {0};
+    sl_error error;
+    settings.method = "path";
+    settings.transport = "full";
+    settings.width = settings.height = size;
+    settings.spp = FILM_SAMPLES;
+    settings.threads = 2;
+    check(sl_method_create(scene, &settings, &method, &error), &error);
+    while (!progress.done) check(sl_method_update(method, &progress, &error), &error);
+    check(sl_method_resolve(method, image, &error), &error);
+    sl_method_destroy(method);
+}
+
+/* Judges a frame of the film as a whole, and writes it. */
+static void film_frame(const options *o, const char *name, const sl_scene *scene, int size, int frame,
+                       contestant *contestants, int count, double white) {
+    const sl_compare_options screen = {.exposure_stops = (float)-log2(white)};
+    sl_image *whole;
+    sl_error error;
+    trace_whole(scene, size, &whole);
+    write_frame(o, name, "truth", frame, whole, white);
+    for (int i = 0; i < count; i++) {
+        contestant *c = &contestants[i];
+        sl_comparison found = {.flip = 1.0};
+        if (!c->shown) continue;
+        check(sl_image_compare(c->shown, whole, &screen, &found, NULL, &error), &error);
+        c->flip += found.flip / FILM_FRAMES;
+        write_frame(o, name, c->name, frame, c->shown, white);
+    }
+    sl_image_destroy(whole);
+}
+
 /* ---- figures --------------------------------------------------------------------------------- */
 
 enum { RESTS = 3 };
@@ -387,9 +438,9 @@ static void put_row(const char *scene, const contestant *c) {
         judged++;
     }
     const sl_counters *n = counters_of(c);
-    bench_row("%s|%s|%.1f|%.1f|%.1f|%.1f|%.2f|%.2f|%.2f|%.1f|%llu|%llu|%llu", scene, c->name, c->times,
+    bench_row("%s|%s|%.1f|%.1f|%.1f|%.1f|%.2f|%.2f|%.2f|%.3f|%.1f|%llu|%llu|%llu", scene, c->name, c->times,
               100.0 * sum / judged, 100.0 * worst, 100.0 * least_at_rest(c), seconds_until(c, 0.5),
-              seconds_until(c, 0.1), sqrt(c->change / fmax(c->truth, 1e-300)),
+              seconds_until(c, 0.1), sqrt(c->change / fmax(c->truth, 1e-300)), c->flip,
               (double)c->shows / (FRAMES / RATE), (unsigned long long)c->dark,
               (unsigned long long)n->value[SL_COUNT_SPLITS],
               (unsigned long long)(n->value[SL_COUNT_RAYS] + n->value[SL_COUNT_SHADOW_RAYS]) / 1000);
@@ -472,6 +523,8 @@ static void run_scene(const options *o, const char *path) {
             if (judged) c->error[k] = error_of(c->shown, &now, white);
             if (pair) add_changes(c, &before, &now, white);
         }
+        if (o->film && k >= FILM_BEGIN && k < FILM_BEGIN + FILM_FRAMES)
+            film_frame(o, name, scene, size, k - FILM_BEGIN, contestants, count, white);
     }
     for (int i = 0; i < count; i++) {
         for (int k = 0; k < FRAMES && mean > 0.0; k++) contestants[i].error[k] *= frames / mean;
@@ -488,6 +541,7 @@ static options parse(int argc, char **argv) {
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--method") == 0 && i + 1 < argc) o.method = argv[++i];
         else if (strcmp(argv[i], "--csv") == 0 && i + 1 < argc) o.csv = argv[++i];
+        else if (strcmp(argv[i], "--film") == 0 && i + 1 < argc) o.film = argv[++i];
         else if (strcmp(argv[i], "--budget") == 0 && i + 1 < argc) o.budget = strtod(argv[++i], NULL);
         else argv[rest++] = argv[i];
     }
@@ -501,12 +555,14 @@ int main(int argc, char **argv) {
                                          "bench/scenes/motion-room-lamp.json",
                                          "bench/scenes/motion-all.json"};
     options o = parse(argc, argv);
-    if (o.csv && access(o.csv, W_OK) != 0) {
-        fprintf(stderr, "bench_motion: --csv %s: expected a folder that can be written to\n", o.csv);
+    const char *const folders[] = {o.csv, o.film};
+    for (int i = 0; i < 2; i++) {
+        if (!folders[i] || access(folders[i], W_OK) == 0) continue;
+        fprintf(stderr, "bench_motion: %s: expected a folder that can be written to\n", folders[i]);
         return SL_ERROR_OUTPUT;
     }
     bench_table("scene|method|>budget|>in motion %|>worst %|>at rest %|>s to half|>s to a tenth|>flicker|"
-                ">pictures/s|>dark|>splits|>krays");
+                ">FLIP|>pictures/s|>dark|>splits|>krays");
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) run_scene(&o, scenes[i]);
     return 0;
 }

@@ -1,5 +1,7 @@
 /* Lights and objects that move while updates go on: counters and pictures, no clocks. */
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 #include "unit_test.h"
 #include "base/math.h"
@@ -7,6 +9,7 @@
 #include "cache/light/moves.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 #include "rendering.h"
+#include "scene/copy.h"
 
 enum { SIDE = 40, PIXELS = SIDE * SIDE, MOVES = SL_SANITIZED ? 90 : 400 };
 
@@ -312,6 +315,52 @@ static void indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_mov
     sl_scene_destroy(scene);
 }
 
+/* A cube from inside, by so many lamps that an update lights few vertices. */
+static sl_scene *room_of_lamps(int lamps) {
+    char *json;
+    size_t size;
+    FILE *out = open_memstream(&json, &size);
+    assert_non_null(out);
+    fputs("{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\"}], \"lights\": [", out);
+    for (int i = 0; i < lamps; i++)
+        fprintf(out, "%s{\"type\": \"point\", \"position\": [%g, 0.5, 0.1], \"intensity\": 0.01}",
+                i ? ", " : "", 1.6 * i / lamps - 0.8);
+    fputs("], \"camera\": {\"eye\": [0, 0, 0.98], \"target\": [0, 0, 0], \"fov_deg\": 80, \"keyframes\": "
+          "[{\"time\": 0, \"eye\": [0, 0, 0.98]}, {\"time\": 1, \"eye\": [0.4, 0, 0.9]}]}}", out);
+    fclose(out);
+    sl_scene *scene = scene_from_text(json, "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\n"
+                                            "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\n"
+                                            "f 1 5 8 4\nf 2 3 7 6\n");
+    free(json);
+    return scene;
+}
+
+static void where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_have_some(void **state) {
+    sl_scene *scene = room_of_lamps(2000), *copy;
+    const sl_settings settings = mesh_settings(2);
+    sl_method *method = begin(scene, &settings);
+    const sl_window_class *class = method->class->window;
+    void *window;
+    sl_image *image;
+    uint64_t versions;
+    sl_counters counters = {{0}};
+    assert_int_equal(sl_scene_copy(scene, &copy, NULL), SL_OK);
+    assert_int_equal(class->create(method->state, copy, 1, &window, NULL), SL_OK);
+    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+    move_to(method, scene, 0.1);
+    assert_int_equal(((sl_multi_mesh_state *)method->state)->phase, SL_PHASE_FIRST);
+    assert_int_equal(sl_image_create(SIDE, SIDE, 3, NULL, &image, NULL), SL_OK);
+    assert_int_equal(class->draw(window, image, &versions, &counters, NULL), SL_OK);
+    double sum = 0.0;
+    for (size_t i = 0; i < 3 * PIXELS; i++) sum += (double)image->planes[i];
+    assert_true(sum > 0.0 && isfinite(sum));
+    sl_image_destroy(image);
+    class->destroy(window);
+    sl_method_destroy(method);
+    sl_scene_copy_destroy(copy);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while),
@@ -320,6 +369,7 @@ int main(void) {
         cmocka_unit_test(samples_that_survive_a_move_are_those_of_a_fresh_method),
         cmocka_unit_test(a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once),
         cmocka_unit_test(indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_move),
+        cmocka_unit_test(where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_have_some),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
