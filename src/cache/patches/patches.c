@@ -139,11 +139,15 @@ static bool root_is_triangle(const sl_patches *p, uint32_t root) {
     return p->primitives->kind[root / 2] == SL_PRIMITIVE_TRIANGLE;
 }
 
-sl_patch_place sl_patch_root_place(const sl_patches *p, uint32_t root) {
+/* patch: the root's, or none. */
+static sl_patch_place root_place(const sl_patches *p, uint32_t root, uint32_t patch) {
     const uint16_t one = SL_PATCH_DYADIC;
-    uint32_t patch = sl_patches_find_root(p, root);
     if (root_is_triangle(p, root)) return (sl_patch_place){patch, root, 0, 3, {0, one, 0, 0}, {0, 0, one, 0}};
     return (sl_patch_place){patch, root, 0, 4, {0, one, one, 0}, {0, 0, one, one}};
+}
+
+sl_patch_place sl_patch_root_place(const sl_patches *p, uint32_t root) {
+    return root_place(p, root, sl_patches_find_root(p, root));
 }
 
 /* Each corner of a child is the middle of two corners of its parent, or one of them (then both are the same).
@@ -173,9 +177,9 @@ sl_patch_place sl_patch_child_place(const sl_patches *p, const sl_patch_place *p
 
 sl_patch_place sl_patch_place_of(const sl_patches *p, uint32_t patch) {
     int way[SL_PATCH_DEPTH_MAX], depth = 0;
-    for (uint32_t at = patch; sl_patch_parent(p, at) != SL_NO_INDEX; at = sl_patch_parent(p, at))
-        way[depth++] = (int)(at % 4);
-    sl_patch_place place = sl_patch_root_place(p, sl_patch_root(p, patch));
+    uint32_t at = patch;
+    for (; sl_patch_parent(p, at) != SL_NO_INDEX; at = sl_patch_parent(p, at)) way[depth++] = (int)(at % 4);
+    sl_patch_place place = root_place(p, sl_patch_root(p, at), at);
     while (depth > 0) place = sl_patch_child_place(p, &place, way[--depth]);
     return place;
 }
@@ -223,7 +227,7 @@ static bool reserve_root(sl_patches *p) {
         if (!sl_regrow(&p->root, p->root_count, capacity, sizeof *p->root)) return false;
         p->root_capacity = capacity;
     }
-    if (4 * (p->root_count + 1) <= 3 * p->root_slots) return true;
+    if (2 * (p->root_count + 1) <= p->root_slots) return true;
     if (!sl_empty_slots(&p->root_slot, &p->root_slots, 2 * p->root_slots)) return false;
     for (uint32_t i = 0; i < p->root_count; i++) p->root_slot[root_slot(p, p->root[i].root)] = i;
     return true;
@@ -241,7 +245,7 @@ uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_err
     if (block) p->last_root_block = take_block(p, SL_NO_INDEX, (uint32_t)p->root_count);
     sl_wanted_root *made = &p->root[p->root_count];
     uint32_t patch = p->last_root_block + (uint32_t)(p->root_count % 4);
-    sl_patch_place place = sl_patch_root_place(p, root);
+    sl_patch_place place = root_place(p, root, patch);
     *made = (sl_wanted_root){root, patch, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
     for (int c = 0; c < place.corners; c++)
         made->corner[c] = sl_vertex_take(p, (sl_root_place){root, place.u[c], place.v[c]}, &created);
