@@ -29,7 +29,11 @@ render_all() { # render_all LIST SUFFIX PROGRAM...: each picture as $folder/LIST
     shift 2
     while read -r name arguments; do
         # shellcheck disable=SC2086
-        "$@" render $arguments --quiet -t 2 -o "$folder/picture.pfm" </dev/null && mv "$folder/picture.pfm" "$folder/$list-$name.$suffix"
+        if "$@" render $arguments --quiet -t 2 -o "$folder/picture.pfm" </dev/null 2>"$folder/told"; then
+            mv "$folder/picture.pfm" "$folder/$list-$name.$suffix"
+        else
+            grep -v "TCG doesn't support" "$folder/told"
+        fi
     done <"$folder/$list"
 }
 
