@@ -39,6 +39,16 @@ same scenes/mirror-balls.json -m direct-radiance -q draft -s 48x48
 same scenes/cornell-mirror.json -m path --spp 4 -s 49x47
 same scenes/cornell.json -m bidirectional --spp 2 -s 48x48
 
+# Ranks with different instruction sets.
+for scene in "scenes/cornell.json -m splatting" "scenes/cornell-mirror.json -m path --spp 4"; do
+    # shellcheck disable=SC2086
+    set -- $scene -q draft -s 48x48 --quiet
+    "$build/softlux" render "$@" -o "$folder/one.exr" || fail "cannot render $*"
+    mpirun -n 1 env SOFTLUX_ISA=baseline "$build/softlux-mpi" render "$@" -o "$folder/many.exr" : \
+        -n 1 env SOFTLUX_ISA=avx2 "$build/softlux-mpi" render "$@" -o "$folder/many.exr" || fail "cannot render by two instruction sets: $*"
+    cmp -s "$folder/one.exr" "$folder/many.exr" || fail "other bits by two instruction sets: $*"
+done
+
 pair() { # pair SCENE OTHER: of two ranks the second is told of another scene
     rm -f "$folder/many.exr"
     mpirun -n 1 "$build/softlux-mpi" render "$1" -m splatting -q draft -s 32x32 --quiet -o "$folder/many.exr" : \
