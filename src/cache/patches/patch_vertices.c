@@ -50,8 +50,8 @@ static void empty_slot(sl_patches *p, size_t hole) {
 /* ---- vertices -------------------------------------------------------------------------------- */
 
 static bool reserve_slots(sl_patches *p, size_t vertices) {
-    if (2 * vertices <= p->slots) return true;
-    size_t count = 3 * vertices + 16;
+    if (5 * vertices <= 4 * p->slots) return true;
+    size_t count = vertices + vertices / 4 + vertices / 2 + 16;
     if (count >= SL_NO_INDEX || !sl_empty_slots(&p->slot, &p->slots, count)) return false;
     for (size_t i = 0; i < p->vertex_count; i++)
         if (p->vertex[i].references) p->slot[slot_of(p, p->vertex[i].place)] = (uint32_t)i;
