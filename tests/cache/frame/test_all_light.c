@@ -62,8 +62,6 @@ static void where_no_light_is_seen_bounces_are_those_of_the_mean_reflectance(voi
                                           "\"lights\": [{\"type\": \"point\", \"position\": [0, -0.7, 0], "
                                           "\"intensity\": 5}],");
         const sl_bounces_measured found = measured(scene);
-        print_message("%s: %u bounces, %.2f %% left\n", walls[i], (unsigned)found.bounces,
-                      100.0 * found.left);
         assert_in_range(found.bounces, bounces[i] - 1, bounces[i] + 1);
         assert_true(found.left > 0.0 && found.left < 0.005);
         sl_scene_destroy(scene);

@@ -21,27 +21,10 @@ static sl_settings octree_settings(int size) {
     return s;
 }
 
-static sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp) {
-    sl_settings reference = small_settings("path", settings->width, settings->height);
-    reference.transport = "matched:light-octree";
-    reference.light_octree.indirect_only = settings->light_octree.indirect_only;
-    reference.spp = spp;
-    reference.threads = 2;
-    sl_image *ours = render(scene, settings, NULL), *truth = render(scene, &reference, NULL);
-    sl_comparison c;
-    assert_sound_picture(ours, "by the light octree");
-    assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
-    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias,
-                  100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
-    sl_image_destroy(ours);
-    sl_image_destroy(truth);
-    return c;
-}
-
 static void the_cornell_box_is_lit_as_by_all_of_its_paths(void **state) {
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = octree_settings(40);
-    sl_comparison c = against_path_tracer(scene, &settings, 128);
+    sl_comparison c = against_path_tracer(scene, &settings, 128, NULL);
     assert_true(fabs(c.bias) < 0.02);
     assert_true(c.rel_mse - c.rel_mse_noise < 0.02);
     sl_scene_destroy(scene);
@@ -52,7 +35,7 @@ static void photons_gathered_at_pixels_light_the_cornell_box_too(void **state) {
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = octree_settings(40);
     settings.light_octree.photons_at_pixels = true;
-    sl_comparison c = against_path_tracer(scene, &settings, 64);
+    sl_comparison c = against_path_tracer(scene, &settings, 64, NULL);
     assert_true(fabs(c.bias) < 0.02);
     assert_true(c.rel_mse - c.rel_mse_noise < 0.02);
     sl_counters counters;
@@ -156,7 +139,7 @@ static void a_new_camera_keeps_photons_and_voxels(void **state) {
 static void mirrors_show_what_they_reflect(void **state) {
     sl_scene *scene = load_scene("scenes/cornell-mirror.json");
     sl_settings settings = octree_settings(40);
-    sl_comparison c = against_path_tracer(scene, &settings, 128);
+    sl_comparison c = against_path_tracer(scene, &settings, 128, NULL);
     assert_true(fabs(c.bias) < 0.03);
     sl_scene_destroy(scene);
 }

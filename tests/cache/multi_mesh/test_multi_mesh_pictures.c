@@ -18,33 +18,16 @@ static sl_settings mesh_settings(int width, int height) {
     return s;
 }
 
-static sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp) {
-    sl_settings reference = small_settings("path", settings->width, settings->height);
-    reference.transport = "matched:multi-mesh";
-    reference.bounces = settings->bounces;
-    reference.spp = spp;
-    reference.threads = 2;
-    sl_image *ours = render(scene, settings, NULL), *truth = render(scene, &reference, NULL);
-    sl_comparison c;
-    assert_sound_picture(ours, "by multi-mesh caching");
-    assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
-    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias,
-                  100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
-    sl_image_destroy(ours);
-    sl_image_destroy(truth);
-    return c;
-}
-
 /* ---- against the truth ---- */
 
 static void the_cornell_box_is_lit_as_by_its_one_bounce_paths(void **state) {
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = mesh_settings(96, 96);
-    sl_comparison c = against_path_tracer(scene, &settings, 128);
+    sl_comparison c = against_path_tracer(scene, &settings, 128, NULL);
     assert_true(fabs(c.bias) < 0.03);
     assert_true(c.rel_mse - c.rel_mse_noise < 6e-3);
     settings.quality = SL_QUALITY_NORMAL;
-    c = against_path_tracer(scene, &settings, 128);
+    c = against_path_tracer(scene, &settings, 128, NULL);
     assert_true(fabs(c.bias) < 0.015);
     assert_true(c.rel_mse - c.rel_mse_noise < 2.2e-3);
     sl_scene_destroy(scene);

@@ -255,17 +255,11 @@ static void a_glossy_wall_leaves_diffuse_pixels_as_they_were(void **state) {
 
 static void the_glossy_box_agrees_with_the_path_tracer(void **state) {
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
-    sl_settings settings = small_settings("splatting", 64, 64), path = small_settings("path", 64, 64);
+    sl_settings settings = small_settings("splatting", 64, 64);
     settings.quality = SL_QUALITY_NORMAL;
-    path.transport = "matched:splatting";
-    path.spp = 256;
-    sl_image *picture = render(scene, &settings, NULL), *reference = render(scene, &path, NULL);
-    sl_comparison c;
-    assert_int_equal(sl_image_compare(picture, reference, NULL, &c, NULL, NULL), SL_OK);
+    const sl_comparison c = against_path_tracer(scene, &settings, 256, NULL);
     assert_true(fabs(c.bias) < 0.005);
     assert_true(c.rel_mse - c.rel_mse_noise < 0.005);
-    sl_image_destroy(picture);
-    sl_image_destroy(reference);
     sl_scene_destroy(scene);
 }
 
