@@ -141,8 +141,8 @@ sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *sett
     sl_image *ours = render(scene, settings, counters), *truth = render(scene, &paths, NULL);
     sl_comparison c;
     assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
-    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias, 100.0 * c.rel_rmse,
-                  c.rel_mse - c.rel_mse_noise);
+    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias,
+                  100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
     assert_true(c.nonfinite == 0 && c.negative == 0);
     sl_image_destroy(ours);
     sl_image_destroy(truth);
