@@ -173,7 +173,7 @@ static bool write_record(FILE *file, const sl_batch_plane *planes, unsigned plan
 }
 
 void sl_ranks_journal_note(const sl_batch_plane *planes, unsigned plane_count, size_t count,
-                     const sl_counters *counted) {
+                             const sl_counters *counted) {
     if (!journal.file || !is_first()) return;
     if (write_record(journal.file, planes, plane_count, count, counted)) return;
     fprintf(stderr, "softlux-mpi: cannot write %s: what is done from here on is not kept\n", journal.path);

@@ -15,7 +15,7 @@ const char *sl_ranks_journal_open(uint64_t key);
 /* Adds a batch that all ranks have the results of. A journal that cannot be written is given up, with a
  * line. */
 void sl_ranks_journal_note(const sl_batch_plane *planes, unsigned plane_count, size_t count,
-                     const sl_counters *counted);
+                             const sl_counters *counted);
 /* When the call is done. */
 void sl_ranks_journal_remove(void);
 

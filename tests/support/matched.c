@@ -14,20 +14,29 @@ void assert_sound_picture(const sl_image *image, const char *what) {
     }
 }
 
-matched matched_with_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp) {
+sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp,
+                                  sl_counters *counters) {
+    char transport[64];
     sl_settings reference = *settings;
-    sl_counters counters;
     sl_comparison c;
+    snprintf(transport, sizeof transport, "matched:%s", settings->method);
     reference.method = "path";
-    reference.transport = "matched:splatting";
+    reference.transport = transport;
     reference.spp = spp;
-    sl_image *ours = render(scene, settings, &counters), *theirs = render(scene, &reference, NULL);
-    assert_sound_picture(ours, "splatting");
+    sl_image *ours = render(scene, settings, counters), *theirs = render(scene, &reference, NULL);
+    assert_sound_picture(ours, settings->method);
     assert_int_equal(sl_image_compare(ours, theirs, NULL, &c, NULL, NULL), SL_OK);
     assert_int_equal(c.nonfinite, 0);
-    matched m = {sqrt(fmax(0.0, c.rel_mse - c.rel_mse_noise)), c.bias, sqrt(c.rel_mse_noise),
-                 (double)counters.value[SL_COUNT_RECORDS]};
+    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias,
+                  100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
     sl_image_destroy(ours);
     sl_image_destroy(theirs);
-    return m;
+    return c;
+}
+
+matched matched_with_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp) {
+    sl_counters counters;
+    const sl_comparison c = against_path_tracer(scene, settings, spp, &counters);
+    return (matched){sqrt(fmax(0.0, c.rel_mse - c.rel_mse_noise)), c.bias, sqrt(c.rel_mse_noise),
+                     (double)counters.value[SL_COUNT_RECORDS]};
 }

@@ -1,4 +1,4 @@
-/* A picture by splatting against the path tracer on the same paths. */
+/* A picture against the path tracer on the same paths. */
 #ifndef SL_TESTS_MATCHED_H
 #define SL_TESTS_MATCHED_H
 
@@ -11,7 +11,10 @@ typedef struct matched {
     double records;
 } matched;
 
-/* settings: of splatting. Fails the test if the picture holds a value that is negative or not finite. */
+/* By so many samples a pixel; counters (may be NULL) receives what the picture cost. Fails the test if the
+ * picture holds a value that is negative or not finite. */
+sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp,
+                                  sl_counters *counters);
 matched matched_with_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp);
 /* Every value of every layer is finite and not negative. */
 void assert_sound_picture(const sl_image *image, const char *what);

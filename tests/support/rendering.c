@@ -130,25 +130,6 @@ sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters
     return image;
 }
 
-sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp,
-                                  sl_counters *counters) {
-    char transport[64];
-    sl_settings paths = *settings;
-    snprintf(transport, sizeof transport, "matched:%s", settings->method);
-    paths.method = "path";
-    paths.transport = transport;
-    paths.spp = spp;
-    sl_image *ours = render(scene, settings, counters), *truth = render(scene, &paths, NULL);
-    sl_comparison c;
-    assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
-    print_message("bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", 100.0 * c.bias,
-                  100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
-    assert_true(c.nonfinite == 0 && c.negative == 0);
-    sl_image_destroy(ours);
-    sl_image_destroy(truth);
-    return c;
-}
-
 double channel_mean(const sl_image *image, const char *channel) {
     const float *plane = sl_image_channel(image, channel);
     const size_t pixels = (size_t)image->width * (size_t)image->height;

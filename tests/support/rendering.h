@@ -22,9 +22,6 @@ void good(sl_status status, const sl_error *error);
 sl_settings small_settings(const char *method, int width, int height);
 /* Runs a method to its end and resolves it; counters (may be NULL) receives what it cost. */
 sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters);
-/* Compares it with the path tracer's picture of the same light paths, by so many samples a pixel. */
-sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp,
-                                  sl_counters *counters);
 sl_method *created_method(const sl_scene *scene, const sl_settings *settings);
 /* Updates a method to its end and resolves it. */
 sl_image *finished_picture(sl_method *method);

@@ -8,6 +8,7 @@
 #include "base/random.h"
 #include "cache/bounces/second_level.h"
 #include "gather_world.h"
+#include "matched.h"
 #include "rendering.h"
 
 static sl_gather_settings ray_gather(int size) {

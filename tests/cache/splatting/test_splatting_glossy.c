@@ -7,6 +7,7 @@
 
 #include "unit_test.h"
 #include "cache/splatting/glossy.h"
+#include "matched.h"
 #include "rendering.h"
 #include "harmonics_support.h"
 

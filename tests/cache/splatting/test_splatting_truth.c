@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "unit_test.h"
+#include "matched.h"
 #include "rendering.h"
 
 /* Inside a sphere one diffuse bounce is the same everywhere: E = albedo <E_direct>, <E_direct> = power / (4
