@@ -4,6 +4,7 @@ network.
 
 bench/ranks.py [--check]       table of docs/many-machines.md; --check: what two ranks do here, beside it
 bench/ranks.py LOG...          of logs that are there
+bench/ranks.py --network       what exchanges of two ranks take here, beside what is predicted of this network
 """
 import math
 import os
@@ -11,9 +12,10 @@ import subprocess
 import sys
 
 PROGRAM = "build/softlux-mpi"
+REPLAY = "build/ranks-replay"
 RANKS = [2, 4, 8, 16, 32, 64]
 NETWORKS = {"data centre": (2e-6, 10e9), "office": (100e-6, 110e6)}  # seconds, bytes a second
-COPY = 5e9  # bytes a second that a rank puts side by side and back
+COPY = 2e9  # bytes a second that a rank puts side by side and back, into new memory
 HEAD = 424  # bytes a rank: items, bytes, counters
 ONE_BY_ONE = 50000  # bytes beyond which MPI passes pieces on from neighbour to neighbour
 SCENES = {"atrium": "scenes/generated/atrium.json", "figure": "scenes/generated/figure.json",
@@ -58,7 +60,8 @@ def exchange(size, ranks, latency, bandwidth):
 
 
 def predict(batches, ranks, network):
-    """Seconds from the first batch on; of these what is serial, waits for the slowest rank, is the network's."""
+    """Seconds from the first batch on; what is serial of them, what waits for the slowest rank, what is the
+    network's."""
     serial = sum(b[0] for b in batches[1:])
     work = sum(b[2][0] for b in batches) / ranks
     most = sum(b[2][int(math.log2(ranks))] for b in batches)
@@ -93,11 +96,25 @@ def check(scene, method):
     print(f"| {scene}, {method} | {said:.2f} | {one / two:.2f} |", flush=True)
 
 
+def network(scene, method):
+    """Only exchanges, of all batches, without their work; the best of three."""
+    batches = read(log_of(scene, method))
+    runs = [[float(x) for x in subprocess.run(["mpirun", "-n", "2", REPLAY, log_of(scene, method)],
+                                              check=True, capture_output=True, text=True).stdout.split()]
+            for _ in range(3)]
+    latency, bandwidth, took = min(runs, key=lambda run: run[2])
+    said = sum(exchange(b[1], 2, latency, bandwidth) for b in batches)
+    megabytes = sum(b[1] for b in batches) / 1e6
+    cells = [f"{scene}, {method}", f"{len(batches)}", f"{megabytes:.1f}", f"{1e6 * latency:.0f}",
+             f"{bandwidth / 1e6:.0f}", f"{1e3 * said:.0f}", f"{1e3 * took:.0f}"]
+    print("| " + " | ".join(cells) + " |", flush=True)
+
+
 def main(names):
     cases = [(s, m) for s in SCENES for m in METHODS if os.path.exists(NEEDS.get(s, SCENES[s]))]
-    if names == ["--check"]:
+    if names in (["--check"], ["--network"]):
         for case in cases:
-            check(*case)
+            {"--check": check, "--network": network}[names[0]](*case)
         return
     for name in names:
         row(name, read(name))

@@ -51,26 +51,55 @@ done
 
 pair() { # pair SCENE OTHER: of two ranks the second is told of another scene
     rm -f "$folder/many.exr"
-    mpirun -n 1 "$build/softlux-mpi" render "$1" -m splatting -q draft -s 32x32 --quiet -o "$folder/many.exr" : \
-        -n 1 "$build/softlux-mpi" render "$2" -m splatting -q draft -s 32x32 --quiet -o "$folder/many.exr" >"$folder/told" 2>&1
+    # shellcheck disable=SC2086
+    mpirun -n 1 "$build/softlux-mpi" render $1 -m splatting -q draft -s 32x32 --quiet -o "$folder/many.exr" : \
+        -n 1 env TMPDIR="${temporary:-/tmp}" "$build/softlux-mpi" render $2 -m splatting -q draft -s 32x32 --quiet -o "$folder/many.exr" >"$folder/told" 2>&1
 }
 
 # A rank renders what the first one has read, whatever files are there for itself.
-for scene in scenes/cornell-glossy.json scenes/bricks.json; do
-    "$build/softlux" render $scene -m splatting -q draft -s 32x32 --quiet -o "$folder/one.exr" || fail "cannot render $scene"
-    pair $scene "$folder/missing.json" || fail "a rank was not given the files of $scene"
+for scene in cornell-glossy bricks moving-light vase; do
+    "$build/softlux" render scenes/$scene.json -m splatting -q draft -s 32x32 --quiet -o "$folder/one.exr" || fail "cannot render $scene"
+    pair scenes/$scene.json "$folder/missing.json" || fail "a rank was not given the files of $scene"
     cmp -s "$folder/one.exr" "$folder/many.exr" || fail "other bits by files that were given: $scene"
 done
+mkdir -p "$folder/deep/scenes" "$folder/deep/maps" # Also of folders beside each other.
+cp scenes/cornell.json "$folder/deep/scenes"
+cp scenes/cornell.obj scenes/cornell.mtl "$folder/deep/maps"
+sed -i 's|cornell.obj|../textures/../maps/cornell.obj|' "$folder/deep/scenes/cornell.json"
+mkdir "$folder/deep/textures"
+pair "$folder/deep/scenes/cornell.json --allow-outside" "$folder/missing.json --allow-outside" ||
+    fail "a rank was not given the files of several folders"
 
-# What has keyframes or curved surfaces each reads for itself. One rank cannot: one line says which and why, and there is no picture.
-cp scenes/moving-light.json scenes/cornell.obj scenes/cornell.mtl "$folder"
-pair "$folder/moving-light.json" "$folder/missing.json" && fail "a rank without a scene was no failure"
-grep -q 'softlux-mpi: rank 1: .*missing.json' "$folder/told" || fail "it is not told which rank had no scene"
+# A rank cannot take them: one line says which and why, and there is no picture.
+temporary=$folder/missing
+pair scenes/cornell.json scenes/cornell.json && fail "a rank without a scene was no failure"
+grep -q 'softlux-mpi: rank 1: .*cannot make a folder in' "$folder/told" || fail "it is not told which rank had no scene"
 [ ! -e "$folder/many.exr" ] || fail "there is a picture although a rank has failed"
-# Or it reads another one.
-sed 's/"fov_deg": *[0-9.]*/"fov_deg": 20/' scenes/moving-light.json >"$folder/other.json"
-pair "$folder/moving-light.json" "$folder/other.json" && fail "ranks with different scenes were no failure"
+temporary=/tmp
+# Or it makes another scene of them.
+pair scenes/cornell.json "scenes/cornell.json --eye 1,1,3" && fail "ranks with different scenes were no failure"
 grep -q 'ranks have read different scenes' "$folder/told" || fail "it is not told that scenes differ"
+
+# Frames of a series by direct radiance mapping are drawn one a rank, and come to the first one.
+"$build/softlux" render scenes/moving-ball.json -m direct-radiance -q draft -s 32x32 --frames 5 --fps 4 --quiet -o "$folder/one-%d.pfm"
+mpirun -n 3 "$build/softlux-mpi" render scenes/moving-ball.json -m direct-radiance -q draft -s 32x32 --frames 5 --fps 4 --quiet \
+    --json --journal "$folder/journal" -o "$folder/many-%d.pfm" >"$folder/told" 2>&1 || fail "no series by ranks"
+for frame in 0 1 2 3 4; do
+    compared=$((compared + 1))
+    cmp -s "$folder/one-$frame.pfm" "$folder/many-$frame.pfm" || fail "other bits by ranks: frame $frame"
+done
+[ "$(grep -c '"frame":' "$folder/told")" = 5 ] || fail "it is not told of every frame of a series"
+
+# Trials of a report are run by all ranks, each of them once.
+mpirun -n 2 "$build/softlux-mpi" bench scenes/cornell.json -m direct-radiance,light-octree,path -q draft -s 16x16 -r 1 --quiet \
+    --reference-budget 0.1 --references "$folder/references" -o "$folder/report" >"$folder/told" 2>&1 || fail "no report by ranks"
+"$build/softlux" bench scenes/cornell.json -m direct-radiance,light-octree,path -q draft -s 16x16 -r 1 --quiet --trials-only \
+    -o "$folder/report-of-one"
+for report in report report-of-one; do
+    grep -o '[^,]*, run 0"' "$folder/$report/journal.jsonl" | sort >"$folder/$report.trials"
+done
+[ -s "$folder/report.trials" ] && cmp -s "$folder/report.trials" "$folder/report-of-one.trials" || fail "other trials by ranks"
+grep -q 'direct-radiance' "$folder/report/results.csv" || fail "a report by ranks has no table"
 
 # A rank that is killed, or does nothing any more, takes the others along within ten seconds.
 for signal in KILL STOP; do

@@ -5,6 +5,8 @@
 #include "app/options.h"
 #include "app/page.h"
 #include "app/same_file.h"
+#include "base/error.h"
+#include "base/ranks.h"
 #include "base/values.h"
 
 #include <stdio.h>
@@ -228,13 +230,38 @@ static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_sta
     return measured ? 0 : SL_ERROR_INPUT;
 }
 
+static sl_status measure_with_journal(request *q, sl_bench_results *r, sl_journal **journal,
+                                      sl_error *error) {
+    char path[SL_BENCH_PATH];
+    snprintf(path, sizeof path, "%s/journal.jsonl", q->options.folder);
+    r->scenes = calloc((size_t)q->scene_count + 1, sizeof *r->scenes);
+    if (!r->scenes) return sl_fail_memory(error, "scenes of a report");
+    sl_status status = sl_journal_open(path, journal, error);
+    if (status == SL_OK) take_program(&q->options, *journal);
+    return status == SL_OK ? measure_all(q, *journal, r, error) : status;
+}
+
+/* Has each of several ranks measure its trials. Then the first one finds them all in the journal. */
+static sl_status measure_by_ranks(request *q, sl_error *error) {
+    const bool trials_only = q->options.trials_only;
+    sl_bench_results own = {0};
+    sl_journal *journal = NULL;
+    sl_counters none = {{0}};
+    q->options.trials_only = true;
+    sl_status status = measure_with_journal(q, &own, &journal, error);
+    sl_bench_results_free(&own);
+    sl_journal_close(journal);
+    if (status == SL_OK) sl_ranks_exchange(NULL, 0, 0, &none); /* all have come here */
+    q->options.trials_only = trials_only || sl_ranks_here().rank > 0;
+    return status;
+}
+
 int sl_command_bench(int argc, char **argv) {
     static request q;
     sl_bench_results results = {0};
     sl_journal *journal = NULL;
     sl_error error;
     int exit_status;
-    char path[SL_BENCH_PATH];
     if (!parse(argc, argv, &q, &exit_status)) return exit_status;
     sl_program_fingerprint(q.options.program);
     sl_watch_for_interrupt();
@@ -244,12 +271,9 @@ int sl_command_bench(int argc, char **argv) {
     name_machine(&results);
     sl_status status = take_trials(&q, &error);
     results.trials = &q.trials;
-    results.scenes = calloc((size_t)q.scene_count + 1, sizeof *results.scenes);
-    snprintf(path, sizeof path, "%s/journal.jsonl", q.options.folder);
     if (status == SL_OK) status = check_files(&q.options, &error);
-    if (status == SL_OK) status = sl_journal_open(path, &journal, &error);
-    if (status == SL_OK) take_program(&q.options, journal);
-    if (status == SL_OK && results.scenes) status = measure_all(&q, journal, &results, &error);
+    if (status == SL_OK && sl_ranks_here().count > 1) status = measure_by_ranks(&q, &error);
+    if (status == SL_OK) status = measure_with_journal(&q, &results, &journal, &error);
     exit_status = conclude(&q.options, &results, status, &error);
     sl_journal_close(journal);
     sl_bench_results_free(&results);

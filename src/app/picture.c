@@ -205,8 +205,7 @@ void sl_picture_warn(const sl_render_options *o, const sl_scene *scene, const sl
     tell_left_out(o, scene);
 }
 
-/* Adds the warnings of a picture, as an array of lines. */
-static void add_warnings(cJSON *root, const sl_image *image) {
+void sl_picture_add_warnings(cJSON *root, const sl_image *image) {
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
     const char *rest = sl_image_metadata(image, "softlux.warning"), *line;
     char text[2048];
@@ -232,108 +231,13 @@ cJSON *sl_picture_json(const sl_render_options *o, const sl_scene *scene, const 
     cJSON_AddNumberToObject(root, "batches", (double)progress->batches);
     cJSON_AddBoolToObject(root, "done", progress->done);
     cJSON_AddNumberToObject(root, "memory_bytes", (double)sl_method_memory_bytes(method));
-    add_warnings(root, image);
+    sl_picture_add_warnings(root, image);
     sl_json_add_counters(root, "counters", sl_method_counters(method), true);
     return root;
-}
-
-/* ---- a picture, a series ---- */
-
-/* Makes a method, with the cache of another run where there is one. */
-static sl_status create(const sl_render_options *o, const sl_scene *scene, sl_method **method,
-                        sl_error *error) {
-    sl_status status = sl_method_create(scene, &o->settings, method, error);
-    if (status == SL_OK && (o->load_cache || o->save_cache) && !sl_method_keeps_cache(*method))
-        status = sl_fail(error, SL_ERROR_USAGE, "--%s-cache: %s keeps no cache",
-                 o->load_cache ? "load" : "save", o->settings.method);
-    if (status == SL_OK) (*method)->batch_by_batch = o->batches > 0;
-    if (status == SL_OK && o->load_cache) status = sl_method_load(*method, o->load_cache, error);
-    return status;
-}
-
-/* Returns what is told of a frame of a series. */
-static cJSON *frame_json(unsigned long long frame, const char *name, double seconds, uint64_t records,
-                         const sl_progress *progress, const sl_image *image) {
-    cJSON *json = cJSON_CreateObject();
-    cJSON_AddNumberToObject(json, "frame", (double)frame);
-    cJSON_AddStringToObject(json, "output", name);
-    cJSON_AddNumberToObject(json, "seconds", seconds);
-    cJSON_AddNumberToObject(json, "new_records", (double)records);
-    cJSON_AddBoolToObject(json, "done", progress->done);
-    add_warnings(json, image);
-    return json;
-}
-
-static uint64_t records_of(const sl_method *method) {
-    return sl_method_counters(method)->value[SL_COUNT_RECORDS];
-}
-
-/* The picture, or frame number `frame`, of the method's scene as it stands; an interrupted frame is none. */
-static sl_status render_one(const sl_render_options *o, const sl_scene *scene, sl_method *method,
-                            unsigned long long frame, double begin, sl_progress *progress, sl_error *error) {
-    const bool series = o->frames > 0;
-    const double start = series ? sl_seconds_now() : begin;
-    const uint64_t records = records_of(method);
-    char name[4096];
-    sl_image *image = NULL;
-    double stops = 0.0;
-    snprintf(name, sizeof name, "%s", o->output);
-    if (series) sl_frame_name(o->output, frame, name, sizeof name);
-    *progress = (sl_progress){0};
-    sl_status status = sl_picture_run(o, method, progress, begin,
-                                      series ? (double)frame / (double)o->frames : 0.0, error);
-    if (status != SL_OK || (series && sl_interrupted())) return status;
-    status = sl_method_resolve(method, &image, error);
-    const double seconds = sl_seconds_now() - start; /* writing it not included */
-    if (status == SL_OK && frame == 0) sl_picture_warn(o, scene, progress, image);
-    if (status == SL_OK) status = sl_picture_write(o, image, name, &stops, error);
-    if (status == SL_OK && o->json) {
-        cJSON *json =
-            series ? frame_json(frame, name, seconds, records_of(method) - records, progress, image)
-                   : sl_picture_json(o, scene, method, image, progress, seconds);
-        sl_picture_add_tone(o, stops, json);
-        sl_json_print(json, series);
-    }
-    sl_image_destroy(image);
-    return status;
-}
-
-/* Moves the scene on to a frame after the first. */
-static sl_status move_on(const sl_render_options *o, sl_scene *scene, sl_method *method,
-                         unsigned long long frame, sl_error *error) {
-    unsigned changes = 0;
-    if (!frame) return SL_OK;
-    sl_status status =
-        sl_scene_set_time(scene, o->at_seconds + (double)frame / o->frames_per_second, &changes, error);
-    return status == SL_OK && changes ? sl_method_edit(method, changes, error) : status;
 }
 
 void sl_picture_stopped(const sl_render_options *o, const sl_progress *progress) {
     if (o->quiet || progress->done) return;
     fprintf(stderr, "softlux: stopped after %llu batches, about %.0f %%; %s holds what was done\n",
             (unsigned long long)progress->batches, 100.0 * progress->fraction, o->output);
-}
-
-sl_status sl_render_pictures(const sl_render_options *o, sl_scene *scene, sl_render_end *end,
-                             sl_error *error) {
-    double begin = sl_seconds_now();
-    sl_method *method = NULL;
-    sl_progress progress = {0};
-    unsigned long long frame = 0, frames = o->frames ? o->frames : 1, whole = 0;
-    sl_watch_for_interrupt();
-    sl_status status = create(o, scene, &method, error);
-    for (; status == SL_OK && frame < frames && !(o->frames && sl_interrupted()); frame++) {
-        status = move_on(o, scene, method, frame, error);
-        if (status == SL_OK) status = render_one(o, scene, method, frame, begin, &progress, error);
-        whole += !sl_interrupted() ||
-                 (!o->frames && (progress.done || (o->batches && progress.batches >= o->batches)));
-    }
-    if (whole < frames) *end = SL_RENDER_STOPPED;
-    if (o->frames) sl_progress_keep(o->quiet);
-    if (status == SL_OK && o->save_cache) status = sl_method_save(method, o->save_cache, error);
-    if (status == SL_OK && !o->frames) sl_picture_stopped(o, &progress);
-    if (status == SL_OK && o->frames && sl_interrupted() && !o->quiet)
-        fprintf(stderr, "softlux: stopped; %llu frames were begun\n", frame);
-    sl_method_destroy(method);
-    return status;
 }

@@ -70,6 +70,8 @@ sl_status sl_picture_write(const sl_render_options *options, const sl_image *ima
                            double *stops, sl_error *error);
 /* Adds to --json how radiance became the 8 bits of a PNG; nothing for other formats. */
 void sl_picture_add_tone(const sl_render_options *options, double stops, cJSON *json);
+/* Adds the warnings of a picture to --json, as an array of lines. */
+void sl_picture_add_warnings(cJSON *root, const sl_image *image);
 /* Returns what was done, for --json. */
 cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, const sl_method *method,
                        const sl_image *image, const sl_progress *progress, double seconds);

@@ -1,68 +1,91 @@
 #include "app/scene_of_ranks.h"
 
+#include "app/files_of_ranks.h"
 #include "app/memory_limit.h"
+#include "app/same_file.h"
 #include "base/error.h"
 #include "base/ranks.h"
 #include "scene/scene.h"
 
-#include <dirent.h>
 #include <stdio.h>
-#include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
-enum { NAME = 4096 };
+/* A file of the scene, by its path from the first rank's root; the path is empty behind the last one. */
+typedef struct parcel {
+    char path[SL_RANKS_PATH];
+} parcel;
 
-static bool make_folder(char name[NAME]) {
-    const char *place = getenv("TMPDIR");
-    const int used = snprintf(name, NAME, "%s/softlux-XXXXXX", place && *place ? place : "/tmp");
-    return used > 0 && used < NAME && mkdtemp(name);
+static sl_status name_parcel(const char *path, parcel *p, sl_error *error) {
+    char here[SL_RANKS_PATH / 2] = "";
+    const bool named = path[0] == '/' || getcwd(here, sizeof here);
+    const int used = named ? snprintf(p->path, sizeof p->path, "%s/%s", here, path) : SL_RANKS_PATH;
+    return used < SL_RANKS_PATH ? SL_OK : sl_fail(error, SL_ERROR_INPUT, "%.400s: too long a path", path);
 }
 
-static void remove_folder(const char *name) {
-    DIR *folder = opendir(name);
-    for (struct dirent *e; folder && (e = readdir(folder)) != NULL;) unlinkat(dirfd(folder), e->d_name, 0);
-    if (folder) closedir(folder);
-    rmdir(name);
-}
-
-static void scene_in(const char *folder, char path[NAME + 16]) {
-    snprintf(path, NAME + 16, "%s/scene.json", folder);
-}
-
-/* Tells whether files would hold all of it, to the bit: they leave keyframes out, and surfaces that were
- * moved are evaluated before they are moved. */
-static bool is_whole_in_files(const sl_scene *scene) {
-    return sl_scene_duration(scene) == 0.0 && !scene->bicubic_count;
-}
-
-/* The first rank's: what cannot be written, for want of a disk, is not given either. */
-static void give(const sl_scene *scene, const char *folder) {
-    char path[NAME + 16];
-    scene_in(folder, path);
-    sl_ranks_share_files(folder, is_whole_in_files(scene) && sl_scene_write(scene, path, NULL) == SL_OK);
-}
-
-static sl_status load_shared(const char *folder, const char *path, const sl_load_options *load,
-                             const sl_settings *settings, sl_scene **scene, sl_error *error) {
-    const sl_load_options plain = {.allow_outside = false};
-    char shared[NAME + 16];
-    scene_in(folder, shared);
-    if (sl_ranks_here().rank) {
-        const bool given = sl_ranks_share_files(folder, true);
-        return sl_load_within_memory(given ? shared : path, given ? &plain : load, settings, scene, error);
+/* The first rank's. */
+static sl_status give(const sl_scene *scene, sl_error *error) {
+    parcel p = {""};
+    sl_status status = SL_OK;
+    for (size_t i = 0; status == SL_OK && i < scene->file_count; i++) {
+        status = name_parcel(scene->files[i], &p, error);
+        if (status == SL_OK) sl_ranks_tell(0, &p, sizeof p);
+        if (status == SL_OK) status = sl_share_file(0, scene->files[i], NULL, error);
     }
-    sl_status status = sl_load_within_memory(path, load, settings, scene, error);
-    if (status == SL_OK) give(*scene, folder);
+    p = (parcel){""};
+    if (status == SL_OK) sl_ranks_tell(0, &p, sizeof p);
+    return status;
+}
+
+/* Finds where a folder that mirrors the first rank's root has a path, and makes the folders that it names. A
+ * step upwards never leads out of it. */
+static sl_status mirror(const char *folder, const char *path, char place[SL_RANKS_PATH], sl_error *error) {
+    const size_t root = strlen(folder);
+    sl_status status = root + strlen(path) + 2 < SL_RANKS_PATH
+                           ? SL_OK
+                           : sl_fail(error, SL_ERROR_INPUT, "%.400s: too long a path", path);
+    if (status == SL_OK) memcpy(place, folder, root + 1);
+    for (size_t n; status == SL_OK && (path += strspn(path, "/"), n = strcspn(path, "/")) > 0; path += n) {
+        const bool up = n == 2 && strncmp(path, "..", 2) == 0, stays = n == 1 && *path == '.';
+        if (up && strlen(place) > root) *strrchr(place, '/') = '\0';
+        if (up || stays) continue;
+        sprintf(place + strlen(place), "/%.*s", (int)n, path);
+        if (path[n]) status = sl_make_folder(place, "file", error);
+    }
+    return status;
+}
+
+/* Any other rank's: the first file is the scene's own. */
+static sl_status take(const char *folder, char scene[SL_RANKS_PATH], sl_error *error) {
+    sl_status status = SL_OK;
+    parcel p;
+    for (char place[SL_RANKS_PATH]; status == SL_OK;) {
+        sl_ranks_tell(0, &p, sizeof p);
+        if (!p.path[0]) break;
+        status = mirror(folder, p.path, place, error);
+        if (status == SL_OK) status = sl_share_file(0, NULL, place, error);
+        if (!scene[0]) memcpy(scene, place, sizeof place);
+    }
+    return status;
+}
+
+static sl_status load_taken(const sl_load_options *load, const sl_settings *settings, sl_scene **scene,
+                            sl_error *error) {
+    char folder[SL_RANKS_FOLDER], path[SL_RANKS_PATH] = "";
+    sl_status status = sl_own_folder(folder, error);
+    if (status != SL_OK) return status;
+    status = take(folder, path, error);
+    if (status == SL_OK) status = sl_load_within_memory(path, load, settings, scene, error);
+    sl_own_folder_remove(folder);
     return status;
 }
 
 sl_status sl_load_for_ranks(const char *path, const sl_load_options *load, const sl_settings *settings,
                             sl_scene **scene, sl_error *error) {
-    char folder[NAME];
-    if (!sl_ranks_share()) return sl_load_within_memory(path, load, settings, scene, error);
-    if (!make_folder(folder)) return sl_fail(error, SL_ERROR_OUTPUT, "no folder for the scene's files");
-    sl_status status = load_shared(folder, path, load, settings, scene, error);
-    remove_folder(folder);
+    const sl_ranks here = sl_ranks_here();
+    sl_status status = here.rank ? load_taken(load, settings, scene, error)
+                                 : sl_load_within_memory(path, load, settings, scene, error);
+    if (status == SL_OK && here.rank == 0 && here.count > 1) status = give(*scene, error);
     const char *why = status == SL_OK ? sl_ranks_begin(sl_scene_hash(*scene)) : NULL;
     return why ? sl_fail(error, SL_ERROR_INPUT, "%s: %s", path, why) : status;
 }

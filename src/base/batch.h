@@ -37,4 +37,7 @@ typedef struct sl_batch {
  * Without memory for counters of their own all items run on the caller's thread. */
 void sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters);
 
+/* Tells whether an item that ranks share out is at work on this thread: others do not do the same. */
+bool sl_batch_is_own_work(void);
+
 #endif

@@ -194,6 +194,8 @@ static void run_share(const sl_batch *batch, sl_ranks here, unsigned threads, sl
 /* An item of a batch that is shared out is one rank's, with all that it takes. */
 static _Thread_local bool inside_shared;
 
+bool sl_batch_is_own_work(void) { return inside_shared; }
+
 /* Loops within loops are not in the same order on all ranks. */
 static bool is_shared(const sl_batch *batch) {
     return sl_ranks_share() && batch->shared && !inside_shared && !inside_another();

@@ -47,8 +47,7 @@ void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_
  * counted. False: it does not have this batch. */
 bool sl_ranks_recall(const sl_batch_plane *planes, unsigned plane_count, size_t count, sl_counters *counted);
 
-/* Gives all ranks the files of the first one's folder, into folders of their own, if it says that there are
- * some. Returns whether it did; ends the job where files cannot be read or written. */
-bool sl_ranks_share_files(const char *folder, bool some);
+/* Gives all ranks the bytes of one of them. */
+void sl_ranks_tell(unsigned teller, void *bytes, size_t count);
 
 #endif

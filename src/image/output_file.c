@@ -196,7 +196,8 @@ void sl_output_discard(sl_output_file *file) {
 }
 
 sl_status sl_output_close(sl_output_file *file, sl_status written, sl_error *error) {
-    if (written == SL_OK && sl_ranks_here().rank == 0) return commit(file, error);
+    const bool writes = sl_ranks_here().rank == 0 || sl_batch_is_own_work();
+    if (written == SL_OK && writes) return commit(file, error);
     sl_output_discard(file);
     return written;
 }

@@ -1,8 +1,11 @@
-/* How a rank ends them all, and how each tells that it is still there. */
+/* How a rank begins, ends them all, and tells that it is still there. */
 #ifndef SL_MPI_END_H
 #define SL_MPI_END_H
 
 #include <stdint.h>
+
+/* This process is a rank; others that it starts are by themselves. */
+void sl_ranks_start(void);
 
 /* A hash of the call: of all that results depend on but for the scene. */
 extern uint64_t sl_ranks_call;

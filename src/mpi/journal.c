@@ -14,8 +14,6 @@
 #include "base/ranks.h"
 #include "mpi/end.h"
 
-enum { PIECE = 1 << 28 };
-
 static const char magic[8] = "sl-jour1";
 
 /* Before the items of all planes. */
@@ -142,13 +140,6 @@ static bool read_record(const sl_batch_plane *planes, unsigned plane_count, size
     return false;
 }
 
-static void broadcast(void *bytes, size_t count) {
-    for (size_t at = 0; at < count; at += PIECE) {
-        const size_t some = count - at < PIECE ? count - at : PIECE;
-        MPI_Bcast((char *)bytes + at, (int)some, MPI_BYTE, 0, MPI_COMM_WORLD);
-    }
-}
-
 bool sl_ranks_recall(const sl_batch_plane *planes, unsigned plane_count, size_t count, sl_counters *counted) {
     record r = {0};
     if (!journal.recalls) return false;
@@ -156,8 +147,8 @@ bool sl_ranks_recall(const sl_batch_plane *planes, unsigned plane_count, size_t 
     MPI_Bcast(&there, 1, MPI_INT, 0, MPI_COMM_WORLD);
     journal.recalls = there;
     if (!there) return false;
-    broadcast(&r, sizeof r);
-    for (unsigned k = 0; k < plane_count; k++) broadcast(planes[k].items, count * planes[k].bytes);
+    sl_ranks_tell(0, &r, sizeof r);
+    for (unsigned k = 0; k < plane_count; k++) sl_ranks_tell(0, planes[k].items, count * planes[k].bytes);
     *counted = r.counted;
     return true;
 }

@@ -1,5 +1,6 @@
-/* softlux-mpi: `softlux render` on as many ranks as mpirun starts, of which the first writes and tells. One
- * option more, --journal FILE, keeps what batches bring until the call is done. */
+/* softlux-mpi: `softlux render` and `softlux bench` on as many ranks as mpirun starts, of which the first
+ * writes and tells. One option more, --journal FILE, keeps what batches of a picture bring until the call is
+ * done. */
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,8 +18,11 @@ int sl_program_main(int argc, char **argv);
 
 /* What the clock decides is not the same on all ranks. */
 static const char *refused(int argc, char **argv) {
+    const bool bench = argc > 1 && strcmp(argv[1], "bench") == 0;
+    if (bench && sl_ranks_journal_is_kept()) return "--journal: bench keeps one in its folder";
+    if (bench) return NULL;
     if (argc < 2 || strcmp(argv[1], "render") != 0)
-        return "usage: mpirun -n RANKS softlux-mpi render SCENE ...";
+        return "usage: mpirun -n RANKS softlux-mpi render SCENE ... | bench SCENE ...";
     for (int i = 2; i < argc; i++)
         if (strncmp(argv[i], "--time", 6) == 0) return "--time: not on several ranks, whose clocks differ";
     return NULL;
@@ -86,6 +90,7 @@ static int run(int argc, char **argv) {
 int main(int argc, char **argv) {
     int level;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &level);
+    sl_ranks_start();
     argc = take_journal(argc, argv);
     const char *why = argc < 0 ? "--journal: expected the name of a file" : refused(argc, argv);
     sl_ranks_call = hash_of_call(argc, argv);

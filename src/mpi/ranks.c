@@ -12,8 +12,13 @@
 #include <string.h>
 #include <unistd.h>
 
+static pid_t process; /* the rank's; one that it starts is none */
+
+void sl_ranks_start(void) { process = getpid(); }
+
 sl_ranks sl_ranks_here(void) {
     int rank, count;
+    if (getpid() != process) return (sl_ranks){0, 1};
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &count);
     return (sl_ranks){(unsigned)rank, (unsigned)count};
@@ -44,6 +49,14 @@ void sl_ranks_end(unsigned rank, const char *why) {
 }
 
 static void end_for_memory(sl_ranks here) { sl_ranks_end(here.rank, "is out of memory"); }
+
+void sl_ranks_tell(unsigned teller, void *bytes, size_t count) {
+    enum { PIECE = 1 << 28 }; /* MPI counts in int */
+    for (size_t at = 0; at < count; at += PIECE) {
+        const size_t some = count - at < PIECE ? count - at : PIECE;
+        MPI_Bcast((char *)bytes + at, (int)some, MPI_BYTE, (int)teller, MPI_COMM_WORLD);
+    }
+}
 
 /* ---- what each rank is about to give ---- */
 

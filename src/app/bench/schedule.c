@@ -5,6 +5,7 @@
 #include "app/clock.h"
 #include "app/page.h"
 #include "base/error.h"
+#include "base/ranks.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,6 +30,20 @@ static bool is_listed(const char *list, const char *name) {
         if (strlen(name) == length && strncmp(item, name, length) == 0) return true;
     }
     return false;
+}
+
+/* Fowler, Noll and Vo's. */
+static uint32_t hash_of(const char *text, uint32_t hash) {
+    for (; *text; text++) hash = (hash ^ (unsigned char)*text) * 16777619u;
+    return hash;
+}
+
+enum { HASH_BEGIN = 2166136261u };
+
+/* Of several ranks each has all settings of a curve: cheaper ones decide whether dearer ones are tried. */
+static bool is_own(const sl_bench_scene *s, const sl_trial *t) {
+    const sl_ranks here = sl_ranks_here();
+    return hash_of(t->curve, hash_of(s->hash, HASH_BEGIN)) % here.count == here.rank;
 }
 
 /* Scenes named on the command line stand for those of the trials' file. */
@@ -111,8 +126,8 @@ static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_
 static void picture_path(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t,
                          char path[SL_BENCH_PATH]) {
     char name[64];
-    uint32_t hash = 2166136261u; /* Fowler, Noll and Vo: names are cut off where arguments are long */
-    for (const char *c = t->arguments; *c; c++) hash = (hash ^ (unsigned char)*c) * 16777619u;
+    /* names are cut off where arguments are long */
+    const uint32_t hash = hash_of(t->arguments, HASH_BEGIN);
     snprintf(name, sizeof name, "%.60s", t->arguments);
     for (char *c = name; *c; c++) *c = *c == ' ' || *c == '/' ? '_' : *c;
     snprintf(path, SL_BENCH_PATH, "%s/pictures/%s-%dx%d-%.8s-%s-%08x.exr", o->folder, s->hash, s->width,
@@ -165,7 +180,7 @@ static sl_status run_rank(const sl_bench_options *o, const sl_bench_scene *s, sl
         const sl_trial *t = &o->trials->trial[i];
         double spent = sl_seconds_now() - from;
         if (t->rank != rank || (run == LOOK && !t->look) ||
-            !is_wanted(o, s, t) || !is_due(o, s, journal, t, run))
+            !is_wanted(o, s, t) || !is_own(s, t) || !is_due(o, s, journal, t, run))
             continue;
         sl_progress_show(o->quiet, (double)round / (double)(o->repeats + 1), "%s, %.0f s: %s, %s", s->name,
                          spent, t->curve, t->name);

@@ -231,5 +231,5 @@ const sl_method_class sl_direct_radiance_method = {
     .transport = sl_radiance_transport,
     .plan = sl_radiance_plan_write,
     .raster = radiance_raster,
-    .any_transport = false,
+    .draws_anew = true,
 };

@@ -94,6 +94,7 @@ typedef struct sl_method_class {
     const sl_raster *(*raster)(const void *state); /* of the scene */
     bool asks; /* the cache grows by what sub-frames see (scene/scene.h), and is asked before any is shown */
     bool any_transport; /* takes --transport: a reference tracer */
+    bool draws_anew; /* a picture does not depend on those before it: ranks may draw one each */
     const sl_window_class *window; /* NULL: pictures are resolved between updates alone */
     /* True: all of the picture has light, though not what it will have; NULL: pictures are shown when they are
      * done. */

@@ -173,7 +173,8 @@ static void sampled_plan(const sl_scene *scene, const sl_settings *settings, sl_
     {.name = method_name, .complete = sampled_complete, .create = sampled_create, \
      .destroy = sampled_destroy, .update = sampled_update, .resolve = sampled_resolve, \
      .edit = sampled_edit, .shows = sampled_shows, .counters = sampled_counters, .memory_bytes = sampled_memory_bytes, \
-     .need = sampled_need, .transport = sampled_transport, .plan = sampled_plan, .any_transport = true}
+     .need = sampled_need, .transport = sampled_transport, .plan = sampled_plan, .any_transport = true, \
+     .draws_anew = true}
 
 const sl_method_class sl_path_method = SAMPLED_METHOD("path");
 const sl_method_class sl_bidirectional_method = SAMPLED_METHOD("bidirectional");

@@ -1,0 +1,18 @@
+/* Files that one rank gives the others, and folders where they have them. */
+#ifndef SL_APP_FILES_OF_RANKS_H
+#define SL_APP_FILES_OF_RANKS_H
+
+#include "softlux.h"
+
+enum { SL_RANKS_FOLDER = 1024, SL_RANKS_PATH = 8192 };
+
+/* Makes a folder of this process's own, in $TMPDIR or /tmp. */
+sl_status sl_own_folder(char folder[SL_RANKS_FOLDER], sl_error *error);
+/* Removes it, and all that is in it. */
+void sl_own_folder_remove(const char *folder);
+
+/* Copies a file of one rank, the giver, to a place of every other one that names one; NULL: it does without.
+ * All ranks call it; a failure of one ends the job. */
+sl_status sl_share_file(unsigned giver, const char *from, const char *to, sl_error *error);
+
+#endif
