@@ -25,6 +25,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/audit/trace_probes.h"
+#include "cache/frame/antialias.h"
 #include "common.h"
 #include "scene/copy.h"
 #include "shading_bench.h"
@@ -87,7 +88,8 @@ typedef struct contestant {
     sl_scene *scene;      /* a copy: where the method's updates are */
     sl_method *method;
     void *window;         /* NULL: pictures are resolved between updates */
-    sl_counters drawing;  /* by the window */
+    sl_antialias *edges;
+    sl_counters drawing;  /* by the window, and of edges */
     rival *rival;         /* NULL: a method */
     sl_image *shown, *before;
     double balance, spent;
@@ -154,6 +156,7 @@ static void close_rival(rival *r) {
 }
 
 static void close_contestant(contestant *c) {
+    sl_antialias_destroy(c->edges);
     if (c->window) c->method->class->window->destroy(c->window);
     sl_method_destroy(c->method);
     if (c->rival) close_rival(c->rival);
@@ -187,12 +190,25 @@ static void draw_rival(const contestant *c, int size, sl_image **image) {
            3 * (size_t)size * (size_t)size * sizeof(float));
 }
 
+/* As live shows do. */
+static void soften(contestant *c, sl_image *image) {
+    const sl_method_class *class = c->method ? c->method->class : NULL;
+    const sl_raster *raster = !class || class->any_transport ? NULL
+                              : c->window                    ? class->window->raster(c->window)
+                                                             : class->raster(c->method->state);
+    sl_error error;
+    if (!raster) return;
+    if (!c->edges) check(sl_antialias_create(image->width, image->height, &c->edges, &error), &error);
+    check(sl_antialias_edges(c->edges, c->scene, raster, 1, image, &c->drawing, &error), &error);
+}
+
 static void show(contestant *c, int size) {
     sl_error error;
     sl_image *image;
     if (c->rival) draw_rival(c, size, &image);
     else if (c->window) draw_window(c, &image);
     else check(sl_method_resolve(c->method, &image, &error), &error);
+    soften(c, image);
     if (c->shown != c->before) sl_image_destroy(c->shown);
     c->shown = image;
     c->shows++;

@@ -847,14 +847,16 @@ SL_API sl_status sl_live_look(sl_live *live, const float eye[3], const float tar
 SL_API sl_status sl_live_rate(sl_live *live, double samples_a_second, sl_error *error);
 /** Gives the first `room` of all events that updates have followed so far, in their order, and returns how
  * many there are. events may be NULL where room is 0. A method that is led through them, each after as many
- * updates, has the same picture, to the bit, as the show after that number of updates, at any number of
- * threads: from the scene as the show found it, with the show's settings but for filter=centre,
- * shading-cache.frames-per-update=1 and, where they were left open, shading-cache.updates=1000000000 and
+ * updates, has the same picture, to the bit, as a show with filter=centre after that number of updates, at
+ * any number of threads (others differ at edges): from the scene as the show found it, with the show's
+ * settings but for shading-cache.frames-per-update=1 and, where they were left open, shading-cache.updates=1000000000 and
  * splatting.records-per-frame=256. Not so with the option "memory", of which a show takes a part for itself,
  * and after sl_live_look(), which stands in no event. */
 SL_API size_t sl_live_log(sl_live *live, sl_live_event *events, size_t room);
 /** The picture as it is now, R, G, B, drawn by the calling thread alone; *frame is the show's own, and valid
- * until the next call. state may be NULL. Black until there is anything. Fails once an update has failed. */
+ * until the next call. state may be NULL. Black until there is anything. A pixel is its centre, at edges the
+ * mean of four samples, each of the colour of the nearest centre of its surface; all are centres with
+ * filter=centre. Fails once an update has failed. */
 SL_API sl_status sl_live_frame(sl_live *live, const sl_image **frame, sl_live_state *state, sl_error *error);
 
 /* ---- the error of a picture, without a reference --------------------------------------------- */

@@ -17,6 +17,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/thread.h"
+#include "cache/frame/antialias.h"
 #include "cache/frame/live.h"
 #include "cache/frame/method.h"
 #include "scene/animation.h"
@@ -60,11 +61,14 @@ struct sl_live {
     sl_monitor drawing; /* held while a window draws, and while changes may take its method away */
     void *window;       /* NULL: the method has none */
     sl_image *frame;
+    bool smooths;        /* edges: centres were not asked for */
+    sl_antialias *edges; /* of frames, or of pictures; made with the first one */
     pose shown, wanted;  /* wanted: of a higher number while it waits */
     uint64_t told, seen; /* numbers of changes: of the newest; of the newest in the frame */
     double hold;         /* levels; 0: moves do not wait */
     sl_live_state state;
     sl_counters counters; /* of frames */
+    sl_counters smoothing; /* of pictures: by the thread */
 
     sl_monitor meeting; /* guards what follows */
     bool stop, ended;
@@ -256,11 +260,31 @@ static sl_status take_colours(const sl_image *picture, sl_image **frame, sl_erro
     return status;
 }
 
+/* Tells whether what is shown are the scene's triangles: neither a tracer's noise nor patches of curved
+ * surfaces. */
+static bool has_edges(const sl_method *m) {
+    return !m->class->any_transport && !(m->class->window && m->scene->bicubic_count);
+}
+
+/* scene: that the window, or where there is none the method, shows. */
+static sl_status smooth(sl_live *l, const sl_scene *scene, unsigned threads, sl_image *picture,
+                        sl_counters *counters, sl_error *error) {
+    const sl_method *m = l->method;
+    if (!l->smooths || !has_edges(m)) return SL_OK;
+    const sl_raster *raster = l->window ? m->class->window->raster(l->window) : m->class->raster(m->state);
+    sl_status status =
+        l->edges ? SL_OK : sl_antialias_create(picture->width, picture->height, &l->edges, error);
+    if (status != SL_OK) return status;
+    return sl_antialias_edges(l->edges, scene, raster, threads, picture, counters, error);
+}
+
 static sl_status resolve(sl_live *l, sl_image **frame, sl_error *error) {
     *frame = NULL;
     sl_image *picture = NULL;
     sl_status status = l->window ? SL_OK : sl_method_resolve(l->method, &picture, error);
     if (status == SL_OK && picture) status = take_colours(picture, frame, error);
+    if (status == SL_OK && picture && !l->method->class->window)
+        status = smooth(l, l->scene, l->method->settings.threads, *frame, &l->smoothing, error);
     sl_image_destroy(picture);
     return status;
 }
@@ -297,11 +321,12 @@ static void tell(sl_live *l, const pose *p, const change *moved, const sl_progre
 }
 
 /* Beside the method: the copy; the frame that is shown, the one that waits and the one that is made (a
- * display's is the method's picture); and two of a byte a value for whoever writes them. */
+ * display's is the method's picture); edges; and two of a byte a value for whoever writes them. */
 static double bytes_of_show(const sl_scene *scene, const sl_settings *settings) {
     enum { FRAME = 12, WRITTEN = 6 };
     return (double)sl_scene_copy_bytes(scene) +
-           (double)settings->width * (double)settings->height * (3 * FRAME + WRITTEN);
+           (double)settings->width * (double)settings->height *
+               (3 * FRAME + SL_ANTIALIAS_BYTES + WRITTEN);
 }
 
 static sl_status make_method(sl_live *l, sl_error *error) {
@@ -403,7 +428,9 @@ void sl_live_stop(sl_live *l, sl_counters *counters) {
     if (counters && l->method) {
         *counters = *sl_method_counters(l->method);
         sl_counters_add(counters, &l->counters);
+        sl_counters_add(counters, &l->smoothing);
     }
+    sl_antialias_destroy(l->edges);
     if (l->window) l->method->class->window->destroy(l->window);
     sl_method_destroy(l->method);
     if (!l->follows) sl_scene_copy_destroy(l->scene_copy);
@@ -464,6 +491,7 @@ static sl_status begin_at_once(sl_live *l, const sl_settings *asked, sl_error *e
 
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
     l->settings = *settings;
+    l->smooths = settings->filter != SL_FILTER_CENTRE;
     sl_status status = l->follows ? SL_OK : begin_at_once(l, settings, error);
     if (status == SL_OK)
         status = sl_image_create(l->settings.width, l->settings.height, 3, NULL, &l->frame, error);
@@ -707,6 +735,8 @@ static sl_status draw_window(sl_live *l, sl_error *error) {
     sl_status status = l->blind ? renew_window(l, &why) : SL_OK;
     if (status == SL_OK)
         status = l->method->class->window->draw(l->window, l->frame, &l->state.versions, &l->counters, &why);
+    if (status == SL_OK)
+        status = smooth(l, l->scene_copy, drawers(l), l->frame, &l->counters, &why);
     sl_monitor_leave(&l->drawing);
     if (status != SL_OK && error) *error = why;
     return status;

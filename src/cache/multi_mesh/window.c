@@ -311,5 +311,10 @@ static sl_status window_draw(void *it, sl_image *image, uint64_t *versions, sl_c
     return status;
 }
 
-const sl_window_class sl_multi_mesh_window = {
-    .create = window_create, .destroy = window_destroy, .move = window_move, .draw = window_draw};
+static const sl_raster *window_raster(const void *it) { return ((const window *)it)->raster; }
+
+const sl_window_class sl_multi_mesh_window = {.create = window_create,
+                                              .destroy = window_destroy,
+                                              .move = window_move,
+                                              .raster = window_raster,
+                                              .draw = window_draw};

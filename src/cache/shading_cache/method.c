@@ -346,8 +346,11 @@ static sl_status window_create(void *state, const sl_scene *copy, unsigned threa
     return status;
 }
 
-static const sl_window_class shading_window_class = {
-    .create = window_create, .destroy = sl_window_destroy, .move = sl_window_move, .draw = sl_window_picture};
+static const sl_window_class shading_window_class = {.create = window_create,
+                                                     .destroy = sl_window_destroy,
+                                                     .move = sl_window_move,
+                                                     .raster = sl_window_raster,
+                                                     .draw = sl_window_picture};
 
 static const sl_raster *shading_raster(const void *state) {
     return sl_display_raster(((const sl_shading_state *)state)->display);

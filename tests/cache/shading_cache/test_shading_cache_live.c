@@ -77,6 +77,7 @@ sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_rende
 static sl_settings show_settings(void) {
     sl_settings settings = small_settings("shading-cache", W, H);
     settings.threads = 1;
+    settings.filter = SL_FILTER_CENTRE;
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
     settings.shading_cache.updates = 12;
     settings.shading_cache.stop_size = 4.0;

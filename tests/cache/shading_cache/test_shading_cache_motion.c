@@ -18,6 +18,7 @@ static const char ball[] = "scenes/moving-ball.json", light[] = "scenes/moving-l
 static sl_settings motion_settings(unsigned threads) {
     sl_settings s = small_settings("shading-cache", SIZE, SIZE);
     s.threads = threads;
+    s.filter = SL_FILTER_CENTRE;
     s.shading_cache.indirect_samples = 8;
     s.shading_cache.area_samples = 8;
     s.shading_cache.frames_per_update = 1;
