@@ -98,7 +98,6 @@ static sl_status follow(sl_worker *w, sl_error *error) {
 static sl_status create_path(sl_worker *w, const sl_settings *as, sl_error *error) {
     sl_settings settings = *as;
     settings.method = "path";
-    settings.filter = SL_FILTER_CENTRE;
     settings.spp = SAMPLES;
     settings.threads = 1;
     settings.seed = as->seed + 0x5eedu; /* noise of its own */
@@ -180,7 +179,6 @@ static bool same_probes(const sl_settings *a, const sl_settings *b) {
 static sl_status judge_by_probes(sl_worker *w, int side, const seen *s, sl_error *error) {
     sl_error_estimate e;
     sl_settings settings = s->settings;
-    settings.filter = SL_FILTER_CENTRE;
     settings.threads = 1;
     settings.observer = NULL;
     if (w->probe && !same_probes(&settings, &w->probe_settings)) {
