@@ -191,15 +191,15 @@ static void draw_rival(const contestant *c, int size, sl_image **image) {
 }
 
 /* As live shows do. */
-static void soften(contestant *c, sl_image *image) {
+static void smooth(contestant *c, sl_image *image) {
     const sl_method_class *class = c->method ? c->method->class : NULL;
-    const sl_raster *raster = !class || class->any_transport ? NULL
-                              : c->window                    ? class->window->raster(c->window)
-                                                             : class->raster(c->method->state);
     sl_error error;
-    if (!raster) return;
+    if (!class || class->any_transport) return;
+    const uint32_t *id = c->window ? class->window->ids(c->window) : NULL;
     if (!c->edges) check(sl_antialias_create(image->width, image->height, &c->edges, &error), &error);
-    check(sl_antialias_edges(c->edges, c->scene, raster, 1, image, &c->drawing, &error), &error);
+    check(sl_antialias_edges(c->edges, c->scene, class->raster(c->method->state), id, 1, image, &c->drawing,
+                             &error),
+          &error);
 }
 
 static void show(contestant *c, int size) {
@@ -208,7 +208,7 @@ static void show(contestant *c, int size) {
     if (c->rival) draw_rival(c, size, &image);
     else if (c->window) draw_window(c, &image);
     else check(sl_method_resolve(c->method, &image, &error), &error);
-    soften(c, image);
+    smooth(c, image);
     if (c->shown != c->before) sl_image_destroy(c->shown);
     c->shown = image;
     c->shows++;

@@ -1,11 +1,13 @@
 #include "cache/frame/antialias.h"
 
+#include "base/counters.h"
 #include "base/error.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/frame/picture_value.h"
 
-#include <string.h>
+#include <math.h>
 
 enum { SAMPLES = 4 };
 
@@ -15,7 +17,7 @@ static const float sample_right[SAMPLES] = {-0.125f, 0.375f, -0.375f, 0.125f},
 
 struct sl_antialias {
     int width, height;
-    uint32_t *ids; /* at the centres, at each sample; rows from the bottom */
+    uint32_t *ids; /* at the centres, rows from the bottom */
     uint8_t *at_edge;
     float *colour; /* of pixels at edges, before */
 };
@@ -27,7 +29,7 @@ sl_status sl_antialias_create(int width, int height, sl_antialias **antialias, s
     if (!a) return sl_fail_memory(error, "antialiasing");
     a->width = width;
     a->height = height;
-    a->ids = sl_allocate_unset((1 + SAMPLES) * pixels_of(a), sizeof *a->ids);
+    a->ids = sl_allocate_unset(pixels_of(a), sizeof *a->ids);
     a->at_edge = sl_allocate_unset(pixels_of(a), sizeof *a->at_edge);
     a->colour = sl_allocate_unset(3 * pixels_of(a), sizeof *a->colour);
     if (a->ids && a->at_edge && a->colour) return SL_OK;
@@ -40,21 +42,7 @@ void sl_antialias_destroy(sl_antialias *a) {
     if (a) SL_FREE_ALL(a->ids, a->at_edge, a->colour, a);
 }
 
-/* ---- identifiers ---- */
-
-static sl_status draw_ids(sl_antialias *a, const sl_scene *scene, const sl_raster *raster, unsigned threads,
-                          sl_counters *counters, sl_error *error) {
-    sl_scene seen = *scene;
-    sl_status status = SL_OK;
-    for (int k = 0; k <= SAMPLES && status == SL_OK; k++) {
-        seen.sub_frame = k ? (sl_sub_frame){.right = sample_right[k - 1], .up = sample_up[k - 1]}
-                           : (sl_sub_frame){0};
-        const sl_view view = sl_view_scene(&seen, a->width, a->height);
-        const sl_target target = {a->width, a->height, a->ids + (size_t)k * pixels_of(a), NULL};
-        status = sl_raster_id(raster, &view, threads, &target, counters, error);
-    }
-    return status;
-}
+/* ---- surfaces ---- */
 
 /* Tells whether light goes on smoothly from one triangle to the other. */
 static bool is_same_surface(const sl_scene *s, uint32_t a, uint32_t b) {
@@ -74,50 +62,154 @@ static bool is_same_surface(const sl_scene *s, uint32_t a, uint32_t b) {
 typedef struct pass {
     const sl_antialias *a;
     const sl_scene *scene;
+    const uint32_t *id; /* at the centres */
+    double right, top;  /* of the view, at unit distance */
     sl_image *picture;
 } pass;
 
+/* Rows of pictures begin at the top. */
+static size_t place_of(const sl_antialias *a, size_t x, size_t row) {
+    return ((size_t)a->height - 1 - row) * (size_t)a->width + x;
+}
+
+/* Tells whether it shows where an edge between two pixels lies. */
+static bool is_contrast(const pass *p, size_t one, size_t other) {
+    const float SEEN = 0.1f;
+    for (size_t c = 0; c < 3; c++) {
+        const float *plane = p->picture->planes + c * pixels_of(p->a), a = plane[one], b = plane[other];
+        if (fabsf(a - b) > SEEN * fmaxf(a, b)) return true;
+    }
+    return false;
+}
+
+static bool is_edge(const pass *p, size_t x, size_t row, size_t other_x, size_t other_row) {
+    const size_t width = (size_t)p->a->width;
+    return !is_same_surface(p->scene, p->id[row * width + x], p->id[other_row * width + other_x]) &&
+           is_contrast(p, place_of(p->a, x, row), place_of(p->a, other_x, other_row));
+}
+
+/* Most pixels show the triangle that those around show. */
 static void find_edges_of_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const pass *p = context;
-    const sl_antialias *a = p->a;
-    const size_t width = (size_t)a->width, first = row * width;
+    const size_t width = (size_t)p->a->width;
+    const uint32_t *id = p->id + row * width, *below = row ? id - width : id,
+                   *above = row + 1 < (size_t)p->a->height ? id + width : id;
+    uint8_t *at_edge = p->a->at_edge + row * width;
     for (size_t x = 0; x < width; x++) {
-        const uint32_t *id = a->ids + first + x;
-        const size_t beside[4] = {x ? 1 : 0, x + 1 < width ? 1 : 0, row ? width : 0,
-                                  row + 1 < (size_t)a->height ? width : 0};
-        const uint32_t next[4] = {id[0 - beside[0]], id[beside[1]], *(id - beside[2]), id[beside[3]]};
-        a->at_edge[first + x] = 0;
-        for (int k = 0; k < 4; k++) a->at_edge[first + x] |= !is_same_surface(p->scene, *id, next[k]);
+        const size_t left = x ? x - 1 : x, right = x + 1 < width ? x + 1 : x;
+        at_edge[x] = (id[left] != id[x] && is_edge(p, x, row, left, row)) ||
+                     (id[right] != id[x] && is_edge(p, x, row, right, row)) ||
+                     (below[x] != id[x] && is_edge(p, x, row, x, row - 1)) ||
+                     (above[x] != id[x] && is_edge(p, x, row, x, row + 1));
     }
 }
 
-/* Returns the pixel whose centre is nearest to a sample and shows the same surface; the sample's own where
- * there is none. */
-static size_t find_centre(const pass *p, int x, int y, int sample) {
+/* A triangle from the eye: a direction d is within it where d side[i] have one sign for all i, and meets it
+ * at inverse distance (d, sum of side) / volume. */
+typedef struct cone {
+    uint32_t id;
+    bool counts; /* it could be seen here */
+    sl_vec3d side[3];
+    double volume;
+} cone;
+
+/* Those that the centres around show, the own one first; SL_NO_INDEX is one, infinitely far away. */
+typedef struct candidates {
+    size_t count;
+    cone cone[9];
+    uint8_t surface[9]; /* the first candidate that is of the same */
+    int around;         /* pixels, the own one first: their candidates, where they lie */
+    uint8_t shows[9];
+    int8_t right[9], up[9];
+} candidates;
+
+static sl_vec3d from_eye(const sl_scene *s, uint32_t triangle, int corner) {
+    const sl_vec3 at = sl_scene_position(s, s->vertex[corner][triangle]), eye = s->camera.eye;
+    return sl_v3d((double)at.x - (double)eye.x, (double)at.y - (double)eye.y, (double)at.z - (double)eye.z);
+}
+
+/* Of a triangle with a mask nobody knows where it is opaque but at the pixel's own centre. */
+static cone cone_of(const sl_scene *s, uint32_t id, bool own) {
+    cone c = {.id = id, .counts = id == SL_NO_INDEX};
+    if (c.counts) return c;
+    const sl_vec3d p[3] = {from_eye(s, id, 0), from_eye(s, id, 1), from_eye(s, id, 2)};
+    for (int k = 0; k < 3; k++) c.side[k] = sl_crossd(p[(k + 1) % 3], p[(k + 2) % 3]);
+    c.volume = sl_dotd(p[0], c.side[0]);
+    c.counts = c.volume != 0.0 && (own || !sl_scene_has_alpha(s, id));
+    return c;
+}
+
+static uint8_t candidate_of(const pass *p, uint32_t id, candidates *all) {
+    uint8_t k = 0, same = 0;
+    while (k < all->count && all->cone[k].id != id) k++;
+    if (k < all->count) return k;
+    all->cone[all->count++] = cone_of(p->scene, id, k == 0);
+    while (same < k && !is_same_surface(p->scene, all->cone[same].id, id)) same++;
+    all->surface[k] = same;
+    return k;
+}
+
+static void find_candidates(const pass *p, int x, int y, candidates *all) {
+    static const int8_t order[3] = {0, -1, 1};
     const sl_antialias *a = p->a;
-    const size_t own = (size_t)y * (size_t)a->width + (size_t)x;
-    const uint32_t seen = a->ids[(size_t)(sample + 1) * pixels_of(a) + own];
-    size_t best = own;
+    all->count = 0;
+    all->around = 0;
+    for (int k = 0; k < 9; k++) {
+        const int u = x + order[k % 3], v = y + order[k / 3];
+        if (u < 0 || v < 0 || u >= a->width || v >= a->height) continue;
+        all->right[all->around] = order[k % 3];
+        all->up[all->around] = order[k / 3];
+        all->shows[all->around++] = candidate_of(p, p->id[(size_t)v * (size_t)a->width + (size_t)u], all);
+    }
+}
+
+/* Returns the inverse distance; negative: the direction does not meet it. */
+static double meet(const cone *c, sl_vec3d d) {
+    if (!c->counts) return -1.0;
+    if (c->id == SL_NO_INDEX) return 0.0;
+    const double s[3] = {sl_dotd(d, c->side[0]), sl_dotd(d, c->side[1]), sl_dotd(d, c->side[2])};
+    const bool within = (s[0] >= 0.0 && s[1] >= 0.0 && s[2] >= 0.0) ||
+                        (s[0] <= 0.0 && s[1] <= 0.0 && s[2] <= 0.0);
+    const double inverse = (s[0] + s[1] + s[2]) / c->volume;
+    return within && inverse > 0.0 ? inverse : -1.0;
+}
+
+/* Returns what a direction sees: the nearest of the candidates; the pixel's own where it meets none. */
+static size_t see(const candidates *all, sl_vec3d d) {
+    double nearest = -1.0;
+    size_t seen = 0;
+    for (size_t k = 0; k < all->count; k++) {
+        const double inverse = meet(&all->cone[k], d);
+        if (inverse <= nearest) continue;
+        nearest = inverse;
+        seen = k;
+    }
+    return seen;
+}
+
+static sl_vec3d direction_of(const pass *p, double x, double y) {
+    const sl_camera *c = &p->scene->camera;
+    const double u = (2.0 * x / p->a->width - 1.0) * p->right, v = (2.0 * y / p->a->height - 1.0) * p->top;
+    return sl_v3d(u * (double)c->right.x + v * (double)c->up.x - (double)c->back.x,
+                  u * (double)c->right.y + v * (double)c->up.y - (double)c->back.y,
+                  u * (double)c->right.z + v * (double)c->up.z - (double)c->back.z);
+}
+
+/* Returns which of the pixels around has the centre that is nearest to a sample, of those that show the
+ * surface of candidate `seen`: the own one where it does. */
+static int find_centre(const candidates *all, size_t seen, int sample) {
+    int best = 0;
     float least = 1e9f;
-    for (int v = y - 1; v <= y + 1; v++) {
-        for (int u = x - 1; u <= x + 1; u++) {
-            const float dx = (float)(u - x) - sample_right[sample], dy = (float)(v - y) - sample_up[sample];
-            const float distance = dx * dx + dy * dy;
-            if (u < 0 || v < 0 || u >= a->width || v >= a->height || distance >= least) continue;
-            const size_t pixel = (size_t)v * (size_t)a->width + (size_t)u;
-            if (!is_same_surface(p->scene, seen, a->ids[pixel])) continue;
-            best = pixel;
-            least = distance;
-        }
+    if (all->surface[seen] == all->surface[0]) return 0;
+    for (int k = 1; k < all->around; k++) {
+        const float dx = (float)all->right[k] - sample_right[sample],
+                    dy = (float)all->up[k] - sample_up[sample], distance = dx * dx + dy * dy;
+        if (distance >= least || all->surface[all->shows[k]] != all->surface[seen]) continue;
+        best = k;
+        least = distance;
     }
     return best;
-}
-
-/* Rows of pictures begin at the top. */
-static size_t place_of(const sl_antialias *a, size_t pixel) {
-    const size_t width = (size_t)a->width;
-    return ((size_t)a->height - 1 - pixel / width) * width + pixel % width;
 }
 
 static void mix_row(void *context, size_t row, unsigned worker) {
@@ -127,9 +219,15 @@ static void mix_row(void *context, size_t row, unsigned worker) {
     for (int x = 0; x < a->width; x++) {
         const size_t pixel = row * (size_t)a->width + (size_t)x;
         float sum[3] = {0.0f, 0.0f, 0.0f};
+        candidates all;
         if (!a->at_edge[pixel]) continue;
+        find_candidates(p, x, (int)row, &all);
         for (int k = 0; k < SAMPLES; k++) {
-            const size_t from = place_of(a, find_centre(p, x, (int)row, k));
+            const size_t seen = see(&all, direction_of(p, x + 0.5 + (double)sample_right[k],
+                                                       (double)row + 0.5 + (double)sample_up[k]));
+            const int at = find_centre(&all, seen, k);
+            const size_t from =
+                place_of(a, (size_t)(x + all.right[at]), (size_t)((int)row + all.up[at]));
             for (size_t c = 0; c < 3; c++) sum[c] += p->picture->planes[c * pixels_of(a) + from];
         }
         for (size_t c = 0; c < 3; c++)
@@ -141,23 +239,31 @@ static void put_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const pass *p = context;
     const sl_antialias *a = p->a;
-    const size_t first = row * (size_t)a->width, end = first + (size_t)a->width;
-    for (size_t pixel = first; pixel < end; pixel++) {
+    for (size_t x = 0; x < (size_t)a->width; x++) {
+        const size_t pixel = row * (size_t)a->width + x, place = place_of(a, x, row);
         if (!a->at_edge[pixel]) continue;
         for (size_t c = 0; c < 3; c++)
-            p->picture->planes[c * pixels_of(a) + place_of(a, pixel)] = a->colour[c * pixels_of(a) + pixel];
+            p->picture->planes[c * pixels_of(a) + place] = a->colour[c * pixels_of(a) + pixel];
     }
 }
 
 sl_status sl_antialias_edges(sl_antialias *a, const sl_scene *scene, const sl_raster *raster,
-                             unsigned threads, sl_image *picture, sl_counters *counters, sl_error *error) {
+                             const uint32_t *id, unsigned threads, sl_image *picture, sl_counters *counters,
+                             sl_error *error) {
     const size_t rows = (size_t)a->height;
-    pass p = {a, scene, picture};
-    if (scene->triangle_count > pixels_of(a)) return SL_OK;
-    sl_status status = draw_ids(a, scene, raster, threads, counters, error);
-    if (status != SL_OK) return status;
+    const double top = sl_tan(0.5 * (double)scene->camera.vertical_fov);
+    pass p = {a, scene, id ? id : a->ids, top * a->width / a->height, top, picture};
+    if (!id) {
+        const sl_view view = sl_view_scene(scene, a->width, a->height);
+        const sl_target target = {a->width, a->height, a->ids, NULL};
+        sl_status status = sl_raster_id(raster, &view, threads, &target, counters, error);
+        if (status != SL_OK) return status;
+    }
     sl_parallel_for(threads, rows, find_edges_of_row, &p);
     sl_parallel_for(threads, rows, mix_row, &p);
     sl_parallel_for(threads, rows, put_row, &p);
+    size_t mixed = 0;
+    for (size_t i = 0; i < pixels_of(a); i++) mixed += a->at_edge[i];
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, SAMPLES * mixed);
     return SL_OK;
 }

@@ -1,7 +1,7 @@
 /* Edges of pictures that move. A film (film.h) has the method light each sub-frame, which takes as long as so
- * many pictures; where there is no time for that, the hardware draws identifiers alone at four samples of
- * each pixel at an edge, and a sample has the colour of the nearest centre that shows the same surface, as
- * multisampling shades a surface once a pixel. */
+ * many pictures. Where there is no time for that, a pixel at an edge that shows has four samples, which see
+ * the nearest of the triangles that centres around show, and a sample has the colour of the nearest centre
+ * that shows its surface, as multisampling shades a surface once a pixel. */
 #ifndef SL_FRAME_ANTIALIAS_H
 #define SL_FRAME_ANTIALIAS_H
 
@@ -10,14 +10,14 @@
 
 typedef struct sl_antialias sl_antialias;
 
-enum { SL_ANTIALIAS_BYTES = 33 }; /* a pixel */
+enum { SL_ANTIALIAS_BYTES = 17 }; /* a pixel */
 
 sl_status sl_antialias_create(int width, int height, sl_antialias **antialias, sl_error *error);
 void sl_antialias_destroy(sl_antialias *antialias);
 /* Gives pixels at edges the mean of their samples: R, G and B of a picture of centres, rows from the top, as
- * the raster's scene stands. Scenes of more triangles than pixels stay as they are: edges are everywhere, and
- * drawing them again takes longer than all else. */
+ * the scene stands. id: triangles that the centres show, rows from the bottom; NULL: raster draws them. */
 sl_status sl_antialias_edges(sl_antialias *antialias, const sl_scene *scene, const sl_raster *raster,
-                             unsigned threads, sl_image *picture, sl_counters *counters, sl_error *error);
+                             const uint32_t *id, unsigned threads, sl_image *picture, sl_counters *counters,
+                             sl_error *error);
 
 #endif

@@ -271,11 +271,12 @@ static sl_status smooth(sl_live *l, const sl_scene *scene, unsigned threads, sl_
                         sl_counters *counters, sl_error *error) {
     const sl_method *m = l->method;
     if (!l->smooths || !has_edges(m)) return SL_OK;
-    const sl_raster *raster = l->window ? m->class->window->raster(l->window) : m->class->raster(m->state);
+    const sl_raster *raster = l->window ? NULL : m->class->raster(m->state);
+    const uint32_t *id = l->window ? m->class->window->ids(l->window) : NULL;
     sl_status status =
         l->edges ? SL_OK : sl_antialias_create(picture->width, picture->height, &l->edges, error);
     if (status != SL_OK) return status;
-    return sl_antialias_edges(l->edges, scene, raster, threads, picture, counters, error);
+    return sl_antialias_edges(l->edges, scene, raster, id, threads, picture, counters, error);
 }
 
 static sl_status resolve(sl_live *l, sl_image **frame, sl_error *error) {

@@ -44,8 +44,8 @@ typedef struct sl_window_class {
     void (*destroy)(void *window);                                                          /* likewise */
     /* the copy's objects have moved */
     sl_status (*move)(void *window, sl_error *error);
-    /* that draws the copy's triangles */
-    const sl_raster *(*raster)(const void *window);
+    /* triangles that the last picture's centres show, rows from the bottom */
+    const uint32_t *(*ids)(const void *window);
     /* R, G, B of a picture of the method's size; *versions: how often what is shown has been brought up to
      * date. */
     sl_status (*draw)(void *window, sl_image *image, uint64_t *versions, sl_counters *counters,

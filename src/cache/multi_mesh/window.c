@@ -311,10 +311,10 @@ static sl_status window_draw(void *it, sl_image *image, uint64_t *versions, sl_c
     return status;
 }
 
-static const sl_raster *window_raster(const void *it) { return ((const window *)it)->raster; }
+static const uint32_t *window_ids(const void *it) { return ((const window *)it)->id; }
 
 const sl_window_class sl_multi_mesh_window = {.create = window_create,
                                               .destroy = window_destroy,
                                               .move = window_move,
-                                              .raster = window_raster,
+                                              .ids = window_ids,
                                               .draw = window_draw};

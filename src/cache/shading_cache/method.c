@@ -349,7 +349,7 @@ static sl_status window_create(void *state, const sl_scene *copy, unsigned threa
 static const sl_window_class shading_window_class = {.create = window_create,
                                                      .destroy = sl_window_destroy,
                                                      .move = sl_window_move,
-                                                     .raster = sl_window_raster,
+                                                     .ids = sl_window_ids,
                                                      .draw = sl_window_picture};
 
 static const sl_raster *shading_raster(const void *state) {

@@ -73,8 +73,8 @@ void sl_window_destroy(void *window);
 /* Positions follow the copy's objects. Curved surfaces are cut anew for its camera with the first frame after
  * a build. */
 sl_status sl_window_move(void *window, sl_error *error);
-/* That draws the copy's triangles. */
-const sl_raster *sl_window_raster(const void *window);
+/* Triangles that the last frame's centres show, rows from the bottom. */
+const uint32_t *sl_window_ids(const void *window);
 /* A frame as a picture. */
 sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_counters *counters,
                             sl_error *error);

@@ -59,9 +59,7 @@ sl_status sl_window_move(void *window, sl_error *error) {
     return status == SL_OK && w->display->curved ? sl_tessellation_move(w->display, w, error) : status;
 }
 
-const sl_raster *sl_window_raster(const void *window) {
-    return ((const sl_window *)window)->raster;
-}
+const uint32_t *sl_window_ids(const void *window) { return ((const sl_window *)window)->frame.id; }
 
 sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_counters *counters,
                             sl_error *error) {
