@@ -849,8 +849,8 @@ SL_API sl_status sl_live_rate(sl_live *live, double samples_a_second, sl_error *
  * many there are. events may be NULL where room is 0. A method that is led through them, each after as many
  * updates, has the same picture, to the bit, as a show with filter=centre after that number of updates, at
  * any number of threads (others differ at edges): from the scene as the show found it, with the show's
- * settings but for shading-cache.frames-per-update=1 and, where they were left open, shading-cache.updates=1000000000 and
- * splatting.records-per-frame=256. Not so with the option "memory", of which a show takes a part for itself,
+ * settings but for shading-cache.frames-per-update=1 and, where they were left open,
+ * shading-cache.updates=1000000000 and splatting.records-per-frame=256. Not so with the option "memory", of which a show takes a part for itself,
  * and after sl_live_look(), which stands in no event. */
 SL_API size_t sl_live_log(sl_live *live, sl_live_event *events, size_t room);
 /** The picture as it is now, R, G, B, drawn by the calling thread alone; *frame is the show's own, and valid

@@ -7,6 +7,6 @@ $(BUILD)/o/src/mpi/program.o: src/app/main.c
 $(BUILD)/softlux-mpi: $(MPI_OBJECTS) $(BUILD)/o/src/mpi/program.o $(filter-out %/app/main.o,$(APP_OBJECTS)) \
                       $(filter-out %/ranks_alone.o,$(LIBRARY_OBJECTS))
 	$(link) -Wl,--wrap=sl_batch_run,--wrap=sl_ranks_share $(LIBS) $(SERVE_LIBS) $(shell pkg-config --libs ompi-c)
-# What bench/ranks.py --network measures
+# For bench/ranks.py --network
 $(BUILD)/ranks-replay: $(REPLAY_OBJECTS) $(BUILD)/libsoftlux.a
 	$(link) $(LIBS) $(shell pkg-config --libs ompi-c)

@@ -1,11 +1,9 @@
 /* Feeds bench/ranks.py --network: mpirun -n 2 ranks-replay LOG exchanges what the batches of a log
  * (batch_log.c) would, without any work, and prints the network's latency in seconds, its bytes a second
  * each way, and the seconds that all exchanges took. */
-#define _GNU_SOURCE /* clocks */
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/ranks.h"
 #include "mpi/end.h"

@@ -38,7 +38,7 @@ static uint32_t hash_of(const char *text, uint32_t hash) {
     return hash;
 }
 
-enum { HASH_BEGIN = 2166136261u };
+static const uint32_t HASH_BEGIN = 2166136261u;
 
 /* Of several ranks each has all settings of a curve: cheaper ones decide whether dearer ones are tried. */
 static bool is_own(const sl_bench_scene *s, const sl_trial *t) {
