@@ -19,7 +19,7 @@ struct sl_antialias {
     int width, height;
     uint32_t *ids; /* at the centres, rows from the bottom */
     uint8_t *at_edge;
-    float *colour; /* of pixels at edges, before */
+    float *colour; /* of pixels at edges, mixed */
 };
 
 static size_t pixels_of(const sl_antialias *a) { return (size_t)a->width * (size_t)a->height; }
