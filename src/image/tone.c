@@ -54,14 +54,24 @@ static double exposure_of(const sl_image *image, sl_tone tone) {
 /* Reinhard's equation 4 for each channel, the smallest value that becomes white being 4. */
 static double apply_curve(sl_tone_curve curve, double x) {
     const double white = 4.0;
-    if (curve == SL_TONE_CLIP || x > 0x1p500) return x;
+    if (curve == SL_TONE_CLIP) return x;
     return x * (1.0 + x / (white * white)) / (1.0 + x);
 }
 
-/* borders[i]: the linear value at which the encoded value passes from code i to code i + 1, so that rounding
+/* Returns the least value that the curve takes to y: the root of its quadratic, to the last bit. */
+static double before_curve(sl_tone_curve curve, double y) {
+    if (curve == SL_TONE_CLIP) return y;
+    double x = 8.0 * (y - 1.0 + sqrt((1.0 - y) * (1.0 - y) + 0.25 * y));
+    while (apply_curve(curve, x) >= y) x = nextafter(x, 0.0);
+    while (apply_curve(curve, x) < y) x = nextafter(x, INFINITY);
+    return x;
+}
+
+/* borders[i]: the exposed value at which the encoded value passes from code i to code i + 1, so that rounding
  * to the nearest code is a search for the number of borders at or below a value. */
-static void find_code_borders(double borders[256]) {
-    for (int i = 0; i < 255; i++) borders[i] = (double)sl_srgb_decode(((float)i + 0.5f) / 255.0f);
+static void find_code_borders(sl_tone_curve curve, double borders[256]) {
+    for (int i = 0; i < 255; i++)
+        borders[i] = before_curve(curve, (double)sl_srgb_decode(((float)i + 0.5f) / 255.0f));
     borders[255] = INFINITY;
 }
 
@@ -73,10 +83,16 @@ static uint8_t nearest_code(const double borders[256], double x) {
     return (uint8_t)code;
 }
 
-/* The code at the low end of each of 128 steps of a doubling, from OCTAVES of them below 1 on: from there to
- * the code of a value it is at most one border, since a doubling holds 68 of them. A value's step stands in
- * its bits. */
-enum { OCTAVES = 13, STEP_BITS = 45, STEPS = OCTAVES * 128, FIRST_STEP = (1023 - OCTAVES) << 7 };
+/* The code at the low end of each of 128 steps of a doubling, from 2^-13 on to 4, which is white: from there
+ * to the code of a value it is at most one border, since a doubling holds 68 of them. A value's step stands
+ * in its bits. */
+enum {
+    BELOW = 13,
+    OCTAVES = BELOW + 2,
+    STEP_BITS = 45,
+    STEPS = OCTAVES * 128,
+    FIRST_STEP = (1023 - BELOW) << 7
+};
 
 static void find_first_codes(const double borders[256], uint8_t first[STEPS]) {
     for (uint64_t i = 0; i < STEPS; i++) {
@@ -91,7 +107,7 @@ static void find_first_codes(const double borders[256], uint8_t first[STEPS]) {
 static uint8_t code_of(const double borders[256], const uint8_t first[STEPS], double x) {
     uint64_t bits;
     x = x >= 0x1p-13 ? x : 0x1p-13; /* below the first border; NaN, too */
-    x = x < 1.0 ? x : 0x1.fffffffffffffp-1;
+    x = x < 4.0 ? x : 0x1.fffffffffffffp+1;
     memcpy(&bits, &x, sizeof bits);
     const unsigned code = first[(bits >> STEP_BITS) - FIRST_STEP];
     return (uint8_t)(code + (x >= borders[code]));
@@ -101,12 +117,12 @@ static void map_planes(const float *const planes[3], size_t pixels, double expos
                        uint8_t *mapped) {
     double borders[256];
     uint8_t first[STEPS];
-    find_code_borders(borders);
+    find_code_borders(curve, borders);
     find_first_codes(borders, first);
     for (size_t c = 0; c < 3; c++) {
         for (size_t i = 0; i < pixels; i++) {
             const double x = (double)planes[c][i] * exposure;
-            mapped[3 * i + c] = code_of(borders, first, apply_curve(curve, x > 0.0 ? x : 0.0));
+            mapped[3 * i + c] = code_of(borders, first, x);
         }
     }
 }
