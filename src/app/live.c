@@ -274,6 +274,7 @@ int sl_command_live(int argc, char **argv) {
     if (!parse(argc, argv, &o, &exit_status)) return exit_status;
     sl_error error;
     sl_scene *scene = NULL;
+    sl_keep_freed_memory(&o.settings);
     sl_status status = sl_show_files_check(o.output, o.frames_per_second, &error);
     if (status == SL_OK && o.json && o.output && strcmp(o.output, "-") == 0)
         status = sl_fail(&error, SL_ERROR_USAGE, "--json and --output -: both would go to standard output");

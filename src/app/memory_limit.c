@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/sanitized.h"
 
+#include <malloc.h>
 #include <math.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -42,4 +43,11 @@ sl_status sl_load_within_memory(const char *path, const sl_load_options *load, c
     return sl_fail(error, SL_ERROR_RESOURCES,
                    "%s: %.0fM of memory are not enough to load it; give more memory", path,
                    (double)settings->memory_bytes / 0x1p20);
+}
+
+void sl_keep_freed_memory(const sl_settings *settings) {
+    enum { KEPT = 512 << 20, FROM_HEAP = 32 << 20 };
+    if (settings->memory_bytes) return;
+    mallopt(M_TRIM_THRESHOLD, KEPT);
+    mallopt(M_MMAP_THRESHOLD, FROM_HEAP);
 }

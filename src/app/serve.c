@@ -166,6 +166,7 @@ int sl_command_serve(int argc, char **argv) {
     if (!parse(argc, argv, &c, &exit_status)) return exit_status;
     sl_error error;
     if (c.replay) return replay(&c, &error) == SL_OK ? 0 : sl_complain(&error);
+    sl_keep_freed_memory(&c.stage.settings);
     wait_quietly(argv - 2); /* "softlux serve" */
     sl_stage *stage = NULL;
     c.stage.token = c.network.token;
