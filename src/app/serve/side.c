@@ -225,7 +225,7 @@ static void draw(sl_stage *s, int index, double now) {
     const bool differs = state.versions != d->last.versions || shown != d->shown,
                still = state.done && shown == s->world.count && now - d->moved > 0.2;
     d->last = state;
-    d->drawn = now;
+    if (differs || shown == s->world.count) d->drawn = now; /* else a picture is on its way */
     if (!state.versions || (!differs && (!still || d->sent_still))) return;
     const double drawn = sl_thread_seconds();
     note_latency(s, d, shown);

@@ -375,7 +375,7 @@ double sl_stage_step(sl_stage *s) {
         busy = busy || (d->live && !(d->last.done && d->sent_still && d->shown == s->world.count));
     }
     sl_work_step(s);
-    return busy ? 0.005 : 0.05;
+    return busy ? 0.002 : 0.05;
 }
 
 void sl_stage_run(sl_stage *s) {
