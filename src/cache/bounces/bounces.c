@@ -16,8 +16,9 @@ static const size_t most_records[GENERATIONS] = {4000, 5000};
  * did; or it has gone elsewhere. */
 #define MANY_MISSED 0.01f
 #define MOST_MISSED 0.1f
-/* Records that a view may add, and have gather again, where it sees a little more: few enough for a frame. */
-enum { MORE = 256, AGAIN = 32 };
+/* Where a view sees a little more: origins, and records that it may add and have gather again; few enough for
+ * a frame, and fewer for one that somebody waits for. */
+enum { MORE = 256, AGAIN = 32, QUICK_ORIGINS = ORIGINS / 8, QUICK_MORE = MORE / 4 };
 
 sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy,
                                           uint32_t bounces) {
@@ -60,11 +61,13 @@ static sl_radius_rules radii_of(const sl_second_settings *s, const sl_scene *sce
                              .metric = SL_METRIC_HARMONIC};
 }
 
-/* Covers what gathers at visible points see, and what gathers there see, by about `most` records. */
-static sl_status find_places(sl_second_cache *cache, size_t most, sl_counters *counters, sl_error *error) {
+/* Covers what gathers at visible points (about so many origins) see, and what gathers there see, by about
+ * `most` records. */
+static sl_status find_places(sl_second_cache *cache, unsigned origins_wanted, size_t most,
+                             sl_counters *counters, sl_error *error) {
     const sl_second_settings *s = &cache->settings;
     sl_probed origins;
-    sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, ORIGINS, &origins, counters, error);
+    sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, origins_wanted, &origins, counters, error);
     size_t start = cache->list.count, first = start; /* records of the last generation start here */
     for (size_t generation = 0; status == SL_OK && generation < GENERATIONS; generation++) {
         sl_probed seen;
@@ -73,8 +76,8 @@ static sl_status find_places(sl_second_cache *cache, size_t most, sl_counters *c
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
         if (count == 0 || cache->list.count - start >= most) break;
-        status = sl_probe_from(cache->scene, cache->tracer, s, from, count, ORIGINS, generation, &seen,
-                               counters, error);
+        status = sl_probe_from(cache->scene, cache->tracer, s, from, count, origins_wanted, generation,
+                               &seen, counters, error);
         if (status == SL_OK)
             status = sl_cover_points(cache, &seen, few_uncovered[generation], start + room, counters, error);
         sl_probed_free(&seen);
@@ -114,7 +117,7 @@ static sl_status check_points(const sl_second_cache *cache, float *missed, sl_co
 static sl_status make_records(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
                               sl_error *error) {
     sl_status status = sl_second_open_gathers(cache, raster, counters, error);
-    if (status == SL_OK) status = find_places(cache, SIZE_MAX, counters, error);
+    if (status == SL_OK) status = find_places(cache, ORIGINS, SIZE_MAX, counters, error);
     if (status == SL_OK) status = sl_let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
     sl_record_gathers_destroy(&cache->gathers);
@@ -160,10 +163,11 @@ static sl_status take_turns(sl_second_cache *cache, const sl_raster *raster, sl_
  * or with the views that follow. */
 static sl_status add_places(sl_second_cache *cache, const sl_raster *raster, float missed,
                             sl_counters *counters, sl_error *error) {
-    const bool elsewhere = missed > MOST_MISSED;
+    const bool elsewhere = missed > MOST_MISSED, quick = !elsewhere && cache->settings.quick;
+    const size_t most = elsewhere ? SIZE_MAX : quick ? QUICK_MORE : MORE;
     const size_t first = cache->list.count;
     sl_status status = sl_second_open_gathers(cache, raster, counters, error);
-    if (status == SL_OK) status = find_places(cache, elsewhere ? SIZE_MAX : MORE, counters, error);
+    if (status == SL_OK) status = find_places(cache, quick ? QUICK_ORIGINS : ORIGINS, most, counters, error);
     if (cache->list.count == first) cache->report.missed = missed; /* as few as can be */
     if (status != SL_OK || cache->moved) return status;
     if (elsewhere && is_grown(cache)) return bounce_anew(cache, counters, error);

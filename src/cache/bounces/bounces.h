@@ -32,6 +32,7 @@ typedef struct sl_second_settings {
     float aspect;              /* width / height of the picture */
     uint64_t seed;
     unsigned threads;
+    bool quick; /* somebody waits for each view */
 } sl_second_settings;
 
 /* Returns the settings that go with gathers of this kind and size and visible records of this accuracy. */

@@ -37,6 +37,7 @@ static sl_status open_second(sl_splat_state *s, sl_error *error) {
         sl_second_settings_for(&s->plan.gather, s->settings.accuracy, s->settings.bounces);
     settings.aspect = (float)s->settings.width / (float)s->settings.height;
     settings.threads = s->settings.threads;
+    settings.quick = s->settings.records_per_frame > 0;
     sl_status status = sl_second_cache_create(s->scene, s->raster, s->tracer, &settings, &s->second,
                                               &s->counters, error);
     if (status == SL_OK) sl_splat_announce_second_level(s);
