@@ -180,13 +180,18 @@ static sl_status follow_structure(window *w, uint32_t made, sl_error *error) {
 }
 
 /* Each row of a face's pixels comes back to the leaves of the one before. */
-static const shown_leaf *find_leaf(const sl_patches *mesh, uint32_t face, float w1, float w2,
+static const shown_leaf *find_leaf(const sl_patches *mesh, uint32_t root, float w1, float w2,
                                    shown_leaf *leaves) {
-    const sl_patch_place found = sl_mesh_locate(mesh, face, w1, w2);
-    shown_leaf *leaf = &leaves[found.patch % LEAVES];
-    if (found.patch != SL_NO_INDEX && found.patch == leaf->found.patch) return leaf;
-    leaf->found = leaf->at = found;
-    leaf->known = found.patch != SL_NO_INDEX && sl_mesh_fan_shown(mesh, &leaf->at, true, &leaf->fan);
+    double a, b;
+    sl_mesh_clamp_weights(w1, w2, &a, &b);
+    const uint32_t found = sl_patch_leaf_at(mesh, root, 3, a, b);
+    shown_leaf *leaf = &leaves[found % LEAVES];
+    if (found == leaf->found.patch && found != SL_NO_INDEX) return leaf;
+    leaf->found.patch = found;
+    leaf->known = false;
+    if (found == SL_NO_INDEX) return leaf;
+    leaf->found = leaf->at = sl_patch_place_of(mesh, found);
+    leaf->known = sl_mesh_fan_shown(mesh, &leaf->at, true, &leaf->fan);
     return leaf;
 }
 
@@ -222,11 +227,11 @@ static void draw_face(const drawing *d, size_t part, const sl_visible_face *face
     const sl_visible_pixels *seen = d->seen;
     const sl_rgb otherwise = part == SL_INDIRECT ? d->set->ambient : sl_grey(0.0f);
     const float colour[3] = {otherwise.r, otherwise.g, otherwise.b};
-    const uint32_t end = face->first + face->count;
+    const uint32_t end = face->first + face->count, root = sl_patches_find_root(mesh, face->face);
     for (uint32_t i = face->first; i < end;) {
         const size_t left = end - i < SL_FAN_LANES ? end - i : SL_FAN_LANES;
         float value[3][SL_FAN_LANES];
-        const shown_leaf *leaf = find_leaf(mesh, face->face, seen->w1[i], seen->w2[i], leaves);
+        const shown_leaf *leaf = find_leaf(mesh, root, seen->w1[i], seen->w2[i], leaves);
         const size_t run = values_of(leaf, d->isa, left, seen->w1 + i, seen->w2 + i, value);
         for (size_t l = 0; l < run; l++, i++)
             for (int c = 0; c < 3; c++)

@@ -197,13 +197,37 @@ int sl_patch_child_at(const sl_patch_place *place, double u, double v) {
     return child_at(place, scaled(u), scaled(v));
 }
 
+/* Goes from a place in a triangle to that in one of its children, which is returned. */
+static uint32_t go_down_triangle(double *a, double *b) {
+    const uint32_t child = *a >= 0.5 ? 1 : *b >= 0.5 ? 2 : *a + *b <= 0.5 ? 0 : 3;
+    if (child == 3) {
+        *a = 1.0 - 2.0 * *a;
+        *b = 1.0 - 2.0 * *b;
+        return child;
+    }
+    *a = 2.0 * *a - (child == 1 ? 1.0 : 0.0);
+    *b = 2.0 * *b - (child == 2 ? 1.0 : 0.0);
+    return child;
+}
+
+static uint32_t go_down_quad(double *a, double *b) {
+    const bool right = *a >= 0.5, up = *b >= 0.5;
+    *a = 2.0 * *a - (right ? 1.0 : 0.0);
+    *b = 2.0 * *b - (up ? 1.0 : 0.0);
+    return up ? (right ? 2 : 3) : (right ? 1 : 0);
+}
+
+uint32_t sl_patch_leaf_at(const sl_patches *p, uint32_t patch, int corners, double a, double b) {
+    while (patch != SL_NO_INDEX && !sl_patch_is_leaf(p, patch))
+        patch = p->patch[patch].child + (corners == 3 ? go_down_triangle(&a, &b) : go_down_quad(&a, &b));
+    return patch;
+}
+
 sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, double v) {
-    sl_patch_place place = sl_patch_root_place(p, root);
-    u = scaled(u);
-    v = scaled(v);
-    while (place.patch != SL_NO_INDEX && !sl_patch_is_leaf(p, place.patch))
-        place = sl_patch_child_place(p, &place, child_at(&place, u, v));
-    return place;
+    const sl_patch_place whole = sl_patch_root_place(p, root);
+    const double a = u > 0.0 ? (u < 1.0 ? u : 1.0) : 0.0, b = v > 0.0 ? (v < 1.0 ? v : 1.0) : 0.0;
+    const uint32_t leaf = sl_patch_leaf_at(p, whole.patch, whole.corners, a, b);
+    return leaf == whole.patch ? whole : sl_patch_place_of(p, leaf);
 }
 
 /* ---- roots ----------------------------------------------------------------------------------- */

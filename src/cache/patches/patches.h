@@ -211,6 +211,9 @@ sl_patch_place sl_patch_place_of(const sl_patches *patches, uint32_t patch);
 sl_patch_place sl_patch_child_place(const sl_patches *patches, const sl_patch_place *parent, int child);
 /* Returns the leaf that holds a point of a root. SL_NO_INDEX in patch: the root is not there. */
 sl_patch_place sl_patch_locate(const sl_patches *patches, uint32_t root, double u, double v);
+/* The same leaf's number, from a root's patch (or SL_NO_INDEX, which stays so) with so many corners; u and v
+ * in [0, 1]. */
+uint32_t sl_patch_leaf_at(const sl_patches *patches, uint32_t patch, int corners, double u, double v);
 /* Returns which child of a patch, there or not, holds a point of its root. */
 int sl_patch_child_at(const sl_patch_place *place, double u, double v);
 /* Gives the weights of corners 1 and 2 of a triangle at a point of its root; of a quadrilateral how far it is
