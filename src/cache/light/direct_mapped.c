@@ -10,7 +10,11 @@
 
 #include <string.h>
 
-enum { TILE_WIDTH = 16, TILE_HEIGHT = 8 };
+enum {
+    PART_WIDTH = SL_MAPPED_COLUMNS,
+    PART_HEIGHT = SL_MAPPED_PART / PART_WIDTH,
+    TILE_HEIGHT = 2 * PART_HEIGHT
+};
 
 typedef struct mapped_pass {
     const sl_direct *direct;
@@ -23,6 +27,7 @@ typedef struct mapped_pass {
 typedef struct mapped_block {
     const mapped_pass *pass;
     sl_counters *counters;
+    bool whole; /* all pixels are drawn, so that points are neighbours */
     sl_lit_block points;
     float irradiance[3][SL_LIGHT_BLOCK], glossy[3][SL_LIGHT_BLOCK];
 } mapped_block;
@@ -65,8 +70,9 @@ static void light_block(mapped_block *b) {
     const sl_light_points points = sl_lit_points(&b->points);
     memset(b->irradiance, 0, sizeof b->irradiance);
     memset(b->glossy, 0, sizeof b->glossy);
-    sl_shadow_maps_irradiance(maps, &points, SL_MAPPED_LIGHTS, b->irradiance[0], b->irradiance[1],
-                              b->irradiance[2], b->counters);
+    const unsigned parts = SL_MAPPED_LIGHTS | (b->whole ? SL_MAPPED_TILE : 0);
+    sl_shadow_maps_irradiance(maps, &points, parts, b->irradiance[0], b->irradiance[1], b->irradiance[2],
+                              b->counters);
     if (some_are_glossy(b)) sl_shadow_maps_each(maps, &points, SL_MAPPED_LIGHTS, add_lobes, b, b->counters);
     put_radiance(b);
     b->points.count = 0;
@@ -84,21 +90,29 @@ static void add_pixels(mapped_block *b, sl_pixel_run run) {
     }
 }
 
+static void add_part(mapped_block *b, int x, int y, int end) {
+    const mapped_pass *p = b->pass;
+    const size_t width = (size_t)p->gbuffer->width, columns = width - (size_t)x;
+    for (; y < end; y++) {
+        const size_t left = (size_t)y * width + (size_t)x,
+                     right = left + (columns < PART_WIDTH ? columns : PART_WIDTH);
+        for (sl_pixel_run r = sl_sub_frame_run(&p->direct->scene->sub_frame, left, right); r.first < r.end;
+             r = sl_sub_frame_run(&p->direct->scene->sub_frame, r.end, right))
+            add_pixels(b, r);
+    }
+}
+
 static void light_tiles(void *context, size_t index, unsigned worker) {
     (void)worker;
     const mapped_pass *p = context;
-    const sl_sub_frame *shown = &p->direct->scene->sub_frame;
     const int first = p->row + (int)index * TILE_HEIGHT, last = first + TILE_HEIGHT,
-              end = last < p->end ? last : p->end, width = p->gbuffer->width;
+              end = last < p->end ? last : p->end, half = first + PART_HEIGHT,
+              middle = half < end ? half : end, width = p->gbuffer->width;
     mapped_block b = {.pass = p, .counters = &p->counters[index]};
-    for (int x = 0; x < width; x += TILE_WIDTH) {
-        for (int y = first; y < end; y++) {
-            const size_t row = (size_t)y * (size_t)width, left = row + (size_t)x,
-                         right = x + TILE_WIDTH < width ? left + TILE_WIDTH : row + (size_t)width;
-            for (sl_pixel_run r = sl_sub_frame_run(shown, left, right); r.first < r.end;
-                 r = sl_sub_frame_run(shown, r.end, right))
-                add_pixels(&b, r);
-        }
+    b.whole = !p->direct->scene->sub_frame.wanted;
+    for (int x = 0; x < width; x += PART_WIDTH) {
+        add_part(&b, x, first, middle);
+        add_part(&b, x, middle, end);
     }
     if (b.points.count) light_block(&b);
     sl_count(b.counters, SL_COUNT_FRAGMENTS_SHADED, (size_t)(end - first) * (size_t)width);

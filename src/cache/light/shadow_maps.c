@@ -244,39 +244,108 @@ typedef struct {
     float seen[SL_LIGHT_BLOCK], all[SL_LIGHT_BLOCK]; /* sums of weights */
 } shares;
 
+/* Points [begin, end) of a block. */
+typedef struct {
+    size_t begin, end;
+} span;
+
 /* Nowhere a part of the samples alone. */
-static bool all_agree(const shares *s, size_t count) {
+static bool all_agree(const shares *s, span at) {
     bool agree = true;
-    for (size_t i = 0; i < count; i++) agree &= s->seen[i] == 0.0f || s->seen[i] == s->all[i];
+    for (size_t i = at.begin; i < at.end; i++) agree &= s->seen[i] == 0.0f || s->seen[i] == s->all[i];
     return agree;
 }
 
-/* Where the first quarter of the samples says the same in the whole block, the others would too: of a block
- * of a picture, 128 pixels side by side, the penumbrae alone need all. */
-static void share_of_samples(const sl_shadow_maps *maps, const sl_mapped_emitter *e,
-                             const sl_light_points *points, unsigned parts, shares *s,
-                             sl_counters *counters) {
+/* Adds what samples [first, last) of an emitter give. */
+static void add_samples(const sl_shadow_maps *maps, const sl_mapped_emitter *e, size_t first, size_t last,
+                        const sl_light_points *points, span at, shares *s, sl_counters *counters) {
+    const size_t k = at.begin;
+    const sl_light_points some = {at.end - k,
+                                  points->x + k,
+                                  points->y + k,
+                                  points->z + k,
+                                  points->geometric_x + k,
+                                  points->geometric_y + k,
+                                  points->geometric_z + k,
+                                  points->normal_x + k,
+                                  points->normal_y + k,
+                                  points->normal_z + k};
     sl_arrivals arrivals;
     float lit[SL_LIGHT_BLOCK];
-    size_t pilot = e->count / 4 > 4 ? e->count / 4 : 4;
-    memset(s, 0, sizeof *s);
-    for (size_t k = 0; k < e->count; k++) {
-        if (k == pilot && ((parts & SL_MAPPED_FEW) || all_agree(s, points->count))) return;
-        if (!look_up(maps, &maps->sources[e->first + k], points, &arrivals, lit, counters)) continue;
-        for (size_t i = 0; i < points->count; i++) {
-            s->all[i] += arrivals.weight[i];
-            s->seen[i] += arrivals.weight[i] * lit[i];
+    for (size_t sample = first; sample < last; sample++) {
+        if (!look_up(maps, &maps->sources[e->first + sample], &some, &arrivals, lit, counters)) continue;
+        for (size_t i = 0; i < some.count; i++) {
+            s->all[k + i] += arrivals.weight[i];
+            s->seen[k + i] += arrivals.weight[i] * lit[i];
         }
     }
 }
 
+/* Some of a block's points. */
+typedef struct {
+    float x[SL_LIGHT_BLOCK], y[SL_LIGHT_BLOCK], z[SL_LIGHT_BLOCK];
+    float geometric[3][SL_LIGHT_BLOCK], normal[3][SL_LIGHT_BLOCK];
+    sl_light_points points;
+} thinned;
+
+/* Takes a quarter of each part of a tile: of each row every fourth point, and of each column, too. */
+static void thin(const sl_light_points *all, thinned *few) {
+    const float *from[9] = {all->x, all->y, all->z, all->geometric_x, all->geometric_y, all->geometric_z,
+                            all->normal_x, all->normal_y, all->normal_z};
+    float *to[9] = {few->x, few->y, few->z, few->geometric[0], few->geometric[1], few->geometric[2],
+                    few->normal[0], few->normal[1], few->normal[2]};
+    static const uint8_t begin[4] = {0, 2, 1, 3};
+    size_t count = 0;
+    for (size_t i = 0; i < all->count; i++) {
+        if (i % 4 != begin[i / SL_MAPPED_COLUMNS % 4]) continue;
+        for (int k = 0; k < 9; k++) to[k][count] = from[k][i];
+        count++;
+    }
+    few->points = (sl_light_points){count, few->x, few->y, few->z, few->geometric[0], few->geometric[1],
+                                    few->geometric[2], few->normal[0], few->normal[1], few->normal[2]};
+}
+
+/* Returns the share that all points agree on, 0 or 1; negative: they do not, or none is before the light. */
+static float common_share(const shares *s, size_t count) {
+    bool dark = true, lit = true;
+    for (size_t i = 0; i < count; i++) {
+        dark &= s->seen[i] == 0.0f;
+        lit &= s->seen[i] == s->all[i];
+    }
+    return lit == dark ? -1.0f : lit ? 1.0f : 0.0f;
+}
+
+/* Where the first quarter of the samples says the same in a part of a block, the others would too: of a
+ * picture the penumbrae alone need all. And where a quarter of a tile's points is lit alike, so are those
+ * between. */
+static void share_of_samples(const sl_shadow_maps *maps, const sl_mapped_emitter *e,
+                             const sl_light_points *points, const thinned *few, unsigned parts, shares *s,
+                             sl_counters *counters) {
+    const size_t least = e->count / 4 > 4 ? e->count / 4 : 4, pilot = least < e->count ? least : e->count,
+                 count = points->count, step = few ? SL_MAPPED_PART : count;
+    float share = -1.0f;
+    memset(s, 0, sizeof *s);
+    if (few) {
+        add_samples(maps, e, 0, pilot, &few->points, (span){0, few->points.count}, s, counters);
+        share = common_share(s, few->points.count);
+        for (size_t i = 0; i < count; i++) s->seen[i] = fmaxf(share, 0.0f), s->all[i] = share >= 0.0f;
+    }
+    for (size_t first = 0; first < count && share < 0.0f; first += step) {
+        const span part = {first, first + step < count ? first + step : count};
+        add_samples(maps, e, 0, pilot, points, part, s, counters);
+        if (!(parts & SL_MAPPED_FEW) && !all_agree(s, part))
+            add_samples(maps, e, pilot, e->count, points, part, s, counters);
+    }
+}
+
 static void add_emitter(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const sl_light_points *points,
-                        unsigned parts, float *r, float *g, float *b, sl_counters *counters) {
+                        const thinned *few, unsigned parts, float *r, float *g, float *b,
+                        sl_counters *counters) {
     float exact[SL_LIGHT_BLOCK];
     shares s;
     SL_KERNEL_OF(maps->isa, sl_polygon_light)(points, &e->polygon, exact);
     if (!any(exact, points->count)) return;
-    share_of_samples(maps, e, points, parts, &s, counters);
+    share_of_samples(maps, e, points, few, parts, &s, counters);
     for (size_t i = 0; i < points->count; i++) s.seen[i] = s.all[i] > 0.0f ? s.seen[i] / s.all[i] : 0.0f;
     SL_KERNEL_OF(maps->isa, sl_light_accumulate)(points->count, e->radiance, exact, s.seen, r, g, b);
 }
@@ -291,6 +360,10 @@ void sl_shadow_maps_irradiance(const sl_shadow_maps *maps, const sl_light_points
         SL_KERNEL_OF(maps->isa, sl_light_accumulate)(points->count, s->source.colour, arrivals.weight, lit,
                                                      r, g, b);
     }
-    for (size_t i = 0; i < maps->emitter_count && (parts & SL_MAPPED_LIGHTS); i++)
-        add_emitter(maps, &maps->emitters[i], points, parts, r, g, b, counters);
+    if (!(parts & SL_MAPPED_LIGHTS) || !maps->emitter_count) return;
+    thinned few;
+    const bool thins = parts & SL_MAPPED_TILE;
+    if (thins) thin(points, &few);
+    for (size_t i = 0; i < maps->emitter_count; i++)
+        add_emitter(maps, &maps->emitters[i], points, thins ? &few : NULL, parts, r, g, b, counters);
 }

@@ -41,9 +41,13 @@ size_t sl_shadow_maps_bytes(const sl_shadow_maps *maps);
 enum {
     SL_MAPPED_LIGHTS = 1,
     SL_MAPPED_SKY = 2,
-    SL_MAPPED_FEW = 4 /* the first quarter of an emitter's samples does: for gathers, which see thousands of
-                         points each */
+    SL_MAPPED_FEW = 4, /* the first quarter of an emitter's samples does: for gathers, which see thousands of
+                          points each */
+    SL_MAPPED_TILE = 8 /* the block is a tile of a picture, part by part */
 };
+
+/* Points a row of a part of a tile, and of the part. */
+enum { SL_MAPPED_COLUMNS = 8, SL_MAPPED_PART = 32 };
 
 /* Irradiance of one block of points from all lights of the parts: adds to r, g, b. */
 void sl_shadow_maps_irradiance(const sl_shadow_maps *maps, const sl_light_points *points, unsigned parts,

@@ -35,13 +35,17 @@ static sl_light_points points_of(const block *b) {
     return (sl_light_points){b->count, b->x, b->y, b->z, b->nx, b->ny, b->nz, b->nx, b->ny, b->nz};
 }
 
-static void light_block(const sl_shadow_maps *maps, block *b) {
+static void light_as(const sl_shadow_maps *maps, unsigned parts, block *b) {
     sl_light_points points = points_of(b);
     sl_counters counters = {{0}};
     memset(b->r, 0, sizeof b->r);
     memset(b->g, 0, sizeof b->g);
     memset(b->b, 0, sizeof b->b);
-    sl_shadow_maps_irradiance(maps, &points, SL_MAPPED_LIGHTS | SL_MAPPED_SKY, b->r, b->g, b->b, &counters);
+    sl_shadow_maps_irradiance(maps, &points, parts, b->r, b->g, b->b, &counters);
+}
+
+static void light_block(const sl_shadow_maps *maps, block *b) {
+    light_as(maps, SL_MAPPED_LIGHTS | SL_MAPPED_SKY, b);
 }
 
 static sl_shadow_maps *maps_of(world *w, int size) {
@@ -220,6 +224,41 @@ static void a_quad_light_is_exact_where_seen_and_soft_where_half_hidden(void **s
     world_free(w);
 }
 
+/* A tile of the floor in parts, as pictures have it; the samples stand near enough for its shadows. */
+static block floor_tile(float x, float z, float step) {
+    block b = {.count = 0};
+    for (int i = 0; i < POINTS; i++) {
+        const int part = i / SL_MAPPED_PART, in = i % SL_MAPPED_PART, column = in % SL_MAPPED_COLUMNS,
+                  row = in / SL_MAPPED_COLUMNS;
+        add_point(&b, sl_v3(x + step * (float)(part / 2 * SL_MAPPED_COLUMNS + column), 0.0f,
+                            z + step * (float)(part % 2 * SL_MAPPED_PART / SL_MAPPED_COLUMNS + row)),
+                  sl_v3(0, 1, 0));
+    }
+    return b;
+}
+
+static void points_of_a_tile_have_the_light_that_they_have_by_themselves(void **state) {
+    world *w = world_room(true);
+    sl_shadow_maps *maps = maps_of(w, 512);
+    double apart = 0.0, total = 0.0;
+    int shadows = 0;
+    for (int k = 0; k < 400; k++) {
+        block whole = floor_tile(0.02f + 0.19f * (float)(k % 20), 0.02f + 0.29f * (float)(k / 20), 0.01f),
+              alone = whole;
+        light_as(maps, SL_MAPPED_LIGHTS | SL_MAPPED_TILE, &whole);
+        light_as(maps, SL_MAPPED_LIGHTS, &alone);
+        for (int i = 0; i < POINTS; i++) {
+            apart += fabs((double)whole.r[i] - (double)alone.r[i]);
+            total += (double)alone.r[i];
+            shadows += alone.r[i] == 0.0f;
+        }
+    }
+    print_message("%.4f apart, %d of %d points in the dark\n", apart / total, shadows, 400 * POINTS);
+    assert_true(shadows > 1000 && apart < 0.002 * total);
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
 /* ---- lights far away ------------------------------------------------------------ */
 
 static void an_open_plane_under_an_even_sky_gets_pi_times_its_radiance(void **state) {
@@ -265,6 +304,7 @@ int main(void) {
         cmocka_unit_test(a_point_light_on_a_floor_and_walls_is_the_closed_form_everywhere),
         cmocka_unit_test(facets_of_spheres_do_not_shadow_each_other),
         cmocka_unit_test(a_quad_light_is_exact_where_seen_and_soft_where_half_hidden),
+        cmocka_unit_test(points_of_a_tile_have_the_light_that_they_have_by_themselves),
         cmocka_unit_test(an_open_plane_under_an_even_sky_gets_pi_times_its_radiance),
         cmocka_unit_test(points_at_the_light_without_normal_or_not_finite_do_no_harm),
     };
