@@ -8,6 +8,7 @@
 #include "cache/frame/picture_value.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { SAMPLES = 4 };
 
@@ -96,8 +97,12 @@ static void find_edges_of_row(void *context, size_t row, unsigned worker) {
     const uint32_t *id = p->id + row * width, *below = row ? id - width : id,
                    *above = row + 1 < (size_t)p->a->height ? id + width : id;
     uint8_t *at_edge = p->a->at_edge + row * width;
+    at_edge[0] = at_edge[width - 1] = 1;
+    for (size_t x = 1; x + 1 < width; x++)
+        at_edge[x] = (id[x - 1] != id[x]) | (id[x + 1] != id[x]) | (below[x] != id[x]) | (above[x] != id[x]);
     for (size_t x = 0; x < width; x++) {
         const size_t left = x ? x - 1 : x, right = x + 1 < width ? x + 1 : x;
+        if (!at_edge[x]) continue;
         at_edge[x] = (id[left] != id[x] && is_edge(p, x, row, left, row)) ||
                      (id[right] != id[x] && is_edge(p, x, row, right, row)) ||
                      (below[x] != id[x] && is_edge(p, x, row, x, row - 1)) ||
@@ -105,14 +110,21 @@ static void find_edges_of_row(void *context, size_t row, unsigned worker) {
     }
 }
 
-/* A triangle from the eye: a direction d is within it where d side[i] have one sign for all i, and meets it
- * at inverse distance (d, sum of side) / volume. */
+/* A triangle from the eye, by the camera's axes: a direction d = (u, v, 1) is within it where d side[i] have
+ * one sign for all i, and meets it at inverse distance (d, sum of side) / volume. */
 typedef struct cone {
     uint32_t id;
-    bool counts; /* it could be seen here */
+    bool flat, masked; /* it shows no area; nobody knows where it is opaque but at its own centres */
     sl_vec3d side[3];
-    double volume;
+    double inverse_volume;
 } cone;
+
+/* Those that were made last: pixels side by side show the same triangles. */
+enum { CONES = 64 };
+typedef struct cones {
+    bool made[CONES];
+    cone cone[CONES];
+} cones;
 
 /* Those that the centres around show, the own one first; SL_NO_INDEX is one, infinitely far away. */
 typedef struct candidates {
@@ -124,33 +136,49 @@ typedef struct candidates {
     int8_t right[9], up[9];
 } candidates;
 
-static sl_vec3d from_eye(const sl_scene *s, uint32_t triangle, int corner) {
-    const sl_vec3 at = sl_scene_position(s, s->vertex[corner][triangle]), eye = s->camera.eye;
-    return sl_v3d((double)at.x - (double)eye.x, (double)at.y - (double)eye.y, (double)at.z - (double)eye.z);
+static double along(sl_vec3 axis, sl_vec3d d) {
+    return (double)axis.x * d.x + (double)axis.y * d.y + (double)axis.z * d.z;
 }
 
-/* Of a triangle with a mask nobody knows where it is opaque but at the pixel's own centre. */
-static cone cone_of(const sl_scene *s, uint32_t id, bool own) {
-    cone c = {.id = id, .counts = id == SL_NO_INDEX};
-    if (c.counts) return c;
+static sl_vec3d from_eye(const sl_scene *s, uint32_t triangle, int corner) {
+    const sl_vec3 at = sl_scene_position(s, s->vertex[corner][triangle]);
+    const sl_camera *c = &s->camera;
+    const sl_vec3d d = sl_v3d((double)at.x - (double)c->eye.x, (double)at.y - (double)c->eye.y,
+                              (double)at.z - (double)c->eye.z);
+    return sl_v3d(along(c->right, d), along(c->up, d), -along(c->back, d));
+}
+
+static cone make_cone(const sl_scene *s, uint32_t id) {
+    cone c = {.id = id};
+    if (id == SL_NO_INDEX) return c;
     const sl_vec3d p[3] = {from_eye(s, id, 0), from_eye(s, id, 1), from_eye(s, id, 2)};
     for (int k = 0; k < 3; k++) c.side[k] = sl_crossd(p[(k + 1) % 3], p[(k + 2) % 3]);
-    c.volume = sl_dotd(p[0], c.side[0]);
-    c.counts = c.volume != 0.0 && (own || !sl_scene_has_alpha(s, id));
+    const double volume = sl_dotd(p[0], c.side[0]);
+    c.flat = volume == 0.0;
+    c.inverse_volume = c.flat ? 0.0 : 1.0 / volume;
+    c.masked = sl_scene_has_alpha(s, id);
     return c;
 }
 
-static uint8_t candidate_of(const pass *p, uint32_t id, candidates *all) {
+static const cone *cone_of(const sl_scene *s, uint32_t id, cones *last) {
+    const size_t slot = id % CONES;
+    if (last->made[slot] && last->cone[slot].id == id) return &last->cone[slot];
+    last->made[slot] = true;
+    last->cone[slot] = make_cone(s, id);
+    return &last->cone[slot];
+}
+
+static uint8_t candidate_of(const pass *p, uint32_t id, cones *last, candidates *all) {
     uint8_t k = 0, same = 0;
     while (k < all->count && all->cone[k].id != id) k++;
     if (k < all->count) return k;
-    all->cone[all->count++] = cone_of(p->scene, id, k == 0);
+    all->cone[all->count++] = *cone_of(p->scene, id, last);
     while (same < k && !is_same_surface(p->scene, all->cone[same].id, id)) same++;
     all->surface[k] = same;
     return k;
 }
 
-static void find_candidates(const pass *p, int x, int y, candidates *all) {
+static void find_candidates(const pass *p, int x, int y, cones *last, candidates *all) {
     static const int8_t order[3] = {0, -1, 1};
     const sl_antialias *a = p->a;
     all->count = 0;
@@ -160,40 +188,51 @@ static void find_candidates(const pass *p, int x, int y, candidates *all) {
         if (u < 0 || v < 0 || u >= a->width || v >= a->height) continue;
         all->right[all->around] = order[k % 3];
         all->up[all->around] = order[k / 3];
-        all->shows[all->around++] = candidate_of(p, p->id[(size_t)v * (size_t)a->width + (size_t)u], all);
+        const uint32_t id = p->id[(size_t)v * (size_t)a->width + (size_t)u];
+        all->shows[all->around++] = candidate_of(p, id, last, all);
     }
 }
 
-/* Returns the inverse distance; negative: the direction does not meet it. */
-static double meet(const cone *c, sl_vec3d d) {
-    if (!c->counts) return -1.0;
-    if (c->id == SL_NO_INDEX) return 0.0;
-    const double s[3] = {sl_dotd(d, c->side[0]), sl_dotd(d, c->side[1]), sl_dotd(d, c->side[2])};
-    const bool within = (s[0] >= 0.0 && s[1] >= 0.0 && s[2] >= 0.0) ||
-                        (s[0] <= 0.0 && s[1] <= 0.0 && s[2] <= 0.0);
-    const double inverse = (s[0] + s[1] + s[2]) / c->volume;
-    return within && inverse > 0.0 ? inverse : -1.0;
-}
+/* The samples of a pixel as places on a plane at unit distance before the eye. */
+typedef struct sample_places {
+    double u[SAMPLES], v[SAMPLES];
+} sample_places;
 
-/* Returns what a direction sees: the nearest of the candidates; the pixel's own where it meets none. */
-static size_t see(const candidates *all, sl_vec3d d) {
-    double nearest = -1.0;
-    size_t seen = 0;
-    for (size_t k = 0; k < all->count; k++) {
-        const double inverse = meet(&all->cone[k], d);
-        if (inverse <= nearest) continue;
-        nearest = inverse;
-        seen = k;
+static sample_places places_of(const pass *p, int x, int row) {
+    sample_places at;
+    for (int k = 0; k < SAMPLES; k++) {
+        at.u[k] = (2.0 * (x + 0.5 + (double)sample_right[k]) / p->a->width - 1.0) * p->right;
+        at.v[k] = (2.0 * (row + 0.5 + (double)sample_up[k]) / p->a->height - 1.0) * p->top;
     }
-    return seen;
+    return at;
 }
 
-static sl_vec3d direction_of(const pass *p, double x, double y) {
-    const sl_camera *c = &p->scene->camera;
-    const double u = (2.0 * x / p->a->width - 1.0) * p->right, v = (2.0 * y / p->a->height - 1.0) * p->top;
-    return sl_v3d(u * (double)c->right.x + v * (double)c->up.x - (double)c->back.x,
-                  u * (double)c->right.y + v * (double)c->up.y - (double)c->back.y,
-                  u * (double)c->right.z + v * (double)c->up.z - (double)c->back.z);
+/* Gives inverse distances; negative: the sample does not meet it. */
+static void meet(const cone *c, const sample_places *at, double inverse[SAMPLES]) {
+    for (int k = 0; k < SAMPLES; k++) {
+        double s[3];
+        for (int i = 0; i < 3; i++) s[i] = c->side[i].x * at->u[k] + c->side[i].y * at->v[k] + c->side[i].z;
+        const bool above = (s[0] >= 0.0) & (s[1] >= 0.0) & (s[2] >= 0.0),
+                   below = (s[0] <= 0.0) & (s[1] <= 0.0) & (s[2] <= 0.0);
+        inverse[k] = above | below ? (s[0] + s[1] + s[2]) * c->inverse_volume : -1.0;
+    }
+}
+
+/* Finds what samples see: the nearest of the candidates; the pixel's own where they meet none. */
+static void see(const candidates *all, const sample_places *at, size_t seen[SAMPLES]) {
+    double nearest[SAMPLES];
+    for (int k = 0; k < SAMPLES; k++) nearest[k] = -1.0, seen[k] = 0;
+    for (size_t i = 0; i < all->count; i++) {
+        const cone *c = &all->cone[i];
+        double inverse[SAMPLES] = {0.0};
+        if (c->flat || (c->masked && i > 0)) continue;
+        if (c->id != SL_NO_INDEX) meet(c, at, inverse);
+        for (int k = 0; k < SAMPLES; k++) {
+            if (!(inverse[k] > nearest[k] && (inverse[k] > 0.0 || c->id == SL_NO_INDEX))) continue;
+            nearest[k] = inverse[k];
+            seen[k] = i;
+        }
+    }
 }
 
 /* Returns which of the pixels around has the centre that is nearest to a sample, of those that show the
@@ -216,16 +255,19 @@ static void mix_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const pass *p = context;
     const sl_antialias *a = p->a;
+    cones last;
+    memset(last.made, 0, sizeof last.made);
     for (int x = 0; x < a->width; x++) {
         const size_t pixel = row * (size_t)a->width + (size_t)x;
         float sum[3] = {0.0f, 0.0f, 0.0f};
         candidates all;
         if (!a->at_edge[pixel]) continue;
-        find_candidates(p, x, (int)row, &all);
+        find_candidates(p, x, (int)row, &last, &all);
+        const sample_places places = places_of(p, x, (int)row);
+        size_t seen[SAMPLES];
+        see(&all, &places, seen);
         for (int k = 0; k < SAMPLES; k++) {
-            const size_t seen = see(&all, direction_of(p, x + 0.5 + (double)sample_right[k],
-                                                       (double)row + 0.5 + (double)sample_up[k]));
-            const int at = find_centre(&all, seen, k);
+            const int at = find_centre(&all, seen[k], k);
             const size_t from =
                 place_of(a, (size_t)(x + all.right[at]), (size_t)((int)row + all.up[at]));
             for (size_t c = 0; c < 3; c++) sum[c] += p->picture->planes[c * pixels_of(a) + from];
