@@ -38,18 +38,20 @@ class Browser:
         self.driver.terminate()
 
 
-# To and fro over the picture, an event for each picture of the screen.
+# To and fro over the picture, an event for each picture of the screen; the mean of the seconds.
 DRAG = """
 const [seconds, done] = arguments, frame = document.getElementById("frame"), start = performance.now();
 const at = (kind, x) => frame.dispatchEvent(new PointerEvent(kind, {bubbles: true, pointerId: 1, button: 0,
                                                                     buttons: 1, clientX: x, clientY: 300}));
 frame.setPointerCapture = () => {};
+const of_seconds = [], mean = of => of_seconds.reduce((sum, s) => sum + s[of], 0) / of_seconds.length;
 at("pointerdown", 300);
 const step = () => {
   const t = (performance.now() - start) / 1000;
   at("pointermove", 300 + 0.4 / Math.PI * frame.clientHeight * Math.sin(t));
+  if (t >= of_seconds.length + 1) of_seconds.push(softlux.speed());
   if (t < seconds) requestAnimationFrame(step);
-  else done(softlux.speed());
+  else done({...softlux.speed(), frames: mean("frames"), bytes: mean("bytes")});
 };
 step();
 """
@@ -77,7 +79,7 @@ def main():
                 time.sleep(0.2)
             time.sleep(2.0)
             s = drag(browser, options.seconds)
-            print(f"{scene.rsplit('/')[-1]:24} {method:16} {s['frames']:8} {s['bytes'] / 1e3:5.0f} "
+            print(f"{scene.rsplit('/')[-1]:24} {method:16} {s['frames']:8.1f} {s['bytes'] / 1e3:5.0f} "
                   f"{s['median'] or 0:10.0f} {s['late'] or 0:8.0f}", flush=True)
             browser.ask("POST", "/url", {"url": "about:blank"})
             server.stop()
