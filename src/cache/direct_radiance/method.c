@@ -212,6 +212,8 @@ static size_t radiance_memory_bytes(const void *state) {
     return bytes;
 }
 
+static const uint32_t *radiance_ids(const void *state) { return ((const sl_radiance_state *)state)->id; }
+
 static const sl_raster *radiance_raster(const void *state) {
     return ((const sl_radiance_state *)state)->raster;
 }
@@ -223,6 +225,7 @@ const sl_method_class sl_direct_radiance_method = {
     .destroy = radiance_destroy,
     .update = radiance_update,
     .resolve = radiance_resolve,
+    .ids = radiance_ids,
     .edit = radiance_edit,
     .counters = radiance_counters,
     .memory_bytes = radiance_memory_bytes,

@@ -250,16 +250,6 @@ static bool shows(const sl_live *l, const sl_progress *progress) {
     return l->method->class->shows && l->method->class->shows(l->method->state);
 }
 
-/* R, G, B alone: a picture's layers take several times that, and three pictures are there at a time. */
-static sl_status take_colours(const sl_image *picture, sl_image **frame, sl_error *error) {
-    static const char *const names[3] = {"R", "G", "B"};
-    const size_t pixels = (size_t)picture->width * (size_t)picture->height;
-    sl_status status = sl_image_create(picture->width, picture->height, 3, names, frame, error);
-    for (size_t c = 0; status == SL_OK && c < 3; c++)
-        memcpy((*frame)->planes + c * pixels, sl_image_channel(picture, names[c]), pixels * sizeof(float));
-    return status;
-}
-
 /* Tells whether what is shown are the scene's triangles: neither a tracer's noise nor patches of curved
  * surfaces. */
 static bool has_edges(const sl_method *m) {
@@ -272,21 +262,22 @@ static sl_status smooth(sl_live *l, const sl_scene *scene, unsigned threads, sl_
     const sl_method *m = l->method;
     if (!l->smooths || !has_edges(m)) return SL_OK;
     const sl_raster *raster = l->window ? NULL : m->class->raster(m->state);
-    const uint32_t *id = l->window ? m->class->window->ids(l->window) : NULL;
+    const uint32_t *id = l->window ? m->class->window->ids(l->window)
+                         : m->class->ids ? m->class->ids(m->state)
+                                         : NULL;
     sl_status status =
         l->edges ? SL_OK : sl_antialias_create(picture->width, picture->height, &l->edges, error);
     if (status != SL_OK) return status;
     return sl_antialias_edges(l->edges, scene, raster, id, threads, picture, counters, error);
 }
 
+/* R, G, B alone: a picture's layers take several times that, and three pictures are there at a time. */
 static sl_status resolve(sl_live *l, sl_image **frame, sl_error *error) {
     *frame = NULL;
-    sl_image *picture = NULL;
-    sl_status status = l->window ? SL_OK : sl_method_resolve(l->method, &picture, error);
-    if (status == SL_OK && picture) status = take_colours(picture, frame, error);
-    if (status == SL_OK && picture && !l->method->class->window)
+    if (l->window) return SL_OK;
+    sl_status status = sl_method_resolve_colours(l->method, frame, error);
+    if (status == SL_OK && !l->method->class->window)
         status = smooth(l, l->scene, l->method->settings.threads, *frame, &l->smoothing, error);
-    sl_image_destroy(picture);
     return status;
 }
 

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "image/tone.h"
 #include "raster/raster.h"
 
 #include <inttypes.h>
@@ -307,6 +308,34 @@ sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error *error
     *image = result;
     method->resolved = true;
     return SL_OK;
+}
+
+static sl_status colours_of_picture(sl_method *m, sl_image *colours, sl_error *error) {
+    const size_t plane = (size_t)colours->width * (size_t)colours->height;
+    const float *planes[3];
+    sl_image *picture;
+    sl_status status = sl_method_resolve(m, &picture, error);
+    if (status == SL_OK && !sl_layer_planes(picture, NULL, planes))
+        status = sl_fail(error, SL_ERROR_USAGE, "a picture without R, G and B");
+    for (size_t c = 0; status == SL_OK && c < 3; c++)
+        memcpy(colours->planes + c * plane, planes[c], plane * sizeof(float));
+    sl_image_destroy(picture);
+    return status;
+}
+
+sl_status sl_method_resolve_colours(sl_method *m, sl_image **image, sl_error *error) {
+    const bool alone = m->class->resolve_colours && !m->film && !m->settings.observer;
+    sl_status status = check_health(m, error);
+    *image = NULL;
+    if (status == SL_OK)
+        status = sl_image_create(m->settings.width, m->settings.height, 3, NULL, image, error);
+    if (status == SL_OK)
+        status = alone ? m->class->resolve_colours(m->state, *image, error)
+                       : colours_of_picture(m, *image, error);
+    if (status == SL_OK) return status;
+    sl_image_destroy(*image);
+    *image = NULL;
+    return status;
 }
 
 /* Tells the class of its scene. Light that has changed is light, whatever has changed it. */

@@ -72,6 +72,10 @@ typedef struct sl_method_class {
     /* *image: NULL; or the picture of an earlier sub-frame, of which what this one does not show may stay.
      * What is given then is that one, or another. */
     sl_status (*resolve)(void *state, sl_image **image, sl_error *error);
+    /* The same picture's R, G and B alone, in one of no other layers; NULL: resolve() does. */
+    sl_status (*resolve_colours)(void *state, sl_image *image, sl_error *error);
+    /* Triangles that its centres show, rows from the bottom; NULL, or gives NULL: nobody knows. */
+    const uint32_t *(*ids)(const void *state);
     /* The scene has changed: SL_CHANGED_CAMERA, _OBJECTS, _LIGHTS, and of the others those in tells_apart;
      * what else changes light is told as SL_CHANGED_LIGHTS. */
     sl_status (*edit)(void *state, unsigned changes, sl_error *error);
@@ -148,6 +152,9 @@ extern const sl_method_class sl_bidirectional_method; /* cache/reference */
 /* As sl_method_create(), for one that takes so many bytes itself, within settings->memory_bytes. */
 sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *settings, double bytes,
                                   sl_method **method, sl_error *error);
+
+/* Gives R, G and B of what sl_method_resolve() does. */
+sl_status sl_method_resolve_colours(sl_method *method, sl_image **image, sl_error *error);
 
 /* Refuses what sl_method_rate() does. */
 sl_status sl_rate_check(double samples_a_second, sl_error *error);

@@ -156,7 +156,7 @@ static sl_status ready_atlas(sl_octree_state *s, sl_error *error) {
     return status;
 }
 
-static sl_status light_pixels(sl_octree_state *s, sl_error *error) {
+static sl_status light_pixels(sl_octree_state *s, bool moves, sl_error *error) {
     sl_octree_shading shading = sl_octree_state_shading(s);
     sl_octree_pixels pixels = {.scene = s->scene,
                                .gbuffer = s->gbuffer,
@@ -164,20 +164,22 @@ static sl_status light_pixels(sl_octree_state *s, sl_error *error) {
                                .shading = &shading,
                                .canvas = s->canvas,
                                .eye = s->scene->camera.eye,
+                               .moves = moves && !s->canvas,
                                .threads = s->settings.threads};
     return sl_octree_light_pixels(&pixels, s->indirect_light, &s->counters, error);
 }
 
-sl_status sl_octree_light_picture(sl_octree_state *s, sl_error *error) {
+sl_status sl_octree_light_picture(sl_octree_state *s, bool moves, sl_error *error) {
     char name[48];
     bool gathered = s->settings.light_octree.photons_at_pixels;
     sl_status status = SL_OK;
     if (gathered)
         sl_photons_light_pixels(s->scene, s->gbuffer, s->shown.lights, s->settings.threads, s->indirect_light,
                                 &s->counters);
-    else status = light_pixels(s, error);
+    else status = light_pixels(s, moves, error);
     if (status != SL_OK) return status;
-    s->lit = s->fresh = true;
+    s->lit = gathered || !moves || s->canvas; /* else pixels are to have light of their own */
+    s->fresh = true;
     if (gathered) snprintf(name, sizeof name, "indirect light, photons at pixels");
     else snprintf(name, sizeof name, "indirect light, depth %d", s->shown.octree->depth);
     sl_octree_announce_picture(s, name, "light from the octree", s->indirect_light[0]);
@@ -186,7 +188,7 @@ sl_status sl_octree_light_picture(sl_octree_state *s, sl_error *error) {
 
 static sl_status shade(sl_octree_state *s, sl_error *error) {
     sl_status status = s->settings.light_octree.photons_at_pixels ? SL_OK : ready_atlas(s, error);
-    if (status == SL_OK) status = sl_octree_light_picture(s, error);
+    if (status == SL_OK) status = sl_octree_light_picture(s, false, error);
     if (status == SL_OK) next_level(s);
     return status;
 }

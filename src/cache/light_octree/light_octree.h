@@ -144,9 +144,10 @@ sl_octree_shading sl_octree_state_shading(const sl_octree_state *s);
 /* The next step of the pass that is under way (light_octree.c). */
 sl_status sl_octree_step(sl_octree_state *s, sl_error *error);
 sl_photon_options sl_octree_photon_options(const sl_octree_state *s);
-/* An octree of that depth and the lights of its voxels, and the pixels' light from what is shown, at once. */
+/* An octree of that depth and the lights of its voxels; and the pixels' light from what is shown, at once.
+ * moves: others follow soon. */
 sl_status sl_octree_show_level_of(sl_octree_state *s, const sl_photon_tree *tree, int depth, sl_error *error);
-sl_status sl_octree_light_picture(sl_octree_state *s, sl_error *error);
+sl_status sl_octree_light_picture(sl_octree_state *s, bool moves, sl_error *error);
 
 /* A whole frame: G-buffer, direct light, octree where light has changed, pixels (motion.c). */
 sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error);
@@ -159,7 +160,8 @@ void sl_octree_forget_motion(sl_octree_motion *motion);
 size_t sl_octree_motion_bytes(const sl_octree_motion *motion);
 /* R, G, B = emission + direct + indirect, and each of the three alone, mirrors' reflectances included; top
  * row first (picture.c). */
-sl_status sl_octree_compose(const sl_octree_state *s, sl_image **image, sl_error *error);
+sl_status sl_octree_create_image(const sl_octree_state *s, sl_image **image, sl_error *error);
+void sl_octree_compose(const sl_octree_state *s, sl_image *image); /* that, or one of R, G and B alone */
 /* Into a picture's metadata: softlux.octree.*, what it was made from, and softlux.warning, what is to be said
  * against that (picture.c). */
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error);

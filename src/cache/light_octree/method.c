@@ -194,13 +194,25 @@ static sl_status octree_update(void *state, sl_progress *progress, sl_error *err
 
 static sl_status octree_resolve(void *state, sl_image **image, sl_error *error) {
     sl_octree_state *s = state;
-    sl_status status = sl_octree_compose(s, image, error);
+    sl_status status = sl_octree_create_image(s, image, error);
+    if (status == SL_OK) sl_octree_compose(s, *image);
     if (status == SL_OK) status = sl_octree_write_report(s, *image, error);
     if (status != SL_OK) {
         sl_image_destroy(*image);
         *image = NULL;
     }
     return status;
+}
+
+static sl_status octree_resolve_colours(void *state, sl_image *image, sl_error *error) {
+    (void)error;
+    sl_octree_compose(state, image);
+    return SL_OK;
+}
+
+static const uint32_t *octree_ids(const void *state) {
+    const sl_octree_state *s = state;
+    return s->reflections ? NULL : s->gbuffer->id;
 }
 
 /* Keeps photons and voxels when only the camera moves. A film's sub-frames are no motion. */
@@ -254,6 +266,8 @@ const sl_method_class sl_light_octree_method = {
     .destroy = octree_destroy,
     .update = octree_update,
     .resolve = octree_resolve,
+    .resolve_colours = octree_resolve_colours,
+    .ids = octree_ids,
     .edit = octree_edit,
     .counters = octree_counters,
     .memory_bytes = octree_memory_bytes,

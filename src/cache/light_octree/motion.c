@@ -188,7 +188,7 @@ sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error) {
     if (status == SL_OK) status = light_directly(s, error);
     const bool old = !s->shown.octree || (s->motion.shown && is_light_old(&s->motion));
     if (status == SL_OK && s->plan.photons && old) status = light_anew(s, error);
-    if (status == SL_OK && s->shown.octree) status = sl_octree_light_picture(s, error);
+    if (status == SL_OK && s->shown.octree) status = sl_octree_light_picture(s, true, error);
     s->phase = next; /* rays and photons as of what stands still come now */
     s->fresh = status == SL_OK;
     return status;

@@ -11,21 +11,23 @@ static const char *const layer_names[LAYERS] = {"R",          "G",          "B",
                                                 "emission.G", "emission.B", "direct.R",   "direct.G",
                                                 "direct.B",   "indirect.R", "indirect.G", "indirect.B"};
 
-sl_status sl_octree_compose(const sl_octree_state *s, sl_image **image, sl_error *error) {
+sl_status sl_octree_create_image(const sl_octree_state *s, sl_image **image, sl_error *error) {
+    const bool drawn = s->phase != SL_OCTREE_PHASE_GBUFFER;
+    return (drawn ? sl_image_create_unset : sl_image_create)(s->gbuffer->width, s->gbuffer->height, LAYERS,
+                                                             layer_names, image, error);
+}
+
+void sl_octree_compose(const sl_octree_state *s, sl_image *image) {
     const sl_gbuffer *g = s->gbuffer;
     float *const *direct = s->direct_light, *const *indirect = s->indirect_light;
-    if (s->phase == SL_OCTREE_PHASE_GBUFFER) /* nothing is drawn yet */
-        return sl_image_create(g->width, g->height, LAYERS, layer_names, image, error);
-    sl_status status = sl_image_create_unset(g->width, g->height, LAYERS, layer_names, image, error);
-    if (status != SL_OK) return status;
+    if (s->phase == SL_OCTREE_PHASE_GBUFFER) return; /* nothing is drawn yet */
     const sl_view view = sl_view_scene(s->scene, g->width, g->height);
     const sl_composition composition = {
         .scene = s->scene, .view = &view, .gbuffer = g, .reflections = s->reflections,
         .layer = {{{direct[0], direct[1], direct[2]}, DIRECT},
                   {{indirect[0], indirect[1], indirect[2]}, INDIRECT}},
-        .image = *image};
+        .image = image};
     sl_compose_picture(&composition, s->settings.threads);
-    return SL_OK;
 }
 
 /* ---- what it was made from ---- */

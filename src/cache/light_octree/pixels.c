@@ -5,6 +5,7 @@
 #include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "scene/bump.h"
@@ -13,10 +14,13 @@
 /* ---- from the octree ---- */
 
 enum { TILE = 64 };
+static const uint32_t QUAD = UINT32_C(1) << 31;
 
 typedef struct listed_pixels {
     const sl_octree_pixels *pixels;
-    uint32_t *list; /* those that the octree lights, tile by tile, so that neighbours share their voxels */
+    /* those that the octree lights, tile by tile, so that neighbours share their voxels; QUAD: the lower left
+     * of four that share a point */
+    uint32_t *list;
     size_t count;
     float *const *out;
 } listed_pixels;
@@ -43,30 +47,87 @@ static bool is_lit(const sl_octree_pixels *p, const uint8_t *side, size_t pixel)
     return !sl_material_is_mirror(&p->scene->materials[material]);
 }
 
+/* Light differs from voxel to voxel: four pixels may share it that lie within half of one. */
+static bool is_quad(const sl_octree_pixels *p, const uint8_t *side, size_t pixel) {
+    const float most = (float)(0.5 / p->shading->texture->scale);
+    const sl_gbuffer *g = p->gbuffer;
+    const uint32_t *low = g->id + pixel, *high = low + g->width, material = g->material[pixel];
+    if (low[1] != low[0] || high[0] != low[0] || high[1] != low[0] || !is_lit(p, side, pixel) ||
+        sl_material_is_glossy(&p->scene->materials[material]))
+        return false;
+    const sl_vec3 across = sl_sub(sl_gbuffer_position(g, pixel + (size_t)g->width + 1),
+                                  sl_gbuffer_position(g, pixel));
+    return sl_dot(across, across) < most * most;
+}
+
+static void list_pixel(listed_pixels *l, const uint8_t *side, size_t pixel) {
+    if (is_lit(l->pixels, side, pixel)) l->list[l->count++] = (uint32_t)pixel;
+}
+
+static void list_quads(listed_pixels *l, const uint8_t *side, int x0, int y0, int x1, int y1) {
+    const size_t width = (size_t)l->pixels->gbuffer->width;
+    for (int y = y0; y < y1; y += 2) {
+        for (int x = x0; x < x1; x += 2) {
+            const size_t pixel = (size_t)y * width + (size_t)x;
+            if (x + 1 < x1 && y + 1 < y1 && is_quad(l->pixels, side, pixel)) {
+                l->list[l->count++] = (uint32_t)pixel | QUAD;
+                continue;
+            }
+            for (int k = 0; k < 4; k++)
+                if (x + k % 2 < x1 && y + k / 2 < y1)
+                    list_pixel(l, side, pixel + (size_t)(k % 2) + (size_t)(k / 2) * width);
+        }
+    }
+}
+
 static void list_tile(listed_pixels *l, const uint8_t *side, int x0, int y0) {
     const sl_gbuffer *g = l->pixels->gbuffer;
     const sl_sub_frame *at = &l->pixels->scene->sub_frame;
     const int x1 = x0 + TILE < g->width ? x0 + TILE : g->width,
               y1 = y0 + TILE < g->height ? y0 + TILE : g->height;
+    if (l->pixels->moves) {
+        list_quads(l, side, x0, y0, x1, y1);
+        return;
+    }
     for (int y = y0; y < y1; y++) {
         const size_t row = (size_t)y * (size_t)g->width, end = row + (size_t)x1;
         for (sl_pixel_run r = sl_sub_frame_run(at, row + (size_t)x0, end); r.first < r.end;
              r = sl_sub_frame_run(at, r.end, end))
-            for (size_t pixel = r.first; pixel < r.end; pixel++)
-                if (is_lit(l->pixels, side, pixel)) l->list[l->count++] = (uint32_t)pixel;
+            for (size_t pixel = r.first; pixel < r.end; pixel++) list_pixel(l, side, pixel);
     }
+}
+
+/* The middle of four; its irradiance is asked for. */
+static sl_octree_point point_of_quad(const sl_gbuffer *g, size_t pixel) {
+    const size_t other = pixel + (size_t)g->width + 1;
+    const sl_vec3 normal = sl_gbuffer_normal(g, pixel);
+    return (sl_octree_point){
+        .position = sl_scale(sl_add(sl_gbuffer_position(g, pixel), sl_gbuffer_position(g, other)), 0.5f),
+        .normal = sl_normalize_or(sl_add(normal, sl_gbuffer_normal(g, other)), normal),
+        .diffuse = sl_grey((float)SL_PI)};
 }
 
 static bool find_pixel(const void *context, size_t index, sl_octree_point *point) {
     const listed_pixels *l = context;
     const sl_octree_pixels *p = l->pixels;
-    *point = sl_octree_point_of_pixel(p->scene, p->gbuffer, p->eye, l->list[index]);
+    const uint32_t pixel = l->list[index];
+    *point = pixel & QUAD ? point_of_quad(p->gbuffer, pixel & ~QUAD)
+                          : sl_octree_point_of_pixel(p->scene, p->gbuffer, p->eye, pixel);
     return true;
 }
 
 static void put_pixel(void *context, size_t index, const float rgb[3]) {
     const listed_pixels *l = context;
-    for (int c = 0; c < 3; c++) l->out[c][l->list[index]] = rgb[c];
+    const sl_gbuffer *g = l->pixels->gbuffer;
+    const float *diffuse[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
+    const size_t pixel = l->list[index] & ~QUAD, quad[4] = {pixel, pixel + 1, pixel + (size_t)g->width,
+                                                            pixel + (size_t)g->width + 1};
+    for (int c = 0; c < 3; c++) {
+        if (!(l->list[index] & QUAD)) l->out[c][pixel] = rgb[c];
+        else
+            for (int k = 0; k < 4; k++)
+                l->out[c][quad[k]] = diffuse[c][quad[k]] * (float)(1.0 / SL_PI) * rgb[c];
+    }
 }
 
 /* side: of the atlas; NULL: no atlas. */

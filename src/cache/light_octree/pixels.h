@@ -14,6 +14,7 @@ typedef struct sl_octree_pixels {
     const sl_octree_shading *shading;
     sl_atlas_canvas *canvas;           /* or NULL; its sides are filled when a pixel first sees them */
     sl_vec3 eye;
+    bool moves;                        /* diffuse pixels of a triangle, 2 x 2, have one irradiance */
     unsigned threads;
 } sl_octree_pixels;
 

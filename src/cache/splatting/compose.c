@@ -92,6 +92,7 @@ static void reflect_row(void *context, size_t row, unsigned worker) {
     for (sl_pixel_run r = shown(c, from, from + width); r.first < r.end; r = shown(c, r.end, from + width)) {
         for (size_t i = r.first; i < r.end; i++) reflect(c, i);
     }
+    if (c->image->channels <= WEIGHT) return;
     memcpy(c->image->planes + WEIGHT * pixels + to, b->weight + from, width * sizeof *b->weight);
     memcpy(c->image->planes + RECORDS * pixels + to, b->count + from, width * sizeof *b->count);
 }

@@ -173,7 +173,7 @@ static sl_status clamp_to_neighbours(sl_splat_state *s, sl_error *error) {
 /* ---- step 5: splat the new records ---- */
 
 /* With the earlier ones the sums are those of one pass over all, bit for bit. */
-static sl_status splat_new_records(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
+static sl_status splat_new_records_of(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
     /* before its G-buffer a new view has nothing to splat on */
     bool ready = cache->receivers && s->phase > SL_PHASE_GBUFFER;
     if (!ready || cache->splatted == cache->list.count) return SL_OK;
@@ -191,11 +191,22 @@ static sl_status splat_new_records(sl_splat_state *s, sl_record_cache *cache, sl
 
 /* ---- step 6: L_o = (rho / pi) E (6), E the normalised sum (1); and what else there is ---- */
 
-static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
-    sl_splat_state *s = state;
+static sl_status splat_new_records(sl_splat_state *s, sl_error *error) {
     sl_status status = SL_OK;
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++)
-        status = splat_new_records(s, &s->cache[c], error);
+        status = splat_new_records_of(s, &s->cache[c], error);
+    return status;
+}
+
+static sl_status splat_resolve_colours(void *state, sl_image *image, sl_error *error) {
+    sl_splat_state *s = state;
+    sl_status status = splat_new_records(s, error);
+    return status == SL_OK && s->phase > SL_PHASE_GBUFFER ? sl_splat_compose(s, image, error) : status;
+}
+
+static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
+    sl_splat_state *s = state;
+    sl_status status = splat_new_records(s, error);
     if (status != SL_OK) return status;
     sl_splat_announce_gather(s, &s->cache[SL_RECEIVES_IRRADIANCE]);
     sl_splat_announce_records(s);
@@ -278,6 +289,11 @@ static const sl_counters *splat_counters(const void *state) {
     return &((const sl_splat_state *)state)->counters;
 }
 
+static const uint32_t *splat_ids(const void *state) {
+    const sl_splat_state *s = state;
+    return s->reflections ? NULL : s->gbuffer->id;
+}
+
 static const sl_raster *splat_raster(const void *state) {
     return ((const sl_splat_state *)state)->raster;
 }
@@ -289,6 +305,8 @@ const sl_method_class sl_splatting_method = {
     .destroy = sl_splat_destroy,
     .update = splat_update,
     .resolve = splat_resolve,
+    .resolve_colours = splat_resolve_colours,
+    .ids = splat_ids,
     .edit = splat_edit,
     .save = sl_splat_save,
     .load = splat_load,

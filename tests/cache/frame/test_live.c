@@ -6,6 +6,8 @@
 #include "unit_test.h"
 #include "rendering.h"
 
+#include "cache/frame/method.h"
+
 enum { W = 48, H = 40, PICTURES = 8 };
 
 static const char *const methods[] = {"splatting", "direct-radiance", "light-octree", "multi-mesh", "path"};
@@ -71,10 +73,30 @@ static void what_is_shown_follows_what_moves(void **state) {
     }
 }
 
+static void colours_for_frames_are_the_pictures(void **state) {
+    static const char *const names[3] = {"R", "G", "B"};
+    for (int m = 0; m < METHODS; m++) {
+        sl_scene *scene = load_scene("scenes/cornell-mirror.json");
+        const sl_settings settings = draft(methods[m]);
+        sl_method *method = created_method(scene, &settings);
+        sl_image *picture = finished_picture(method), *colours;
+        assert_int_equal(sl_method_resolve_colours(method, &colours, NULL), SL_OK);
+        assert_int_equal(colours->channels, 3);
+        for (int c = 0; c < 3; c++)
+            assert_memory_equal(colours->planes + c * W * H, sl_image_channel(picture, names[c]),
+                                W * H * sizeof(float));
+        sl_image_destroy(picture);
+        sl_image_destroy(colours);
+        sl_method_destroy(method);
+        sl_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_picture_of_a_show_has_light),
         cmocka_unit_test(what_is_shown_follows_what_moves),
+        cmocka_unit_test(colours_for_frames_are_the_pictures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -172,6 +172,35 @@ static void a_frame_of_a_series_is_that_frame_alone(void **state) {
     }
 }
 
+/* Pixels of a triangle share points two by two while a picture moves: so it differs, and little. */
+static void a_frame_in_motion_is_nearly_the_picture_at_rest(void **state) {
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    enum { SIDE = 256 };
+    const sl_settings settings = octree_settings(SIDE);
+    sl_method *method = created_method(scene, &settings);
+    sl_progress progress = {0};
+    sl_image *rest = finished_picture(method), *moving, *again;
+    double apart = 0.0, total = 0.0;
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_true(progress.frame_done);
+    assert_int_equal(sl_method_resolve(method, &moving, NULL), SL_OK);
+    again = finished_picture(method);
+    for (size_t i = 0; i < SIDE * SIDE; i++) {
+        const float there = sl_image_channel(rest, "indirect.G")[i];
+        apart += fabs((double)sl_image_channel(moving, "indirect.G")[i] - (double)there);
+        total += (double)there;
+    }
+    print_message("%.4f apart\n", apart / total);
+    assert_true(apart > 0.0 && apart < 0.02 * total);
+    assert_true(same_picture(rest, again));
+    sl_image_destroy(rest);
+    sl_image_destroy(moving);
+    sl_image_destroy(again);
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 /* ---- what is said ---- */
 
 static double number(const sl_image *image, const char *name) {
@@ -275,6 +304,7 @@ int main(void) {
         cmocka_unit_test(lights_with_directions_shade_a_ball_that_colours_leave_flat),
         cmocka_unit_test(larger_voxels_close_the_holes_that_empty_ones_tear),
         cmocka_unit_test(a_frame_of_a_series_is_that_frame_alone),
+        cmocka_unit_test(a_frame_in_motion_is_nearly_the_picture_at_rest),
         cmocka_unit_test(pictures_say_what_they_were_made_from),
         cmocka_unit_test(few_photons_and_wide_gathers_are_warned_of),
         cmocka_unit_test(gloss_that_is_widened_is_warned_of),
