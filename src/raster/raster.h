@@ -224,6 +224,7 @@ uint64_t sl_resolver_run(const sl_resolver *resolver, unsigned worker, size_t fi
 enum { SL_GOURAUD_CHANNELS = 4, SL_GOURAUD_STRIP = 2048 };
 typedef struct sl_gouraud_pixels {
     size_t first, count;
+    unsigned worker;                          /* below the number of threads */
     const uint32_t *id;                       /* of these pixels */
     const float *value[SL_GOURAUD_CHANNELS];  /* 0 on the background */
     const float *diffuse[3];                  /* kd times texture, where the pass is textured */

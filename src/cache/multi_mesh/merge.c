@@ -155,36 +155,3 @@ sl_status sl_merge_picture(const sl_merge *merge, sl_image **image, sl_error *er
     sl_parallel_for(merge->threads, (size_t)merge->materials->height, merge_row, &c);
     return SL_OK;
 }
-
-/* Adds a b scale, and nothing where there is no a or b. */
-static void add_product(const float *restrict a, const float *restrict b, float scale, size_t count,
-                        float *restrict out) {
-    if (!a || !b) return;
-#pragma omp simd
-    for (size_t i = 0; i < count; i++) out[i] += sl_picture_value(a[i] * (b[i] * scale));
-}
-
-static const float *at(const float *plane, size_t from) { return plane ? plane + from : NULL; }
-
-static void merge_colours_of_row(void *context, size_t row, unsigned worker) {
-    (void)worker;
-    const merging *c = context;
-    const sl_merge *m = c->merge;
-    const size_t width = (size_t)m->materials->width, height = (size_t)m->materials->height;
-    const size_t from = row * width, to = (height - 1 - row) * width;
-    for (size_t k = 0; k < 3; k++) {
-        const float *kd = at(m->materials->diffuse[k], from), *ks = at(m->materials->specular[k], from),
-                    *lamp = at(m->materials->emission[k], from);
-        float *out = c->out + k * width * height + to;
-        memset(out, 0, width * sizeof *out);
-        add_product(kd, at(m->direct_diffuse[k], from), 1.0f, width, out);
-        add_product(ks, at(m->direct_specular[k], from), 1.0f, width, out);
-        add_product(kd, at(m->indirect[k], from), (float)(1.0 / SL_PI), width, out);
-        for (size_t i = 0; i < width; i++) out[i] = sl_picture_value(out[i] + (lamp ? lamp[i] : 0.0f));
-    }
-}
-
-void sl_merge_colours(const sl_merge *merge, sl_image *image) {
-    merging c = {merge, image->planes};
-    sl_parallel_for(merge->threads, (size_t)merge->materials->height, merge_colours_of_row, &c);
-}

@@ -37,7 +37,5 @@ typedef struct sl_merge {
 /* The picture: R, G, B, which are the sums of the layers direct, specular, indirect and emission; kd and ks
  * beside them. */
 sl_status sl_merge_picture(const sl_merge *merge, sl_image **image, sl_error *error);
-/* R, G and B of that picture alone, into one of the size. */
-void sl_merge_colours(const sl_merge *merge, sl_image *image);
 
 #endif

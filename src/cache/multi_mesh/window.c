@@ -8,8 +8,10 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/math.h"
 #include "base/parallel.h"
 #include "base/thread.h"
+#include "cache/frame/picture_value.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 typedef struct mesh_copies {
@@ -34,7 +36,7 @@ typedef struct shown_leaf {
     bool known;
 } shown_leaf;
 
-enum { LEAVES = 64 };
+enum { LEAVES = 256 };
 
 typedef struct window {
     sl_mesh_exchange *exchange;
@@ -45,8 +47,7 @@ typedef struct window {
     uint32_t made;             /* the world for which they were found */
     unsigned threads;
     uint32_t *id;
-    float *planes;             /* three for each mesh */
-    shown_leaf *leaves;        /* LEAVES for each thread */
+    shown_leaf *leaves;        /* LEAVES for each mesh, for each thread */
 } window;
 
 /* ---- what both share ------------------------------------------------------------------------- */
@@ -131,15 +132,14 @@ static void window_destroy(void *it) {
     sl_mesh_exchange_leave(w->exchange);
     sl_primitives_destroy(w->primitives);
     sl_raster_destroy(w->raster);
-    SL_FREE_ALL(w->id, w->planes, w->leaves, w);
+    SL_FREE_ALL(w->id, w->leaves, w);
 }
 
 static sl_status window_open(window *w, sl_error *error) {
     size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
     w->id = sl_allocate(pixels, sizeof *w->id);
-    w->planes = sl_allocate(3 * SL_COMPONENTS * pixels, sizeof *w->planes);
-    w->leaves = sl_allocate_unset(sl_thread_count(w->threads), LEAVES * sizeof *w->leaves);
-    if (!w->id || !w->planes || !w->leaves) return sl_fail_memory(error, "frames beside updates");
+    w->leaves = sl_allocate_unset(sl_thread_count(w->threads), SL_COMPONENTS * LEAVES * sizeof *w->leaves);
+    if (!w->id || !w->leaves) return sl_fail_memory(error, "frames beside updates");
     sl_status status = sl_raster_create(w->scene, w->threads, &w->raster, error);
     return status == SL_OK ? sl_primitives_of_triangles(w->scene, &w->primitives, error) : status;
 }
@@ -179,7 +179,7 @@ static sl_status follow_structure(window *w, uint32_t made, sl_error *error) {
     return sl_primitives_of_triangles(w->scene, &w->primitives, error);
 }
 
-/* Each row of a face's pixels comes back to the leaves of the one before. */
+/* Each row of pixels comes back to the leaves of the one before. */
 static const shown_leaf *find_leaf(const sl_patches *mesh, uint32_t root, float w1, float w2,
                                    shown_leaf *leaves) {
     double a, b;
@@ -208,88 +208,139 @@ static size_t values_of(const shown_leaf *leaf, sl_isa isa, size_t count, const 
     return run;
 }
 
-/* Faces of one mesh, so many at a time. */
+/* ---- a frame's pixels ------------------------------------------------------------------------ */
+
 typedef struct drawing {
+    const window *window;
     const mesh_copies *set;
-    const sl_visible_pixels *seen;
-    float *planes[SL_COMPONENTS][3];
-    size_t pieces; /* of each mesh */
+    sl_view view;
     sl_isa isa;
-    shown_leaf *leaves;
+    float *out;
 } drawing;
 
-enum { FACES = 32 };
+/* Pixels of a triangle side by side in a row, and what lights them. */
+enum { PIECE = 64 };
+typedef struct piece {
+    size_t first, count;
+    uint32_t triangle, face;
+    const float *w1, *w2, *diffuse[3];
+    float light[SL_COMPONENTS][3][PIECE];
+} piece;
 
-/* Pixels of a face lie side by side: most are in the leaf of the one before. Where a mesh knows nothing
- * `otherwise` shows. */
-static void draw_face(const drawing *d, size_t part, const sl_visible_face *face, shown_leaf *leaves) {
+/* The Gouraud pass interpolates a place (u, v) in the root. */
+static void places(const void *context, uint32_t triangle, float *value) {
+    sl_root_corner_parameters(((const drawing *)context)->window->primitives, triangle, value);
+}
+
+/* Most pixels are in the leaf of the one before. Where a mesh knows nothing `otherwise` shows. */
+static void light_piece(const drawing *d, size_t part, shown_leaf *leaves, piece *p) {
     const sl_patches *mesh = d->set->part[part];
-    const sl_visible_pixels *seen = d->seen;
+    const uint32_t root = sl_patches_find_root(mesh, p->face);
     const sl_rgb otherwise = part == SL_INDIRECT ? d->set->ambient : sl_grey(0.0f);
     const float colour[3] = {otherwise.r, otherwise.g, otherwise.b};
-    const uint32_t end = face->first + face->count, root = sl_patches_find_root(mesh, face->face);
-    for (uint32_t i = face->first; i < end;) {
-        const size_t left = end - i < SL_FAN_LANES ? end - i : SL_FAN_LANES;
+    for (size_t i = 0; i < p->count;) {
+        const size_t left = p->count - i < SL_FAN_LANES ? p->count - i : SL_FAN_LANES;
         float value[3][SL_FAN_LANES];
-        const shown_leaf *leaf = find_leaf(mesh, root, seen->w1[i], seen->w2[i], leaves);
-        const size_t run = values_of(leaf, d->isa, left, seen->w1 + i, seen->w2 + i, value);
+        const shown_leaf *leaf = find_leaf(mesh, root, p->w1[i], p->w2[i], leaves);
+        const size_t run = values_of(leaf, d->isa, left, p->w1 + i, p->w2 + i, value);
         for (size_t l = 0; l < run; l++, i++)
-            for (int c = 0; c < 3; c++)
-                d->planes[part][c][seen->pixel[i]] = leaf->known ? value[c][l] : colour[c];
+            for (int c = 0; c < 3; c++) p->light[part][c][i] = leaf->known ? value[c][l] : colour[c];
     }
 }
 
-static void draw_piece(void *context, size_t index, unsigned worker) {
+/* Adds kd U_dd, ks U_ds and kd E_i / pi, as sl_merge_picture() does. */
+static void add_light(size_t count, const float *restrict light, const float *restrict kd, float ks,
+                      float scale, float *restrict sum) {
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) sum[i] += sl_picture_value((kd ? kd[i] : ks) * (light[i] * scale));
+}
+
+static void put_piece(const drawing *d, const piece *p) {
+    const sl_scene *s = d->window->scene;
+    const size_t width = (size_t)d->view.width, pixels = width * (size_t)d->view.height,
+                 to = pixels - width * (p->first / width + 1) + p->first % width;
+    const sl_rgb ks = s->materials[s->material_index[p->triangle]].specular,
+                 lamp = sl_scene_emission(s, p->triangle,
+                                          sl_sub(d->view.origin,
+                                                 sl_scene_position(s, s->vertex[0][p->triangle])));
+    const float specular[3] = {ks.r, ks.g, ks.b}, emission[3] = {lamp.r, lamp.g, lamp.b};
+    for (size_t c = 0; c < 3; c++) {
+        float *sum = d->out + c * pixels + to;
+        memset(sum, 0, p->count * sizeof *sum);
+        for (size_t part = 0; part < SL_COMPONENTS; part++)
+            if (d->set->part[part])
+                add_light(p->count, p->light[part][c], part == SL_DIRECT_SPECULAR ? NULL : p->diffuse[c],
+                          specular[c], part == SL_INDIRECT ? (float)(1.0 / SL_PI) : 1.0f, sum);
+        for (size_t i = 0; i < p->count; i++) sum[i] = sl_picture_value(sum[i] + emission[c]);
+    }
+}
+
+static void put_background(const drawing *d, size_t pixel) {
+    const size_t width = (size_t)d->view.width, pixels = width * (size_t)d->view.height,
+                 x = pixel % width, y = pixel / width;
+    const sl_environment *sky = &d->window->scene->environment;
+    const sl_vec3 direction = sl_view_direction(&d->view, (double)x + 0.5, (double)y + 0.5);
+    const sl_rgb seen = sky->present ? sl_environment_radiance(sky, direction) : sl_grey(0.0f);
+    float *out = d->out + pixels - width * (y + 1) + x;
+    out[0] = sl_picture_value(seen.r);
+    out[pixels] = sl_picture_value(seen.g);
+    out[2 * pixels] = sl_picture_value(seen.b);
+}
+
+static size_t length_of_piece(const drawing *d, const sl_gouraud_pixels *p, size_t i) {
+    const size_t width = (size_t)d->view.width, row = width - (p->first + i) % width;
+    size_t most = p->count - i < row ? p->count - i : row, count = 1;
+    if (most > PIECE) most = PIECE;
+    while (count < most && p->id[i + count] == p->id[i]) count++;
+    return count;
+}
+
+static void draw_strip(void *context, const sl_gouraud_pixels *p) {
     const drawing *d = context;
-    const size_t part = index / d->pieces, first = index % d->pieces * FACES;
-    shown_leaf *leaves = d->leaves + worker * LEAVES;
-    if (!d->set->part[part]) return;
-    for (size_t i = 0; i < LEAVES; i++) leaves[i].found.patch = SL_NO_INDEX;
-    for (size_t f = first; f < first + FACES && f < d->seen->face_count; f++)
-        draw_face(d, part, &d->seen->face[f], leaves);
+    shown_leaf *leaves = d->window->leaves + p->worker * SL_COMPONENTS * LEAVES;
+    piece now = {.triangle = SL_NO_INDEX};
+    for (size_t i = 0; i < p->count; i += now.count) {
+        now.count = p->id[i] == SL_NO_INDEX ? 1 : length_of_piece(d, p, i);
+        if (p->id[i] == SL_NO_INDEX) {
+            put_background(d, p->first + i);
+            continue;
+        }
+        if (p->id[i] != now.triangle)
+            now.face = sl_root_seen(d->window->primitives, d->window->scene, p->id[i], d->view.origin);
+        now.triangle = p->id[i];
+        now.first = p->first + i;
+        now.w1 = p->value[0] + i;
+        now.w2 = p->value[1] + i;
+        for (int c = 0; c < 3; c++) now.diffuse[c] = p->diffuse[c] + i;
+        for (size_t part = 0; part < SL_COMPONENTS; part++)
+            if (d->set->part[part]) light_piece(d, part, leaves + part * LEAVES, &now);
+        put_piece(d, &now);
+    }
 }
 
-static void draw_meshes(window *w, const mesh_copies *set, const sl_visible_pixels *seen, sl_merge *merge) {
-    const float **const target[] = {merge->direct_diffuse, merge->direct_specular, merge->indirect};
-    const size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
-    drawing d = {.set = set,
-                 .seen = seen,
-                 .pieces = (seen->face_count + FACES - 1) / FACES,
-                 .isa = sl_isa_best(),
-                 .leaves = w->leaves};
-    for (size_t i = 0; i < SL_COMPONENTS; i++) {
-        if (!set->part[i]) continue;
-        set->part[i]->primitives = w->primitives;
-        for (size_t c = 0; c < 3; c++) target[i][c] = d.planes[i][c] = w->planes + (3 * i + c) * pixels;
-        memset(d.planes[i][0], 0, 3 * pixels * sizeof(float));
-    }
-    sl_parallel_for(w->threads, SL_COMPONENTS * d.pieces, draw_piece, &d);
+static void forget_leaves(const window *w) {
+    for (size_t i = 0; i < sl_thread_count(w->threads) * SL_COMPONENTS * LEAVES; i++)
+        w->leaves[i].found.patch = SL_NO_INDEX;
 }
 
 static sl_status draw_set(window *w, const mesh_copies *set, sl_image *image, sl_counters *counters,
                           sl_error *error) {
-    sl_view view = sl_view_scene(w->scene, w->settings.width, w->settings.height);
-    sl_target target = {w->settings.width, w->settings.height, w->id, NULL};
-    sl_visible_pixels *seen = NULL;
-    sl_merge merge = {.threads = w->threads};
-    sl_materials_seen *materials = NULL;
-    const sl_materials_wanted wanted = {set->part[SL_DIRECT_SPECULAR] != NULL, true};
+    drawing d = {.window = w,
+                 .set = set,
+                 .view = sl_view_scene(w->scene, w->settings.width, w->settings.height),
+                 .isa = sl_isa_best(),
+                 .out = image->planes};
+    const sl_target target = {w->settings.width, w->settings.height, w->id, NULL};
+    const sl_gouraud_pass pass = {
+        .channels = 2, .corners = places, .textured = true, .shade = draw_strip, .context = &d};
     sl_status status = follow_structure(w, set->made, error);
-    if (status == SL_OK) status = sl_raster_id(w->raster, &view, w->threads, &target, counters, error);
-    if (status == SL_OK)
-        status = sl_visible_pixels_sort(w->primitives, w->raster, &view, w->id, w->threads, &seen, counters,
-                                        error);
-    if (status == SL_OK)
-        status = sl_materials_resolve(w->scene, w->raster, &view, w->id, wanted, w->threads, &materials,
-                                      counters, error);
-    if (status == SL_OK) {
-        draw_meshes(w, set, seen, &merge);
-        merge.materials = materials;
-        sl_merge_colours(&merge, image);
-    }
-    sl_materials_destroy(materials);
-    sl_visible_pixels_destroy(seen);
-    return status;
+    if (status == SL_OK) status = sl_raster_id(w->raster, &d.view, w->threads, &target, counters, error);
+    if (status != SL_OK) return status;
+    for (size_t i = 0; i < SL_COMPONENTS; i++)
+        if (set->part[i]) set->part[i]->primitives = w->primitives;
+    forget_leaves(w);
+    sl_raster_gouraud(w->raster, &d.view, w->threads, w->id, &pass, counters);
+    return SL_OK;
 }
 
 static int take_set(sl_mesh_exchange *e, uint64_t *versions) {

@@ -89,7 +89,8 @@ static void shade_strip(void *context, size_t index, unsigned worker) {
         g->shaded[worker] += sl_resolve_shaded(&block);
     }
     if (pass->shade) {
-        sl_gouraud_pixels pixels = {.first = first, .count = count, .id = g->id + first};
+        sl_gouraud_pixels pixels = {
+            .first = first, .count = count, .worker = worker, .id = g->id + first};
         for (int c = 0; c < pass->channels; c++) pixels.value[c] = value[c];
         for (int c = 0; c < 3 && pass->textured; c++) pixels.diffuse[c] = diffuse[c];
         pass->shade(pass->context, &pixels);
