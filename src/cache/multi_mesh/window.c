@@ -1,7 +1,7 @@
 /* Frames beside updates. An update leaves copies of the meshes, when it has light everywhere; another thread
  * draws them from where its own copy of the scene stands, geometry and eye included. Of two sets of copies
  * one is drawn from while the other is written to; neither waits: an update whose set is still being drawn
- * leaves none. */
+ * leaves none, unless it is the last. */
 #include "cache/multi_mesh/window.h"
 
 #include <string.h>
@@ -90,10 +90,11 @@ static sl_status exchange_create(sl_mesh_exchange **exchange, sl_error *error) {
 
 /* ---- the update's side ----------------------------------------------------------------------- */
 
-/* Returns the set that may be written to; -1: none. */
-static int hidden_set(sl_mesh_exchange *e) {
+/* Returns the set that may be written to; -1: none. The last state waits for it, since no other follows. */
+static int hidden_set(sl_mesh_exchange *e, bool last) {
     sl_monitor_enter(&e->meeting);
     int hidden = e->shown == 0 ? 1 : 0;
+    while (last && hidden == e->drawn) sl_monitor_wait(&e->meeting);
     if (hidden == e->drawn) hidden = -1;
     sl_monitor_leave(&e->meeting);
     return hidden;
@@ -108,7 +109,7 @@ static sl_status copy_part(const sl_displayed *part, sl_patches **copy, sl_error
 
 sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error) {
     sl_mesh_exchange *e = s->exchange;
-    int hidden = e ? hidden_set(e) : -1;
+    int hidden = e ? hidden_set(e, s->phase == SL_PHASE_DONE) : -1;
     sl_status status = SL_OK;
     if (hidden < 0) return SL_OK;
     mesh_copies *set = &e->set[hidden];
@@ -354,6 +355,7 @@ static int take_set(sl_mesh_exchange *e, uint64_t *versions) {
 static void give_set_back(sl_mesh_exchange *e) {
     sl_monitor_enter(&e->meeting);
     e->drawn = -1;
+    sl_monitor_signal(&e->meeting);
     sl_monitor_leave(&e->meeting);
 }
 
