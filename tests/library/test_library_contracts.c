@@ -375,7 +375,7 @@ static void a_explanation_is_of_a_pixel_of_the_last_picture(void **state) {
         USAGE(sl_method_explanation(method, same, 1, 1, &explanation, error)); /* nothing has been resolved */
         assert_null(explanation);
         update_to_the_end(method);
-        assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+        image = resolved_picture(method);
         /* a pixel of that one, and of none that there is */
         USAGE(sl_method_explanation(method, other, SIDE + 50, SIDE + 50, &explanation, error));
         USAGE(sl_method_explanation(method, same, 1, 1, &explanation, error)); /* nobody's */
@@ -404,11 +404,10 @@ static void nothing_is_asked_of_a_method_that_does_not_know_what_has_changed(voi
         assert_int_equal(sl_scene_set_time(scene, 0.0, NULL, NULL), SL_OK);
         sl_method *method = method_of(scene, methods[m]);
         sl_progress progress;
-        sl_image *image;
         sl_explanation *explanation;
         unsigned changes;
         assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-        assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+        sl_image *image = resolved_picture(method);
         assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
         USAGE(sl_method_explanation(method, image, 1, 1, &explanation, error));
         sl_image_destroy(image);
@@ -479,9 +478,9 @@ static void after_a_failed_edit_another_one_makes_all_anew(void **state) {
     for (size_t m = 0; m < METHODS; m++) {
         sl_method *method = method_of(scene, methods[m]);
         sl_progress progress;
-        sl_image *before, *none = anything, *after;
+        sl_image *none = anything, *after;
         update_to_the_end(method);
-        assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
+        sl_image *before = resolved_picture(method);
         allocations_left = 0;
         sl_status status = sl_method_edit(method, SL_CHANGED_OBJECTS, NULL);
         /* direct radiance mapping puts it off until then */
@@ -494,7 +493,7 @@ static void after_a_failed_edit_another_one_makes_all_anew(void **state) {
         if (strcmp(methods[m], "direct-radiance") != 0) {
             assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
             update_to_the_end(method);
-            assert_int_equal(sl_method_resolve(method, &after, NULL), SL_OK);
+            after = resolved_picture(method);
             /* which goes on from where it was */
             if (strcmp(methods[m], "shading-cache") != 0) assert_true(same_picture(before, after));
             sl_image_destroy(after);

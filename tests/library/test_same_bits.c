@@ -64,7 +64,7 @@ static uint64_t hash_hits(const sl_scene *scene, uint64_t rays) {
 
 static void rays_at_vertices_edges_and_insides_hit_the_same(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 2.0f, 40, 0.3f, true, 0);
     sl_scene *scene = trace_mesh_build(&mesh);
     expect(hash_hits(scene, 48000), 0x1c1617909f8ee9d4u);

@@ -6,7 +6,7 @@ void light_world_of_scene(light_world *w, sl_scene *scene) {
     *w = (light_world){.scene = scene};
     sl_error error = {0};
     assert_int_equal(sl_raster_create(w->scene, 1, &w->raster, &error), SL_OK);
-    assert_int_equal(sl_tracer_create(w->scene, 1, NULL, &w->tracer, &error), SL_OK);
+    w->tracer = tracer_of(w->scene);
     assert_int_equal(sl_sampled_lights_find(w->scene, &w->lights, &error), SL_OK);
     w->settings = sl_light_sample_defaults();
     light_world_set(w, &w->settings);
@@ -52,7 +52,7 @@ double sample_light(light_world *w, size_t light, sl_vec3 position, sl_vec3 norm
 }
 
 void add_ceiling_light(trace_mesh *mesh, float x, float z, float width, float depth, float height) {
-    uint32_t lamp = trace_mesh_material(mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    uint32_t lamp = trace_mesh_lamp(mesh, 1.0f);
     trace_mesh_quad(mesh, sl_v3(x, height, z), sl_v3(width, 0, 0), sl_v3(0, 0, depth), lamp);
 }
 

@@ -89,7 +89,7 @@ static inline sl_scene *square_scene_of(float specular) {
 static inline sl_scene *square_scene(void) { return square_scene_of(0.0f); }
 static inline sl_scene *triangle_scene(void) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     uint32_t a = trace_mesh_vertex(&mesh, -1, -1, 0), b = trace_mesh_vertex(&mesh, 1, -1, 0),
              c = trace_mesh_vertex(&mesh, -1, 1, 0);
     trace_mesh_triangle(&mesh, a, b, c, 0);

@@ -114,12 +114,28 @@ sl_method *created_method(const sl_scene *scene, const sl_settings *settings) {
     return method;
 }
 
-sl_image *finished_picture(sl_method *method) {
+void run_to_end(sl_method *method) {
+    sl_error error;
+    for (sl_progress p = {0}; !p.done;) good(sl_method_update(method, &p, &error), &error);
+}
+
+sl_image *resolved_picture(sl_method *method) {
     sl_error error;
     sl_image *image;
-    for (sl_progress p = {0}; !p.done;) good(sl_method_update(method, &p, &error), &error);
     good(sl_method_resolve(method, &image, &error), &error);
     return image;
+}
+
+sl_image *finished_picture(sl_method *method) {
+    run_to_end(method);
+    return resolved_picture(method);
+}
+
+void go_to_time(sl_scene *scene, sl_method *method, double time) {
+    sl_error error;
+    unsigned changes;
+    good(sl_scene_set_time(scene, time, &changes, &error), &error);
+    good(sl_method_edit(method, changes, &error), &error);
 }
 
 sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters) {
@@ -137,6 +153,13 @@ double channel_mean(const sl_image *image, const char *channel) {
     assert_non_null(plane);
     for (size_t i = 0; i < pixels; i++) sum += (double)plane[i];
     return sum / (double)pixels;
+}
+
+sl_comparison comparison_of(const sl_image *image, const sl_image *reference) {
+    sl_error error;
+    sl_comparison c;
+    good(sl_image_compare(image, reference, NULL, &c, NULL, &error), &error);
+    return c;
 }
 
 bool same_picture(const sl_image *a, const sl_image *b) {

@@ -23,9 +23,14 @@ sl_settings small_settings(const char *method, int width, int height);
 /* Runs a method to its end and resolves it; counters (may be NULL) receives what it cost. */
 sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters);
 sl_method *created_method(const sl_scene *scene, const sl_settings *settings);
+void run_to_end(sl_method *method);
+sl_image *resolved_picture(sl_method *method); /* as far as it has come */
+/* Tells a method of its scene at another time. */
+void go_to_time(sl_scene *scene, sl_method *method, double time);
 /* Updates a method to its end and resolves it. */
 sl_image *finished_picture(sl_method *method);
 double channel_mean(const sl_image *image, const char *channel);
+sl_comparison comparison_of(const sl_image *image, const sl_image *reference);
 /* Are all channels equal, bit for bit? */
 bool same_picture(const sl_image *a, const sl_image *b);
 /* The picture and the counters with 2, 3 and 7 threads are those with 1. */

@@ -109,6 +109,14 @@ uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, fl
     return (uint32_t)mesh->material_count++;
 }
 
+uint32_t trace_mesh_diffuse(trace_mesh *mesh, float diffuse) {
+    return trace_mesh_material(mesh, diffuse, 0, 0, 0, 0);
+}
+
+uint32_t trace_mesh_lamp(trace_mesh *mesh, float emission) {
+    return trace_mesh_material(mesh, 0, 0, 0, 0, emission);
+}
+
 void trace_mesh_discard(trace_mesh *mesh) {
     free(mesh->positions);
     free(mesh->texture_coordinates);
@@ -156,7 +164,7 @@ bool emitter_point(const sl_scene *scene, uint32_t emitter, sl_vec3 p, float u1,
 
 sl_scene *trace_scene_lit_by(unsigned lights, bool mirrors) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0),
+    uint32_t wall = trace_mesh_diffuse(&mesh, 0.6f),
              glossy = trace_mesh_material(&mesh, 0.2f, 0.5f, 10, 0, 0);
     uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
              lamp = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 9.0f);
@@ -193,6 +201,13 @@ sl_scene *trace_scene_lit_by(unsigned lights, bool mirrors) {
 }
 
 /* ---- pictures ---- */
+
+sl_tracer *tracer_of(const sl_scene *scene) {
+    sl_error error;
+    sl_tracer *tracer;
+    if (sl_tracer_create(scene, 1, NULL, &tracer, &error) != SL_OK) fail_msg("%s", error.message);
+    return tracer;
+}
 
 sl_transport transport_of(const char *name) {
     sl_transport transport;

@@ -35,11 +35,14 @@ void trace_mesh_sphere(trace_mesh *mesh, sl_vec3 centre, float radius, unsigned 
                        bool inside, uint32_t material);
 uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, float exponent, float mirror,
                              float emission);
+uint32_t trace_mesh_diffuse(trace_mesh *mesh, float diffuse);
+uint32_t trace_mesh_lamp(trace_mesh *mesh, float emission); /* that reflects nothing */
 sl_scene *trace_mesh_build(trace_mesh *mesh);
 void trace_mesh_discard(trace_mesh *mesh);
 /* Diffuse, glossy and mirror surfaces, shading normals off their facets, seen from before them; which lights,
  * bit by bit: lamp, point, spot, distant, sky; and whether the lamp shines on both sides. */
 sl_scene *trace_scene_lit_by(unsigned lights, bool mirrors);
+sl_tracer *tracer_of(const sl_scene *scene); /* of one thread */
 sl_transport transport_of(const char *name);
 
 /* A path tracer's picture of a scene. */

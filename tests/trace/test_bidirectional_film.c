@@ -105,7 +105,7 @@ static void rooms_with_lamps_and_point_lights_are_those_of_the_path_tracer(void 
  * normals, a sky. */
 static sl_scene *rich_scene(bool sky_light, bool lamp_light) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.6f, 0, 0, 0, 0),
+    uint32_t wall = trace_mesh_diffuse(&mesh, 0.6f),
              glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 12, 0, 0);
     uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
              lamp = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 9.0f);
@@ -145,7 +145,7 @@ static void skies_are_those_of_the_path_tracer(void **unused) {
 static void spots_and_distant_lights_are_those_of_the_path_tracer(void **unused) {
     for (int kind = 0; kind < 2; kind++) {
         trace_mesh mesh = trace_mesh_begin();
-        uint32_t wall = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0);
+        uint32_t wall = trace_mesh_diffuse(&mesh, 0.8f);
         trace_mesh_box(&mesh, sl_v3(-2, -1, -2), sl_v3(2, 2.5f, 2), true, wall);
         if (kind == 1) mesh.triangle_count -= 2; /* a window, from which the light shines into the room */
         trace_mesh_sphere(&mesh, sl_v3(0.4f, -0.5f, 0), 0.5f, 10, 0.0f, false, wall);
@@ -216,8 +216,7 @@ static void any_declared_transport_is_that_of_the_path_tracer(void **unused) {
  * closed form. */
 static void a_point_light_throws_caustics(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
-             mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t floor = trace_mesh_diffuse(&mesh, 0.5f), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-1, -40, 0), sl_v3(0, 80, 0), sl_v3(0, 0, 40), mirror);
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.5f, 0, 1}, .intensity = {2, 2, 2}};

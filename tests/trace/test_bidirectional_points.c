@@ -22,7 +22,7 @@ typedef struct world {
 
 static world open_world(sl_scene *scene, const sl_bidirectional_point_settings *settings) {
     world w = {.scene = scene};
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &w.tracer, NULL), SL_OK);
+    w.tracer = tracer_of(scene);
     assert_int_equal(sl_bidirectional_points_create(scene, w.tracer, settings, &w.points, NULL), SL_OK);
     assert_int_equal(sl_bidirectional_scratch_create(&w.scratch, NULL), SL_OK);
     return w;
@@ -116,10 +116,9 @@ static void compare_with_path_tracer(world *w, const sl_bidirectional_request *r
  */
 static sl_scene *rich_scene(int lights) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0),
+    uint32_t white = trace_mesh_diffuse(&mesh, 0.7f),
              glossy = trace_mesh_material(&mesh, 0.25f, 0.5f, 15, 0, 0);
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
-             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 9.0f);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0), lamp = trace_mesh_lamp(&mesh, 9.0f);
     mesh.materials[white].diffuse = (sl_rgb){0.8f, 0.6f, 0.4f};
     trace_mesh_quad(&mesh, sl_v3(-3, -1, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0), glossy);
     trace_mesh_quad(&mesh, sl_v3(-3, -1, -3), sl_v3(6, 0, 0), sl_v3(0, 4, 0), white);

@@ -26,7 +26,7 @@ typedef struct world {
 static world *open_world(sl_scene *scene, const sl_transport *transport) {
     world *w = calloc(1, sizeof *w);
     w->scene = scene;
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &w->tracer, NULL), SL_OK);
+    w->tracer = tracer_of(scene);
     assert_int_equal(sl_light_sampler_create(scene, &w->lights, NULL), SL_OK);
     sl_sequence_make(&w->sequence);
     sl_path_maker_init(&w->maker, scene, w->tracer, w->lights, &w->sequence, transport);

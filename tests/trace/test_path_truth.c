@@ -13,8 +13,7 @@ typedef struct measurement {
 
 static measurement measure(const sl_scene *scene, sl_transport transport, sl_vec3 origin, sl_vec3 direction,
                            unsigned samples) {
-    sl_tracer *tracer;
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
+    sl_tracer *tracer = tracer_of(scene);
     traced_radiance traced = trace_along(scene, tracer, &transport, origin, direction, samples);
     sl_tracer_destroy(tracer);
     return (measurement){traced.mean[1], sqrt(traced.variance[1])};
@@ -53,8 +52,7 @@ static void furnace_radiance_is_the_geometric_series(void **unused) {
 
 static sl_scene *floor_under_light(sl_vec3 corner, sl_vec3 a, sl_vec3 b, float radiance) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
-             light = trace_mesh_material(&mesh, 0, 0, 0, 0, radiance);
+    uint32_t floor = trace_mesh_diffuse(&mesh, 0.8f), light = trace_mesh_lamp(&mesh, radiance);
     trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), floor);
     trace_mesh_quad(&mesh, corner, a, b, light);
     return trace_mesh_build(&mesh);
@@ -103,9 +101,8 @@ static void phong_lobe_has_its_directional_albedo(void **unused) {
 
 static void mirrors_are_followed_where_the_transport_says(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0),
-             light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0), light = trace_mesh_lamp(&mesh, 5.0f);
+    uint32_t floor = trace_mesh_diffuse(&mesh, 0.5f);
     /* A light that faces up, a mirror above it that faces down, a floor that only the mirror's image of the
      * light shines on. */
     trace_mesh_quad(&mesh, sl_v3(3, -0.5f, 1), sl_v3(1, 0, 0), sl_v3(0, 1, 0), light);
@@ -139,9 +136,8 @@ static void mirrors_are_followed_where_the_transport_says(void **unused) {
 
 static void direct_light_without_visibility_passes_blockers(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
-             light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
-    uint32_t black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    uint32_t floor = trace_mesh_diffuse(&mesh, 0.8f), light = trace_mesh_lamp(&mesh, 5.0f);
+    uint32_t black = trace_mesh_diffuse(&mesh, 0);
     trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
     trace_mesh_quad(&mesh, sl_v3(-0.1f, -0.2f, 0.6f), sl_v3(0.6f, 0, 0), sl_v3(0, 0.65f, 0), black);
@@ -157,8 +153,7 @@ static void direct_light_without_visibility_passes_blockers(void **unused) {
 /* A floor that sees a lit ceiling, with or without a black screen between them. */
 static sl_scene *floor_and_lit_ceiling(bool screen) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
-             black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    uint32_t white = trace_mesh_diffuse(&mesh, 0.8f), black = trace_mesh_diffuse(&mesh, 0);
     trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), white);
     trace_mesh_quad(&mesh, sl_v3(-3, -3, 2), sl_v3(0, 6, 0), sl_v3(6, 0, 0), white);
     if (screen) trace_mesh_quad(&mesh, sl_v3(-50, -50, 1), sl_v3(100, 0, 0), sl_v3(0, 100, 0), black);

@@ -74,7 +74,7 @@ static void aim(const sl_scene *s, sl_ray16 *rays, unsigned lane, uint64_t i) {
     sl_ray16_set(rays, lane, from, sl_sub(at, from), 0.0f, i % 7 ? INFINITY : 1.0f, i % 11 ? SL_NO_INDEX : t);
 }
 
-static sl_tracer *tracer_of(const sl_scene *scene, size_t worth, const char *config) {
+static sl_tracer *tracer_worth(const sl_scene *scene, size_t worth, const char *config) {
     sl_tracer *tracer;
     sl_error error = {0};
     if (sl_tracer_create_sharing(scene, 2, config, worth, &tracer, &error) != SL_OK)
@@ -83,7 +83,7 @@ static sl_tracer *tracer_of(const sl_scene *scene, size_t worth, const char *con
 }
 
 static void expect_the_same_hits(const sl_scene *scene, const char *config) {
-    sl_tracer *one = tracer_of(scene, SIZE_MAX, config), *shared = tracer_of(scene, 1, config);
+    sl_tracer *one = tracer_worth(scene, SIZE_MAX, config), *shared = tracer_worth(scene, 1, config);
     sl_counters counters = {{0}};
     size_t met = 0;
     for (uint64_t first = 0; first < RAYS; first += SL_PACKET) {

@@ -23,7 +23,7 @@ static float number(uint64_t key, uint64_t i) { return sl_random_unit(sl_random_
 
 static sl_scene *bumpy_sphere(unsigned rings, sl_vec3 centre, float radius) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_sphere(&mesh, centre, radius, rings, 0.3f, true, 0);
     return trace_mesh_build(&mesh);
 }
@@ -250,7 +250,7 @@ static void occlusion_agrees_with_the_closest_hit(void **unused) {
 
 static void equal_distances_go_to_the_lower_index(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     for (int copy = 0; copy < 20; copy++)
         trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
     sl_scene *scene = trace_mesh_build(&mesh);
@@ -272,7 +272,7 @@ static void equal_distances_go_to_the_lower_index(void **unused) {
 
 static void slivers_are_hit_inside_their_box_or_not_at_all(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     for (int i = 0; i < 2000; i++) {
         sl_vec3 a = sl_v3(number(11, (uint64_t)i), number(12, (uint64_t)i), number(13, (uint64_t)i));
         sl_vec3 along = sl_v3(number(14, (uint64_t)i) - 0.5f, number(15, (uint64_t)i) - 0.5f,
@@ -396,8 +396,7 @@ static void rays_that_are_none_hit_nothing(void **unused) {
 
 static void masked_texels_let_rays_through(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t leaf = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
-             wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t leaf = trace_mesh_diffuse(&mesh, 0.5f), wall = trace_mesh_diffuse(&mesh, 0.5f);
     /* right half clear */
     uint8_t texels[16] = {255, 255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 255, 255, 255, 255, 0};
     mesh.textures[0] = (sl_texture){NULL, 2, 2, true, texels};

@@ -55,7 +55,7 @@ static void check_irradiance(const sl_scene *scene, sl_vec3 p, sl_vec3 normal, d
 /* Quads of radiance 5 whose irradiance is known from Lambert's polygon formula. */
 static void irradiance_from_quads_is_that_of_the_polygon_formula(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t light = trace_mesh_lamp(&mesh, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
     sl_scene *scene = trace_mesh_build(&mesh);
     check_irradiance(scene, sl_v3(0.35f, 0.2f, 0), sl_v3(0, 0, 1), 4.643140759564, 2e-4);
@@ -64,7 +64,7 @@ static void irradiance_from_quads_is_that_of_the_polygon_formula(void **unused) 
     sl_scene_destroy(scene);
 
     mesh = trace_mesh_begin();
-    light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    light = trace_mesh_lamp(&mesh, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(1.2f, -0.5f, -0.6f), sl_v3(0, 0, 1.7f), sl_v3(0, 1.4f, 0), light);
     scene = trace_mesh_build(&mesh);
     /* half of it below the horizon */
@@ -81,7 +81,7 @@ static void a_sky_picture_is_sampled_without_bias(void **unused) {
     for (int c = 0; c < 3; c++) texels[3 * (2 * W + 5) + c] = 500.0f;
     sl_environment sky = {.present = true, .width = W, .height = H, .texels = texels};
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     mesh.environment = &sky;
     trace_mesh_quad(&mesh, sl_v3(-1, 0, -1), sl_v3(2, 0, 0), sl_v3(0, 0, 2), grey);
     sl_scene *scene = trace_mesh_build(&mesh);
@@ -107,7 +107,7 @@ static void a_sky_picture_is_sampled_without_bias(void **unused) {
 
 static void lights_without_extent_are_exact_and_mix_with_the_others(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t light = trace_mesh_lamp(&mesh, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(-0.7f, -0.4f, 1.3f), sl_v3(0, 1.3f, 0), sl_v3(1.8f, 0, 0), light);
     mesh.lights[0] =
         (sl_light){.type = SL_LIGHT_POINT, .position = {0.35f, 0.2f, 2.0f}, .intensity = {8, 8, 8}};
@@ -130,8 +130,7 @@ static void lights_without_extent_are_exact_and_mix_with_the_others(void **unuse
 
 static void degenerate_questions_are_answered_with_nothing(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t light = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f),
-             grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t light = trace_mesh_lamp(&mesh, 5.0f), grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 1), sl_v3(0, 1, 0), sl_v3(1, 0, 0), light);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 3), sl_v3(0, 1, 0), sl_v3(1, 0, 0), grey);
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0, 0, 1}, .intensity = {1, 1, 1}};
@@ -158,7 +157,7 @@ static void degenerate_questions_are_answered_with_nothing(void **unused) {
     sl_scene_destroy(scene);
 
     mesh = trace_mesh_begin();
-    grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 3), sl_v3(0, 1, 0), sl_v3(1, 0, 0), grey);
     scene = trace_mesh_build(&mesh);
     sampler = make_sampler(scene);

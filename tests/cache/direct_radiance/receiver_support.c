@@ -35,10 +35,10 @@ void set_receiver(sl_gbuffer *receivers, size_t i, sl_vec3 position, sl_vec3 geo
 
 sl_scene *receiver_scene(void) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_material(&mesh, 0.3f, 0.4f, 20.0f, 0.0f, 0.0f);
     trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.8f, 0.0f);
-    trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.0f);
     trace_mesh_material(&mesh, 0.0f, 0.5f, 0.0f, 0.0f, 0.0f);
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), true, DIFFUSE_MATERIAL);
     return trace_mesh_build(&mesh);

@@ -13,8 +13,7 @@ static sl_radiance_map_settings with(sl_map_filter filter) {
 /* A room of side 2 with a table of one object with it: walls of reflectance `walls`, floor and table 0.8. */
 static sl_scene *room_with_table(float walls) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, walls, 0, 0, 0, 0),
-             floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0);
+    uint32_t wall = trace_mesh_diffuse(&mesh, walls), floor = trace_mesh_diffuse(&mesh, 0.8f);
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
     trace_mesh_quad(&mesh, sl_v3(-1, -0.99f, 1), sl_v3(2, 0, 0), sl_v3(0, 0, -2), floor);
     trace_mesh_quad(&mesh, sl_v3(-0.3f, -0.4f, 0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, -0.6f), floor);

@@ -29,8 +29,7 @@ static sl_light light_at(sl_light_type type, float intensity) {
 /* A floor, so that there is a scene. */
 static trace_mesh floor_mesh(void) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4),
-                    trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), trace_mesh_diffuse(&mesh, 0.7f));
     return mesh;
 }
 
@@ -61,8 +60,8 @@ static void every_kind_of_lights_intensity_adds_up_to_its_flux_over_the_sphere(v
     trace_mesh mesh = floor_mesh();
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_POINT, 3.0f);
     mesh.lights[mesh.light_count++] = light_at(SL_LIGHT_SPOT, 5.0f);
-    add_panel(&mesh, 0, 3, 1, trace_mesh_material(&mesh, 0, 0, 0, 0, 7.0f));
-    uint32_t both = trace_mesh_material(&mesh, 0, 0, 0, 0, 2.0f);
+    add_panel(&mesh, 0, 3, 1, trace_mesh_lamp(&mesh, 7.0f));
+    uint32_t both = trace_mesh_lamp(&mesh, 2.0f);
     mesh.materials[both].emission_two_sided = true;
     add_panel(&mesh, -3, 3, 1, both);
     sl_scene *scene = trace_mesh_build(&mesh);
@@ -87,7 +86,7 @@ static double flux_of(const sl_map_lights *lights) {
 
 static void a_quad_is_n_x_n_points_that_share_its_intensity(void **state) {
     trace_mesh mesh = floor_mesh();
-    add_panel(&mesh, 0, 3, 1, trace_mesh_material(&mesh, 0, 0, 0, 0, 2));
+    add_panel(&mesh, 0, 3, 1, trace_mesh_lamp(&mesh, 2));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_map_lights *one = find(scene, 1), *lights = find(scene, 4);
     assert_int_equal(one->count, 1);
@@ -109,7 +108,7 @@ static void a_quad_is_n_x_n_points_that_share_its_intensity(void **state) {
 static void a_solid_lamp_shines_from_points_of_its_surface(void **state) {
     const sl_vec3 middle = sl_v3(0, 2, 0);
     trace_mesh mesh = floor_mesh();
-    trace_mesh_sphere(&mesh, middle, 0.4f, 40, 0.0f, false, trace_mesh_material(&mesh, 0, 0, 0, 0, 2));
+    trace_mesh_sphere(&mesh, middle, 0.4f, 40, 0.0f, false, trace_mesh_lamp(&mesh, 2));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_map_lights *lights = find(scene, 2);
     assert_int_equal(lights->count, 96);
@@ -129,7 +128,7 @@ static void a_solid_lamp_shines_from_points_of_its_surface(void **state) {
 
 static void of_too_many_lights_the_strongest_shine_for_all(void **state) {
     trace_mesh mesh = floor_mesh();
-    uint32_t glowing = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
+    uint32_t glowing = trace_mesh_lamp(&mesh, 1);
     for (int i = 0; i < 60; i++) /* bulbs, which have fewer points each */
         trace_mesh_box(&mesh, sl_v3((float)i, 1, 0), sl_v3((float)i + 0.5f, 1.5f, 0.5f), false, glowing);
     sl_scene *scene = trace_mesh_build(&mesh);

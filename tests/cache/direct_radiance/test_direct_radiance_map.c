@@ -47,7 +47,7 @@ static world world_of(trace_mesh *mesh, const how *h) {
     world w = {.scene = trace_mesh_build(mesh)};
     assert_int_equal(sl_raster_create(w.scene, 1, &w.raster, NULL), SL_OK);
     assert_int_equal(sl_map_lights_find(w.scene, 1, &w.lights, NULL), SL_OK);
-    if (h->traced) assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &w.tracer, NULL), SL_OK);
+    if (h->traced) w.tracer = tracer_of(w.scene);
     take(&w, h);
     return w;
 }
@@ -74,17 +74,15 @@ static sl_light light_at(sl_light_type type, float x, float y, float z) {
 /* A closed room of 4 x 3 x 5 with a box and a ball in it. */
 static trace_mesh furnished(void) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t m = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(4, 3, 5), true, m);
     trace_mesh_box(&mesh, sl_v3(0.5f, 0, 0.7f), sl_v3(1.2f, 1.1f, 1.6f), false, m);
-    trace_mesh_sphere(&mesh, sl_v3(2.2f, 0.6f, 1.3f), 0.45f, 12, 0, false,
-                      trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 0));
+    trace_mesh_sphere(&mesh, sl_v3(2.2f, 0.6f, 1.3f), 0.45f, 12, 0, false, trace_mesh_diffuse(&mesh, 0.3f));
     return mesh;
 }
 
 static void add_panel(trace_mesh *mesh, float x, float y, float z, float size) {
-    trace_mesh_quad(mesh, sl_v3(x, y, z), sl_v3(size, 0, 0), sl_v3(0, 0, size),
-                    trace_mesh_material(mesh, 0, 0, 0, 0, 5));
+    trace_mesh_quad(mesh, sl_v3(x, y, z), sl_v3(size, 0, 0), sl_v3(0, 0, size), trace_mesh_lamp(mesh, 5));
 }
 
 static world lit_by_every_kind(const how *h) {
@@ -306,7 +304,7 @@ static void the_captured_share_of_the_flux_is_what_each_shape_can_hold(void **st
 
 static void a_light_that_faces_the_void_has_no_faces_and_one_half_in_it_has_empty_texels(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t m = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(-1, 0, 1), sl_v3(2, 0, 0), sl_v3(0, 0, -2), m);
     mesh.lights[mesh.light_count] = light_at(SL_LIGHT_SPOT, 0, 1, 0);
     mesh.lights[mesh.light_count++].direction = sl_v3(0, 1, 0);
@@ -361,7 +359,7 @@ static void an_area_light_does_not_see_itself_and_what_lies_behind_it(void **sta
 static void a_two_sided_light_has_a_hemicube_on_either_side(void **state) {
     trace_mesh mesh = furnished();
     trace_mesh_quad(&mesh, sl_v3(2, 1.7f, 2), sl_v3(0.5f, 0, 0), sl_v3(0, 0, 0.5f),
-                    trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+                    trace_mesh_lamp(&mesh, 5));
     mesh.materials[mesh.material_count - 1].emission_two_sided = true;
     how h = by_default();
     world w = world_of(&mesh, &h);
@@ -381,8 +379,7 @@ static void a_two_sided_light_has_a_hemicube_on_either_side(void **state) {
 /* A floor, a wall at x = -1, and a mirror beside the light at x = 1 that faces both; reflectance 0.8. */
 static trace_mesh mirror_scene(bool with_mirror) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t m = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
-             mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t m = trace_mesh_diffuse(&mesh, 0.5f), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-1, 0, 1), sl_v3(2, 0, 0), sl_v3(0, 0, -2), m);
     trace_mesh_quad(&mesh, sl_v3(-1, 0, 1), sl_v3(0, 0, -2), sl_v3(0, 2, 0), m);
     trace_mesh_quad(&mesh, sl_v3(1, 0.4f, 0.6f), sl_v3(0, 0, -1.2f), sl_v3(0, 1.2f, 0),

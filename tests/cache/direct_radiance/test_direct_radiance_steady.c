@@ -26,7 +26,7 @@ static receivers on_the_walls(void) {
 
 static sl_scene *room_with_box(void) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t material = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0);
+    uint32_t material = trace_mesh_diffuse(&mesh, 0.7f);
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), true, material);
     trace_mesh_box(&mesh, sl_v3(0.35f, 0, 0.45f), sl_v3(0.65f, 0.5f, 0.75f), false, material);
     return trace_mesh_build(&mesh);

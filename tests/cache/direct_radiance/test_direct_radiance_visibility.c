@@ -22,13 +22,13 @@ static sl_vec3 floor_point(int x, int y) {
 
 static stage make_stage(bool plate) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     (void)trace_mesh_material(&mesh, 0.2f, 0.4f, 12.0f, 0.0f, 0.0f);
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), true, grey);
     if (plate) trace_mesh_quad(&mesh, sl_v3(0.4f, 0.5f, 0.4f), sl_v3(0.2f, 0, 0), sl_v3(0, 0, 0.2f), grey);
     stage s = {.scene = trace_mesh_build(&mesh),
                .receivers = make_receivers(WIDTH, HEIGHT, sl_v3(0.5f, 0.8f, 0.5f))};
-    assert_int_equal(sl_tracer_create(s.scene, 1, NULL, &s.tracer, NULL), SL_OK);
+    s.tracer = tracer_of(s.scene);
     for (int y = 0; y < HEIGHT; y++) {
         for (int x = 0; x < WIDTH; x++)
             set_receiver(s.receivers, (size_t)(y * WIDTH + x), floor_point(x, y), sl_v3(0, 1, 0),
@@ -103,10 +103,10 @@ static void rays_leave_the_plates_shadow_on_the_floor(void **state) {
 /* The mean of a group of texels on a ball lies inside the ball. */
 static void photon_a_little_inside_its_curved_surface_is_seen(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_sphere(&mesh, sl_v3(0, 1, 0), 0.5f, 32, 0.0f, false, grey);
     stage s = {.scene = trace_mesh_build(&mesh), .receivers = make_receivers(WIDTH, HEIGHT, sl_v3(0, 3, 0))};
-    assert_int_equal(sl_tracer_create(s.scene, 1, NULL, &s.tracer, NULL), SL_OK);
+    s.tracer = tracer_of(s.scene);
     for (int i = 0; i < PIXELS; i++)
         set_receiver(s.receivers, (size_t)i,
                      sl_v3(0.001f * (float)(i % WIDTH), -1.0f, 0.001f * (float)(i / WIDTH)), sl_v3(0, 1, 0),

@@ -195,8 +195,7 @@ static void polygon_weight_is_exact_for_a_uniform_square(void **state) {
 static void polygons_of_a_curved_sheet_do_not_light_its_other_side(void **state) {
     for (unsigned rings = 6; rings <= 16; rings += 5) {
         trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, rings, 0.0f, false,
-                          trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+        trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, rings, 0.0f, false, trace_mesh_diffuse(&mesh, 0.5f));
         mesh.lights[mesh.light_count++] =
             (sl_light){.type = SL_LIGHT_POINT, .position = {0.1f, 0.3f, 0.05f}, .intensity = {1, 1, 1}};
         mesh.has_camera = true;

@@ -26,13 +26,10 @@ static sl_scene *floor_under_lamp(const char *scale_before, const char *scale_af
 /* One picture after the other, and that of a method which begins at the end. */
 static sl_comparison edited_against_fresh(sl_scene *scene, const sl_settings *settings) {
     sl_method *method = created_method(scene, settings);
-    sl_comparison c;
-    unsigned changes;
     sl_image_destroy(finished_picture(method));
-    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    go_to_time(scene, method, 1.0);
     sl_image *edited = finished_picture(method), *fresh = render(scene, settings, NULL);
-    assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
+    sl_comparison c = comparison_of(edited, fresh);
     sl_image_destroy(edited);
     sl_image_destroy(fresh);
     sl_method_destroy(method);
@@ -81,16 +78,12 @@ static void meshes_are_as_fine_as_the_light_of_now_asks_for(void **state) {
 static void before_its_first_sample_the_shading_cache_guesses_by_the_light_of_now(void **state) {
     sl_scene *scene = floor_under_lamp("30", "0.1", "");
     const sl_settings settings = settings_for("shading-cache");
-    sl_method *method, *other;
-    sl_image *bright, *edited, *fresh;
-    unsigned changes;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &bright, NULL), SL_OK);
-    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &edited, NULL), SL_OK);
-    assert_int_equal(sl_method_create(scene, &settings, &other, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(other, &fresh, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
+    sl_image *bright = resolved_picture(method);
+    go_to_time(scene, method, 1.0);
+    sl_image *edited = resolved_picture(method);
+    sl_method *other = created_method(scene, &settings);
+    sl_image *fresh = resolved_picture(other);
     assert_true(same_picture(edited, fresh) && !same_picture(edited, bright));
     sl_image *pictures[] = {bright, edited, fresh};
     for (int i = 0; i < 3; i++) sl_image_destroy(pictures[i]);
@@ -125,14 +118,13 @@ static void an_eye_in_another_room_far_away_sees_it_as_a_new_method_would(void *
     sl_scene *scene = far_rooms();
     for (size_t i = 0; sl_method_name(i); i++) {
         const sl_settings settings = settings_for(sl_method_name(i));
-        sl_comparison c;
         look_from(scene, 1000, 1.5f);
         sl_method *method = created_method(scene, &settings);
         sl_image_destroy(finished_picture(method));
         look_from(scene, -1000, 1.5f);
         assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
         sl_image *edited = finished_picture(method), *fresh = render(scene, &settings, NULL);
-        assert_int_equal(sl_image_compare(edited, fresh, NULL, &c, NULL, NULL), SL_OK);
+        sl_comparison c = comparison_of(edited, fresh);
         print_message("%-16s mean %.4f, %.2f %% off a fresh one's %.4f\n", settings.method, c.mean_image,
                       100.0 * c.rel_rmse, c.mean_reference);
         assert_true(c.mean_reference > 0.02 && c.rel_rmse < 0.02);

@@ -205,9 +205,8 @@ static void a_checkerboard_is_grey_towards_the_horizon(void **state) {
 
 static double error_of(const sl_scene *scene, const sl_settings *settings, const sl_image *reference,
                        double *bias) {
-    sl_comparison c;
     sl_image *image = render(scene, settings, NULL);
-    assert_int_equal(sl_image_compare(image, reference, NULL, &c, NULL, NULL), SL_OK);
+    sl_comparison c = comparison_of(image, reference);
     sl_image_destroy(image);
     *bias = c.bias;
     return c.rel_rmse;
@@ -283,10 +282,8 @@ static void a_film_follows_edits(void **state) {
     sl_scene *scene = load_scene("scenes/moving-ball.json"), *other = load_scene("scenes/moving-ball.json");
     const sl_settings settings = on_film("direct-radiance", 32, 16);
     sl_method *method = created_method(scene, &settings);
-    unsigned changes;
     sl_image_destroy(finished_picture(method));
-    assert_int_equal(sl_scene_set_time(scene, 0.7, &changes, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    go_to_time(scene, method, 0.7);
     sl_image *moved = finished_picture(method);
     assert_int_equal(sl_scene_set_time(other, 0.7, NULL, NULL), SL_OK);
     sl_image *anew = render(other, &settings, NULL);

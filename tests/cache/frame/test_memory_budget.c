@@ -29,8 +29,7 @@ static sl_scene *cornell(void) { return load_scene("scenes/cornell.json"); }
 /* A ball of 4 rings^2 triangles with bumps, and a lamp. */
 static sl_scene *ball_of(unsigned rings) {
     trace_mesh m = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&m, 0.6f, 0, 0, 0, 0),
-             lamp = trace_mesh_material(&m, 0, 0, 0, 0, 20.0f);
+    uint32_t grey = trace_mesh_diffuse(&m, 0.6f), lamp = trace_mesh_lamp(&m, 20.0f);
     trace_mesh_box(&m, sl_v3(-3, -3, -3), sl_v3(3, 3, 3), true, grey);
     trace_mesh_sphere(&m, sl_v3(0, -1, 0), 1.5f, rings, 0.1f, false, grey);
     trace_mesh_quad(&m, sl_v3(-0.5f, 2.9f, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
@@ -234,15 +233,12 @@ static void lamps_that_grow_later_are_counted_from_the_start(void **state) {
         sl_settings s = settings_of(sl_method_name(i), 16);
         s.threads = 1;
         sl_error error;
-        sl_method *method = NULL;
-        unsigned changes;
         uint64_t before, after;
-        assert_int_equal(sl_scene_set_time(scene, 0.0, &changes, &error), SL_OK);
+        assert_int_equal(sl_scene_set_time(scene, 0.0, NULL, &error), SL_OK);
         assert_int_equal(sl_method_memory_need(scene, &s, &before, &error), SL_OK);
         s.memory_bytes = before;
-        assert_int_equal(sl_method_create(scene, &s, &method, &error), SL_OK);
-        assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, &error), SL_OK);
-        assert_int_equal(sl_method_edit(method, changes, &error), SL_OK);
+        sl_method *method = created_method(scene, &s);
+        go_to_time(scene, method, 1.0);
         for (sl_progress p = {0}; !p.done && p.batches < 100;)
             assert_int_equal(sl_method_update(method, &p, &error), SL_OK);
         assert_int_equal(sl_method_memory_need(scene, &s, &after, &error), SL_OK);

@@ -58,7 +58,7 @@ static sl_light point_light(float x, float y, float z) {
     return (sl_light){.type = SL_LIGHT_POINT, .position = {x, y, z}, .intensity = {1, 1, 1}};
 }
 
-static uint32_t grey(trace_mesh *mesh) { return trace_mesh_material(mesh, 0.5f, 0, 0, 0, 0); }
+static uint32_t grey(trace_mesh *mesh) { return trace_mesh_diffuse(mesh, 0.5f); }
 
 /* A room with boxes and balls. */
 static trace_mesh furnished(void) {
@@ -115,8 +115,7 @@ static sl_vec3 random_point(const sl_scene *s, uint64_t i, uint32_t *triangle) {
 static void compare_with_rays(trace_mesh *mesh, sl_light light, int size, float step, int least_dark) {
     mesh->lights[mesh->light_count++] = light;
     world w = world_of(mesh, size, 2);
-    sl_tracer *tracer;
-    assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &tracer, NULL), SL_OK);
+    sl_tracer *tracer = tracer_of(w.scene);
     int compared = 0, dark = 0;
     for (uint64_t i = 0; i < 6000; i++) {
         uint32_t own;
@@ -217,7 +216,7 @@ static trace_mesh closed_room(void) {
 static void an_area_light_does_not_shadow_what_it_lights_and_its_back_is_not_drawn(void **state) {
     trace_mesh mesh = closed_room();
     trace_mesh_quad(&mesh, sl_v3(-0.3f, 1.99f, -0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f),
-                    trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+                    trace_mesh_lamp(&mesh, 5));
     world w = world_of(&mesh, 128, 1);
     assert_int_equal(drawn(&w), 5);
     assert_int_equal(skipped(&w), 1);
@@ -231,7 +230,7 @@ static void an_area_light_does_not_shadow_what_it_lights_and_its_back_is_not_dra
 
 static void a_two_sided_light_sees_both_its_sides(void **state) {
     trace_mesh mesh = closed_room();
-    uint32_t both = trace_mesh_material(&mesh, 0, 0, 0, 0, 5), m = grey(&mesh);
+    uint32_t both = trace_mesh_lamp(&mesh, 5), m = grey(&mesh);
     mesh.materials[both].emission_two_sided = true;
     trace_mesh_quad(&mesh, sl_v3(-0.3f, 1, -0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f), both);
     trace_mesh_quad(&mesh, sl_v3(-0.1f, 0.7f, -0.1f), sl_v3(0.2f, 0, 0), sl_v3(0, 0, 0.2f), m);

@@ -40,7 +40,7 @@ static picture *direct_light(const sl_scene *scene, options o) {
     sl_environment sky, sun;
     assert_non_null(p);
     assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
+    tracer = tracer_of(scene);
     assert_int_equal(sl_environment_split(&scene->environment, 10.0, &sky, &sun, NULL), SL_OK);
     sl_shadow_map_settings map_settings = {
         .size = 1024, .sun = sun.present ? &sun : NULL, .threads = o.threads};
@@ -131,7 +131,7 @@ static void a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps(void
 /* A ceiling of side x side lamps two metres above the floor, as many triangles as two a lamp. */
 static sl_scene *lamps(int side) {
     trace_mesh mesh = a_floor(0.5f, 0.0f, 0.0f);
-    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 5.0f);
+    uint32_t lamp = trace_mesh_lamp(&mesh, 5.0f);
     float step = 3.0f / (float)side;
     for (int i = 0; i < side * side; i++) {
         sl_vec3 corner = sl_v3(-1.5f + step * (float)(i % side), 2.0f, -1.5f + step * (float)(i / side));
@@ -184,8 +184,7 @@ static void unoccluded_emitters_have_no_noise_and_many_have_no_bias(void **state
 /* A lamp half hidden by a plate: a wide penumbra. */
 static sl_scene *half_hidden(float specular, float exponent) {
     trace_mesh mesh = a_floor(0.5f, specular, exponent);
-    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 20.0f),
-             plate = trace_mesh_material(&mesh, 0.3f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t lamp = trace_mesh_lamp(&mesh, 20.0f), plate = trace_mesh_diffuse(&mesh, 0.3f);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 3, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     trace_mesh_box(&mesh, sl_v3(-1.0f, 1.0f, -1.0f), sl_v3(0.1f, 1.05f, 1.0f), false, plate);
     return trace_mesh_build(&mesh);
@@ -225,8 +224,7 @@ static bool faces(const sl_gbuffer *g, size_t i, sl_vec3 n) {
 /* A lamp eight metres wide, and two posts that stand on it, 0.2 m apart; seen is the inner face of one. */
 static sl_scene *posts_on_a_lamp(void) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t post = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
-             lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
+    uint32_t post = trace_mesh_diffuse(&mesh, 0.5f), lamp = trace_mesh_lamp(&mesh, 3.0f);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, -0.5f), sl_v3(0, 0, 1), sl_v3(8, 0, 0), lamp); /* shines upwards */
     trace_mesh_box(&mesh, sl_v3(-0.05f, 0, -2), sl_v3(0, 0.3f, 2), false, post);
     trace_mesh_box(&mesh, sl_v3(0.2f, 0, -2), sl_v3(0.25f, 0.3f, 2), false, post);
@@ -276,7 +274,7 @@ typedef struct {
  * is below it. */
 static sl_scene *floor_and_lamp(const lamp_case *c) {
     trace_mesh mesh = a_floor(0.0f, 0.5f, (float)c->exponent);
-    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 3.0f);
+    uint32_t lamp = trace_mesh_lamp(&mesh, 3.0f);
     float wide = 2.0f * (float)c->half_width / (float)c->pieces,
           high = (float)(c->top - c->bottom) / (float)c->pieces;
     for (int k = 0; k < c->pieces * c->pieces; k++) {
@@ -402,7 +400,7 @@ static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state)
     assert_non_null(values);
     sl_environment day = a_day(values, 2, 300.0f);
     trace_mesh mesh = a_floor(0.5f, 0.0f, 0.0f);
-    uint32_t wall = trace_mesh_material(&mesh, 0.7f, 0.0f, 0.0f, 0.0f, 0.0f),
+    uint32_t wall = trace_mesh_diffuse(&mesh, 0.7f),
              block = trace_mesh_material(&mesh, 0.4f, 0.3f, 10.0f, 0.0f, 0.0f);
     trace_mesh_box(&mesh, sl_v3(-3, 0, -3), sl_v3(-2.5f, 2, 3), false, wall);
     trace_mesh_box(&mesh, sl_v3(-0.5f, 0, -0.5f), sl_v3(0.8f, 1.5f, 0.6f), false, block);
@@ -416,8 +414,7 @@ static void a_court_under_sky_and_sun_is_what_the_path_tracer_says(void **state)
         sl_settings settings = small_settings("splatting", SIZE, SIZE);
         settings.direct = maps ? SL_DIRECT_SHADOW_MAPS : SL_DIRECT_RAYS;
         sl_image *image = render(scene, &settings, NULL);
-        sl_comparison result;
-        assert_int_equal(sl_image_compare(image, truth, NULL, &result, NULL, NULL), SL_OK);
+        sl_comparison result = comparison_of(image, truth);
         print_message("%s: root of relMSE less noise %.4f, bias %+.4f\n", maps ? "maps" : "rays",
                       sqrt(fmax(0.0, result.rel_mse - result.rel_mse_noise)), result.bias);
         assert_true(sqrt(fmax(0.0, result.rel_mse - result.rel_mse_noise)) < (maps ? 0.15 : 0.075));

@@ -24,7 +24,7 @@ static void a_parallel_rectangle_gives_its_closed_form(void **unused) {
 static void a_wall_half_below_the_horizon_counts_with_its_upper_half(void **unused) {
     const double a = 1.5, b = 2.0, c = 1.0;
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    uint32_t lamp = trace_mesh_lamp(&mesh, 1.0f);
     trace_mesh_quad(&mesh, sl_v3(0, -2, (float)c), sl_v3(0, 2 + (float)b, 0), sl_v3((float)a, 0, 0), lamp);
     light_world w;
     light_world_make(&w, &mesh);
@@ -38,7 +38,7 @@ static void a_wall_half_below_the_horizon_counts_with_its_upper_half(void **unus
 /* (R/d)^2 cos theta, for a ball wholly above the horizon; a fine polyhedron inside it. */
 static void a_ball_gives_its_closed_form(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    uint32_t lamp = trace_mesh_lamp(&mesh, 1.0f);
     trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.5f, 24, 0.0f, false, lamp);
     light_world w;
     light_world_make(&w, &mesh);
@@ -67,7 +67,7 @@ static void the_penumbra_of_a_straight_edge_is_its_closed_form(void **unused) {
         {SL_LIGHT_RATIO, 0.004}, {SL_LIGHT_LOOK_AT, 0.02}, {SL_LIGHT_RAYS, 0.05}};
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -20), sl_v3(20, 0, 0), sl_v3(0, 0, 40), grey);
     light_world w;
     light_world_make(&w, &mesh);
@@ -89,7 +89,7 @@ static void the_penumbra_of_a_straight_edge_is_its_closed_form(void **unused) {
 
 static void point_lights_spots_and_the_sun_fall_off_and_cast_sharp_shadows(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -2), sl_v3(2, 0, 0), sl_v3(0, 0, 4), grey);
     mesh.lights[0] = (sl_light){SL_LIGHT_POINT, {0, 2, 0}, {0, 0, 0}, {3, 2, 1}, 0, 0};
     mesh.lights[1] = (sl_light){SL_LIGHT_SPOT, {-1, 2, 0}, {0, -1, 0}, {1, 1, 1}, 0.9f, 0.8f};

@@ -15,7 +15,7 @@ static void set_estimator(light_world *w, sl_light_estimator estimator) {
     light_world_set(w, &s);
 }
 
-static uint32_t add_grey(trace_mesh *mesh) { return trace_mesh_material(mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f); }
+static uint32_t add_grey(trace_mesh *mesh) { return trace_mesh_diffuse(mesh, 0.5f); }
 
 /* ---- near, edge-on, below ---- */
 
@@ -43,7 +43,7 @@ static void a_touching_light_has_its_limits(void **unused) {
 
 static void a_light_edge_on_gives_nothing_and_next_to_it_next_to_nothing(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
+    uint32_t lamp = trace_mesh_lamp(&mesh, 1);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -0.5f), sl_v3(0, 1, 0), sl_v3(0, 0, 1), lamp); /* shines along +x */
     trace_mesh_quad(&mesh, sl_v3(-9, -1, -9), sl_v3(0, 0, 18), sl_v3(18, 0, 0), add_grey(&mesh));
     light_world w;
@@ -82,7 +82,7 @@ static void nothing_in_between_needs_no_picture(void **unused) {
  * too coarse. */
 static void lights_thinner_than_pixels_are_hidden_as_a_whole_or_not_at_all(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1), a, b, c;
+    uint32_t lamp = trace_mesh_lamp(&mesh, 1), a, b, c;
     a = trace_mesh_vertex(&mesh, -1, 2, 0), b = trace_mesh_vertex(&mesh, 1, 2, 0),
     c = trace_mesh_vertex(&mesh, 1, 2, 1e-5f);
     trace_mesh_triangle(&mesh, a, b, c, lamp);
@@ -172,7 +172,7 @@ static void a_wall_that_a_point_touches_does_not_hide_what_is_before_it(void **u
         sl_vec3 along = sl_v3((float)sl_cos(angle), 0, (float)sl_sin(angle)),
                 out = sl_v3(along.z, 0, -along.x);
         trace_mesh mesh = trace_mesh_begin();
-        uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
+        uint32_t lamp = trace_mesh_lamp(&mesh, 1);
         sl_vec3 foot = sl_v3(3.3f, 0.7f, -2.9f);
         trace_mesh_quad(&mesh, sl_mad(foot, -2, along), sl_scale(along, 4), sl_v3(0, 3, 0), add_grey(&mesh));
         trace_mesh_quad(&mesh, sl_add(sl_mad(foot, 0.5f, out), sl_v3(0, 2, 0)), out, along, lamp);
@@ -233,7 +233,7 @@ static void two_sided_lights_shine_to_both_sides(void **unused) {
 /* A ball behind a sheet that covers all that lies right of the line to its middle; and seen from close by. */
 static void a_solid_light_is_hidden_by_halves(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
+    uint32_t lamp = trace_mesh_lamp(&mesh, 1);
     trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.3f, 24, 0.0f, false, lamp);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -9), sl_v3(9, 0, 0), sl_v3(0, 0, 18), add_grey(&mesh));
     light_world w;
@@ -252,7 +252,7 @@ static void a_solid_light_is_hidden_by_halves(void **unused) {
  * outside its back is nearest. */
 static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
+    uint32_t lamp = trace_mesh_lamp(&mesh, 1);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 8, 0.0f, true, lamp);
     light_world w;
     light_world_make(&w, &mesh);
@@ -268,8 +268,8 @@ static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
 static void samples_of_anything_are_finite_and_repeat(void **unused) {
     for (uint64_t seed = 0; seed < 6; seed++) {
         trace_mesh mesh = trace_mesh_begin();
-        uint32_t material[4] = {add_grey(&mesh), trace_mesh_material(&mesh, 0, 0, 0, 0, 1), add_grey(&mesh),
-                                trace_mesh_material(&mesh, 0, 0, 0, 0, 2)};
+        uint32_t material[4] = {add_grey(&mesh), trace_mesh_lamp(&mesh, 1), add_grey(&mesh),
+                                trace_mesh_lamp(&mesh, 2)};
         mesh.materials[material[3]].emission_two_sided = true;
         uint64_t key = sl_random_key(9, seed), next = 0;
         float spread = seed % 2 ? 1e-3f : 1.0f;

@@ -7,9 +7,7 @@
 
 static const sl_vec3 up = {0, 1, 0};
 
-static uint32_t lamp_material(trace_mesh *mesh, float radiance) {
-    return trace_mesh_material(mesh, 0, 0, 0, 0, radiance);
-}
+static uint32_t lamp_material(trace_mesh *mesh, float radiance) { return trace_mesh_lamp(mesh, radiance); }
 
 /* A horizontal quad that shines down. */
 static void add_panel(trace_mesh *mesh, float x, float y, float z, float size, uint32_t material) {
@@ -38,7 +36,7 @@ static void coplanar_triangles_of_one_radiance_are_one_light(void **unused) {
 
 static void bulbs_apart_are_lights_of_their_own(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t lamp = lamp_material(&mesh, 1), grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t lamp = lamp_material(&mesh, 1), grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.1f, 8, 0.0f, false, lamp);
     add_panel(&mesh, 9, 9, 9, 1, grey);
     trace_mesh_sphere(&mesh, sl_v3(2, 2, 0), 0.1f, 8, 0.0f, false, lamp);
@@ -104,7 +102,7 @@ static void lights_add_up_to_the_irradiance(void **unused) {
 static void a_hollow_of_few_planes_is_as_many_lights(void **state) {
     for (int inside = 0; inside < 2; inside++) {
         trace_mesh mesh = trace_mesh_begin();
-        uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1);
+        uint32_t lamp = trace_mesh_lamp(&mesh, 1);
         trace_mesh_box(&mesh, sl_v3(-1, 0, -2), sl_v3(1.5f, 3, 2), inside == 1, lamp);
         sl_scene *scene = trace_mesh_build(&mesh);
         sl_sampled_lights *lights;

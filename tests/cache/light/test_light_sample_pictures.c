@@ -46,7 +46,7 @@ static void the_error_of_a_raw_frustum_falls_with_its_size(void **unused) {
 static void a_turned_raster_does_not_band_along_edges(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -20), sl_v3(20, 0, 0), sl_v3(0, 0, 40), grey);
     light_world w;
     light_world_make(&w, &mesh);
@@ -64,7 +64,7 @@ static void a_turned_raster_does_not_band_along_edges(void **unused) {
 static void estimators_agree_on_a_light_partly_hidden_by_a_ball(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_sphere(&mesh, sl_v3(0.1f, 1, 0), 0.15f, 16, 0.0f, false, grey);
     light_world w;
     light_world_make(&w, &mesh);
@@ -86,7 +86,7 @@ static void estimators_agree_on_a_light_partly_hidden_by_a_ball(void **unused) {
 static void the_reduction_to_16_by_16_is_the_double_sum(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 1.0f);
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_sphere(&mesh, sl_v3(0.1f, 0.6f, 0), 0.15f, 8, 0.0f, false, grey);
     light_world w;
     light_world_make(&w, &mesh);

@@ -124,7 +124,7 @@ static void odd_triangles_have_no_area_and_never_nan(void **state) {
 /* Through the octree every triangle is found once: a ball over a floor, each triangle cut, makes the same. */
 static void the_surface_in_an_ellipsoid_is_the_sum_of_its_triangles(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t white = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(-2, -1.05f, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), white);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 40, 0.0f, false, white);
     sl_scene *scene = trace_mesh_build(&mesh);

@@ -80,7 +80,7 @@ static void bell(float u, float v, float p[3]) {
 
 static sl_scene *scene_of(surface *at, unsigned columns, unsigned rows) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     add_grid(&mesh, at, columns, rows, true);
     return trace_mesh_build(&mesh);
 }
@@ -290,7 +290,7 @@ static void what_would_lie_on_its_own_chart_leaves_it(void **state) {
 
 static void a_sphere_is_cut_into_few_charts(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_sphere(&mesh, sl_v3(0.0f, 0.0f, 0.0f), 1.0f, 24, 0.0f, false, 0);
     size_t charts = charts_of_sound_atlas(trace_mesh_build(&mesh), 256);
     assert_in_range(charts, 4, 16);
@@ -298,7 +298,7 @@ static void a_sphere_is_cut_into_few_charts(void **state) {
 
 static void a_box_has_a_chart_a_side(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_box(&mesh, sl_v3(-1.0f, -2.0f, -0.5f), sl_v3(1.0f, 2.0f, 0.5f), true, 0);
     assert_in_range(charts_of_sound_atlas(trace_mesh_build(&mesh), 128), 6, 6);
 }
@@ -309,7 +309,7 @@ static void a_rough_surface_keeps_all_promises(void **state) {
 
 static void many_pages_at_one_edge_and_a_moebius_strip(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     for (int i = 0; i < 9; i++) { /* a book */
         float s, c;
         sl_sincos_turnf((float)i / 9.0f, &s, &c);
@@ -336,7 +336,7 @@ static void many_pages_at_one_edge_and_a_moebius_strip(void **state) {
 
 static void doubled_faces_lie_in_different_charts(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     add_grid(&mesh, bell, 8, 8, true);
     add_grid(&mesh, bell, 8, 8, true);
     size_t first = mesh.triangle_count;
@@ -347,7 +347,7 @@ static void doubled_faces_lie_in_different_charts(void **state) {
 
 static void slivers_t_junctions_and_lone_triangles(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0.0f, 0.0f, 0.0f), sl_v3(1.0f, 0.0f, 0.0f), sl_v3(0.0f, 1.0f, 0.0f), 0);
     /* beside it quads that meet its edge in between, and fans of thin faces that fill the seam */
     for (int i = 0; i < 7; i++) {
@@ -373,7 +373,7 @@ static void numbers_far_from_one(void **state) {
     static const float scales[] = {1e-12f, 1e12f};
     for (size_t n = 0; n < 2; n++) {
         trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+        trace_mesh_diffuse(&mesh, 0.5f);
         add_grid(&mesh, torus, 12, 8, true);
         for (size_t i = 0; i < 3 * mesh.vertex_count; i++) mesh.positions[i] *= scales[n];
         charts_of_sound_atlas(trace_mesh_build(&mesh), 128);
@@ -409,7 +409,7 @@ static void texels_name_the_point_that_lies_there(void **state) {
 
 static void more_charts_than_texels_is_an_error_that_says_which_size_would_do(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     for (int i = 0; i < 500; i++)
         trace_mesh_quad(&mesh, sl_v3((float)i, 0.0f, 0.0f), sl_v3(0.0f, 0.5f, 0.0f), sl_v3(0.0f, 0.0f, 0.25f),
                         0);

@@ -51,7 +51,7 @@ static void apply(stage *s) {
 
 static sl_scene *scene_from(void fill(trace_mesh *)) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     fill(&mesh);
     mesh.has_camera = sl_camera_look_at(&mesh.camera, sl_v3(2.0f, 1.5f, 3.0f), sl_v3(0.0f, 0.0f, 0.0f),
                                         sl_v3(0.0f, 1.0f, 0.0f), 0.9f);

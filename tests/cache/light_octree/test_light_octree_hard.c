@@ -144,11 +144,10 @@ static void lights_do_not_depend_on_the_order_of_photons(void **state) {
 /* ---- traced photons ---- */
 
 static sl_photon_list *traced(const sl_scene *scene, uint64_t stored, sl_photon_store store) {
-    sl_tracer *tracer;
     sl_photon_list *list = NULL;
     sl_counters counters = {{0}};
     sl_photon_options options = {.stored = stored, .store = store, .seed = 1, .threads = 2};
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
+    sl_tracer *tracer = tracer_of(scene);
     for (bool done = false; !done;)
         assert_int_equal(sl_photons_trace(scene, tracer, &options, 16, &list, &done, &counters, NULL), SL_OK);
     sl_tracer_destroy(tracer);
@@ -195,8 +194,7 @@ static void voxels_hold_the_flux_of_all_photons(void **state) {
 static sl_scene *ring_on_a_floor(void) {
     enum { SEGMENTS = 96 };
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0),
-                    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), trace_mesh_diffuse(&mesh, 0.5f));
     uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0);
     for (int i = 0; i < SEGMENTS; i++) {
         float s, c, t, d;

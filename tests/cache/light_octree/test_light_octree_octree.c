@@ -17,8 +17,7 @@ static sl_scene *sphere(unsigned rings, float radius) {
                         trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
     trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1),
                         trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), radius, rings, 0.0f, false,
-                      trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), radius, rings, 0.0f, false, trace_mesh_diffuse(&mesh, 0.5f));
     return trace_mesh_build(&mesh);
 }
 
@@ -286,7 +285,7 @@ static void any_number_of_threads_builds_the_same_octree(void **state) {
  * sheet high up. */
 static sl_scene *floor_under_sheets(float mirror, float diffuse) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
+    uint32_t white = trace_mesh_diffuse(&mesh, 0.5f),
              sheet = trace_mesh_material(&mesh, diffuse, 0, 0, mirror, 0);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), white);
     trace_mesh_quad(&mesh, sl_v3(0, 0.001f, -2), sl_v3(0, 0, 4), sl_v3(2, 0, 0), sheet);

@@ -105,16 +105,10 @@ static void each_depth_on_the_way_is_what_that_depth_gives_alone(void **state) {
 
 /* ---- what is kept ---- */
 
-static void run_to_end(sl_method *method) {
-    sl_progress progress = {0};
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-}
-
 static void a_new_camera_keeps_photons_and_voxels(void **state) {
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = octree_settings(24);
-    sl_method *method;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
     run_to_end(method);
     sl_counters before = *sl_method_counters(method);
     const float eye[3] = {200.0f, 300.0f, -700.0f}, target[3] = {278.0f, 250.0f, 280.0f},
@@ -122,8 +116,8 @@ static void a_new_camera_keeps_photons_and_voxels(void **state) {
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.7f, NULL), SL_OK);
     assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
     run_to_end(method);
-    sl_image *moved, *alone = render(scene, &settings, NULL);
-    assert_int_equal(sl_method_resolve(method, &moved, NULL), SL_OK);
+    sl_image *alone = render(scene, &settings, NULL);
+    sl_image *moved = resolved_picture(method);
     assert_true(same_picture(moved, alone));
     const sl_counters *after = sl_method_counters(method);
     assert_int_equal(after->value[SL_COUNT_PHOTONS_EMITTED], before.value[SL_COUNT_PHOTONS_EMITTED]);
@@ -277,8 +271,7 @@ static void mirrors_show_a_far_environment_alone_as_by_rays(void **state) {
     sl_image *rays = render(scene, &settings, &with_rays);
     settings.light_octree.environment_mirrors = true;
     sl_image *cube = render(scene, &settings, &counters);
-    sl_comparison c;
-    assert_int_equal(sl_image_compare(cube, rays, NULL, &c, NULL, NULL), SL_OK);
+    sl_comparison c = comparison_of(cube, rays);
     print_message("the environment alone: relRMSE %.3f %%, bias %.3f %%\n", 100.0 * c.rel_rmse,
                   100.0 * c.bias);
     assert_true(c.rel_rmse < 0.03 && fabs(c.bias) < 0.003);
@@ -300,8 +293,7 @@ static void by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering(void *
     settings.light_octree.atlas = true;
     settings.light_octree.atlas_size = 512;
     sl_image *atlas = render(scene, &settings, NULL);
-    sl_comparison c;
-    assert_int_equal(sl_image_compare(atlas, octree, NULL, &c, NULL, NULL), SL_OK);
+    sl_comparison c = comparison_of(atlas, octree);
     print_message("relRMSE between the two %.2f %%, bias %.2f %%\n", 100.0 * c.rel_rmse, 100.0 * c.bias);
     assert_true(!c.identical && c.rel_mse < 1e-3);
     sl_image_destroy(octree);
@@ -317,8 +309,7 @@ static void a_new_camera_looks_its_light_up_in_the_atlas_that_is_there(void **st
     settings.light_octree.atlas = true;
     settings.light_octree.atlas_size = 256;
     settings.light_octree.indirect_only = true;
-    sl_method *method;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
     run_to_end(method);
     uint64_t baked = sl_method_counters(method)->value[SL_COUNT_TEXTURE_FETCHES];
     assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);

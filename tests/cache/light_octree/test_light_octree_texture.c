@@ -66,7 +66,7 @@ static void bricks_and_bytes_are_those_that_were_counted(void **state) {
     trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1),
                         trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 0.94f * 1.0001f, 150, 0.0f, false,
-                      trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+                      trace_mesh_diffuse(&mesh, 0.5f));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_octree *octree = octree_of(scene, 6, 2);
     sl_light_octree_settings options = plain_options(4);

@@ -137,10 +137,9 @@ static void larger_voxels_close_the_holes_that_empty_ones_tear(void **state) {
 
 static sl_image *next_frame(sl_method *method, unsigned changes) {
     sl_progress progress = {0};
-    sl_image *image;
     if (changes) assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
     while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    sl_image *image = resolved_picture(method);
     return image;
 }
 
@@ -151,12 +150,11 @@ static void a_frame_of_a_series_is_that_frame_alone(void **state) {
     for (int k = 0; k < 4; k++) {
         sl_scene *scene = load_scene(scenes[k & 1]);
         sl_settings settings = octree_settings(24);
-        sl_method *method;
         settings.light_octree.photons = 5000;
         settings.light_octree.depth = 4;
         settings.light_octree.atlas = k & 2;
         settings.light_octree.atlas_size = 128;
-        assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+        sl_method *method = created_method(scene, &settings);
         sl_image *first = next_frame(method, 0), *second;
         unsigned changes;
         assert_int_equal(sl_scene_set_time(scene, 0.9, &changes, NULL), SL_OK);
@@ -179,13 +177,13 @@ static void a_frame_in_motion_is_nearly_the_picture_at_rest(void **state) {
     const sl_settings settings = octree_settings(SIDE);
     sl_method *method = created_method(scene, &settings);
     sl_progress progress = {0};
-    sl_image *rest = finished_picture(method), *moving, *again;
+    sl_image *rest = finished_picture(method);
     double apart = 0.0, total = 0.0;
     assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
     assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
     assert_true(progress.frame_done);
-    assert_int_equal(sl_method_resolve(method, &moving, NULL), SL_OK);
-    again = finished_picture(method);
+    sl_image *moving = resolved_picture(method);
+    sl_image *again = finished_picture(method);
     for (size_t i = 0; i < SIDE * SIDE; i++) {
         const float there = sl_image_channel(rest, "indirect.G")[i];
         apart += fabs((double)sl_image_channel(moving, "indirect.G")[i] - (double)there);

@@ -27,8 +27,7 @@ static void meshed_destroy(meshed *m) {
 
 static sl_scene *quad_scene(float diffuse) {
     trace_mesh m = trace_mesh_begin();
-    trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0),
-                    trace_mesh_material(&m, diffuse, 0, 0, 0, 0));
+    trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), trace_mesh_diffuse(&m, diffuse));
     return trace_mesh_build(&m);
 }
 
@@ -63,7 +62,7 @@ static void edges_are_split_until_they_are_short_or_deep_enough(void **state) {
  * are those of the coarser one. */
 static sl_scene *uneven_scene(void) {
     trace_mesh m = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    uint32_t grey = trace_mesh_diffuse(&m, 0.5f);
     uint32_t a = trace_mesh_vertex(&m, 0, 0, 0), b = trace_mesh_vertex(&m, 0, 1, 0),
              c = trace_mesh_vertex(&m, 3, 0.5f, 0), d = trace_mesh_vertex(&m, -0.5f, 0.5f, 0);
     trace_mesh_triangle(&m, a, c, b, grey);
@@ -77,8 +76,7 @@ static void no_point_of_a_flat_surface_is_sampled_twice(void **state) {
     for (int scene = 0; scene < 2; scene++) {
         trace_mesh ball = trace_mesh_begin();
         if (scene)
-            trace_mesh_sphere(&ball, sl_v3(0, 0, 0), 1.0f, 6, 0.0f, true,
-                              trace_mesh_material(&ball, 0.4f, 0, 0, 0, 0));
+            trace_mesh_sphere(&ball, sl_v3(0, 0, 0), 1.0f, 6, 0.0f, true, trace_mesh_diffuse(&ball, 0.4f));
         meshed m = mesh_of(scene ? trace_mesh_build(&ball) : uneven_scene(), 0.3f, 4);
         if (!scene) trace_mesh_discard(&ball);
         size_t count = m.coarse->vertex_count, creases = 0;
@@ -99,8 +97,7 @@ static void no_point_of_a_flat_surface_is_sampled_twice(void **state) {
 
 static void faces_that_reflect_nothing_are_not_sampled(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
-             black = trace_mesh_material(&mesh, 0, 0, 0, 0, 0);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f), black = trace_mesh_diffuse(&mesh, 0);
     uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0),
              glossy = trace_mesh_material(&mesh, 0, 0.5f, 20, 0, 0);
     const uint32_t all[4] = {black, mirror, glossy, grey};
@@ -114,10 +111,8 @@ static void faces_that_reflect_nothing_are_not_sampled(void **state) {
 
 static void the_inner_side_of_a_solid_is_not_sampled(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false,
-                   trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
-    trace_mesh_quad(&mesh, sl_v3(-5, -1, -5), sl_v3(0, 0, 10), sl_v3(10, 0, 0),
-                    trace_mesh_material(&mesh, 0, 0, 0, 0, 1));
+    trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, trace_mesh_diffuse(&mesh, 0.5f));
+    trace_mesh_quad(&mesh, sl_v3(-5, -1, -5), sl_v3(0, 0, 10), sl_v3(10, 0, 0), trace_mesh_lamp(&mesh, 1));
     meshed m = mesh_of(trace_mesh_build(&mesh), 10.0f, 0);
     assert_int_equal(m.coarse->vertex_count, 24); /* four corners of six sides */
     for (size_t v = 0; v < 24; v++) assert_int_equal(m.coarse->vertex[v].root % 2, 0);
@@ -203,7 +198,7 @@ static sl_scene *striped_quad(bool masked) {
         memcpy(texels + 4 * i, rgba, 4);
     }
     trace_mesh m = trace_mesh_begin();
-    uint32_t material = trace_mesh_material(&m, 0.8f, 0, 0, 0, 0);
+    uint32_t material = trace_mesh_diffuse(&m, 0.8f);
     m.materials[material].texture = 0;
     if (masked) m.materials[material].alpha_texture = 0;
     char name[] = "stripes";

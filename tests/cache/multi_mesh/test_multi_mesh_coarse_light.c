@@ -17,8 +17,7 @@ typedef struct lit_hall {
  * hides them from all of the floor. */
 static lit_hall hall(int hidden, unsigned threads) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
-             lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f), lamp = trace_mesh_lamp(&mesh, 1.0f);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -8), sl_v3(0, 0, 16), sl_v3(100, 0, 0), grey);
     for (int i = 0; i < LAMPS; i++) {
         float x = -50.0f + 100.0f * (float)i / LAMPS;
@@ -102,8 +101,7 @@ static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(vo
  * floor does. */
 static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f),
-             lamp = trace_mesh_material(&mesh, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f), lamp = trace_mesh_lamp(&mesh, 1.0f);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(0, 0, 4), sl_v3(4, 0, 0), grey);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 4, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     for (int k = 0; k < 4; k++) {
@@ -148,7 +146,7 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
 static void few_rays_are_off_to_either_side_alike(void **state) {
     enum { POINTS_A_SIDE = 32 };
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1, 1, 3);
     trace_mesh_quad(&mesh, sl_v3(-0.3f, 1.5f, -0.4f), sl_v3(0.2f, 0, 1), sl_v3(0.9f, 0, -0.1f), grey);
     light_world w;

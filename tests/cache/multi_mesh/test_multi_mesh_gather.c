@@ -49,7 +49,7 @@ static trace_mesh lit_mesh(void) {
 
 static sl_scene *box_scene(float diffuse) {
     trace_mesh m = lit_mesh();
-    trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, diffuse, 0, 0, 0, 0));
+    trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&m, diffuse));
     return trace_mesh_build(&m);
 }
 
@@ -77,7 +77,7 @@ static sl_scene *wall_of_elevation(double psi) {
     float far = psi < 1.57 ? 100.0f : 2000.0f, height = psi < 1.57 ? (float)sl_tan(psi) : far;
     sl_frame f = sl_known_colours_frame(sl_v3(0, 0, 1));
     trace_mesh_quad(&m, sl_mad(f.x, -far, f.y), sl_scale(f.y, 2.0f * far), sl_v3(0, 0, height),
-                    trace_mesh_material(&m, 1, 0, 0, 0, 0));
+                    trace_mesh_diffuse(&m, 1));
     return trace_mesh_build(&m);
 }
 
@@ -104,7 +104,7 @@ static void walls_lose_the_part_that_stands_low(void **state) {
  * pixels one by one. */
 static void edges_along_the_axes_make_no_bands(void **state) {
     trace_mesh m = lit_mesh();
-    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    uint32_t grey = trace_mesh_diffuse(&m, 0.5f);
     trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), grey);
     trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(0, 2, 0), sl_v3(0, 0, 1), grey);
     sl_gather_settings settings = usual_settings();

@@ -17,8 +17,7 @@ static trace_mesh lit_mesh(sl_vec3 light) { /* closed surfaces are rooms if ther
 static void a_red_wall_tints_a_white_floor_though_no_camera_sees_it(void **state) {
     for (int black = 0; black < 2; black++) {
         trace_mesh m = trace_mesh_begin();
-        uint32_t white = trace_mesh_material(&m, 0.8f, 0, 0, 0, 0),
-                 red = trace_mesh_material(&m, 0, 0, 0, 0, 0);
+        uint32_t white = trace_mesh_diffuse(&m, 0.8f), red = trace_mesh_diffuse(&m, 0);
         m.materials[red].diffuse = black ? sl_grey(0.0f) : (sl_rgb){0.6f, 0.1f, 0.0f};
         trace_mesh_quad(&m, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), white);
         trace_mesh_quad(&m, sl_v3(-1, -1, 0), sl_v3(0, 0, 2), sl_v3(2, 0, 0), red);
@@ -41,8 +40,7 @@ static void light_that_a_lamp_sends_is_not_gathered(void **state) {
     for (int lit = 0; lit < 2; lit++) {
         trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
         uint32_t lamp;
-        trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
-                       trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+        trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&m, 0.5f));
         lamp = trace_mesh_material(&m, 0.3f, 0, 0, 0, lit ? 1000.0f : 0.0f);
         trace_mesh_quad(&m, sl_v3(-0.3f, -0.3f, 0.9f), sl_v3(0, 0.6f, 0), sl_v3(0.6f, 0, 0), lamp);
         sl_gather_settings settings = usual_settings();
@@ -62,8 +60,8 @@ static void light_that_a_lamp_sends_is_not_gathered(void **state) {
  * weights and the coarse mesh's values. */
 static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(void **state) {
     trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
-    trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
-    uint32_t light_grey = trace_mesh_material(&m, 0.7f, 0, 0, 0, 0);
+    trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&m, 0.5f));
+    uint32_t light_grey = trace_mesh_diffuse(&m, 0.7f);
     trace_mesh_sphere(&m, sl_v3(0.3f, 0.2f, 0.1f), 0.4f, 8, 0.0f, false, light_grey);
     /* a board, sliced */
     trace_mesh_quad(&m, sl_v3(-0.8f, -0.5f, -0.3f), sl_v3(0, 0.15f, 0), sl_v3(1.6f, 0, 0), light_grey);
@@ -115,8 +113,7 @@ static void every_pixel_is_reflectance_times_value_at_the_point_that_it_shows(vo
 static trace_mesh outlier(const sl_environment *environment) {
     trace_mesh m = trace_mesh_begin();
     m.environment = environment;
-    trace_mesh_quad(&m, sl_v3(0, 0, -10), sl_v3(0.1f, 0, 0), sl_v3(0, 0.1f, 0),
-                    trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&m, sl_v3(0, 0, -10), sl_v3(0.1f, 0, 0), sl_v3(0, 0.1f, 0), trace_mesh_diffuse(&m, 0.5f));
     return m;
 }
 
@@ -187,7 +184,7 @@ static void the_light_of_a_small_sun_is_kept(void **state) {
  */
 static void a_flat_surface_does_not_light_itself(void **state) {
     trace_mesh m = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    uint32_t grey = trace_mesh_diffuse(&m, 0.5f);
     sl_frame f = sl_frame_from_normal(sl_normalize_or(sl_v3(0.3f, -0.5f, 0.8f), sl_v3(0, 0, 1)));
     for (int i = 0; i < 20; i++) {
         for (int j = 0; j < 20; j++) {
@@ -213,7 +210,7 @@ static void a_flat_surface_does_not_light_itself(void **state) {
  * point is said to be of. */
 static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
     trace_mesh m = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    uint32_t grey = trace_mesh_diffuse(&m, 0.5f);
     trace_mesh_quad(&m, sl_v3(0, -50, 0), sl_v3(50, 0, 0), sl_v3(0, 100, 0), grey);
     trace_mesh_quad(&m, sl_v3(0, -50, 0), sl_v3(0, 100, 0), sl_v3(0, 0, 50), grey);
     sl_gather_settings settings = usual_settings();
@@ -238,7 +235,7 @@ static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **sta
     for (int hollow = 0; hollow < 2; hollow++) {
         trace_mesh m = hollow ? lit_mesh(sl_v3(0, 0, 0)) : trace_mesh_begin();
         m.environment = &sky;
-        uint32_t green = trace_mesh_material(&m, 0, 0, 0, 0, 0);
+        uint32_t green = trace_mesh_diffuse(&m, 0);
         m.materials[green].diffuse = (sl_rgb){0, 1, 0};
         trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 10, 0.0f, hollow == 1, green);
         sl_gather_settings settings = usual_settings();
@@ -261,7 +258,7 @@ static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **sta
 
 static void points_that_are_no_numbers_get_no_light_and_are_counted(void **state) {
     trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
-    trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_material(&m, 0.5f, 0, 0, 0, 0));
+    trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&m, 0.5f));
     sl_gather_settings settings = usual_settings();
     gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 2, &settings);
     set_all(&g, sl_grey(1.0f));

@@ -44,28 +44,10 @@ static sl_settings mesh_settings(unsigned threads) {
     return s;
 }
 
-static sl_method *begin(sl_scene *scene, const sl_settings *settings) {
-    sl_method *method;
-    assert_int_equal(sl_method_create(scene, settings, &method, NULL), SL_OK);
-    return method;
-}
-
-static void finish(sl_method *method) {
-    for (sl_progress p = {0}; !p.done;) assert_int_equal(sl_method_update(method, &p, NULL), SL_OK);
-}
-
 /* An edit, and one update. */
 static void move_to(sl_method *method, sl_scene *scene, double time) {
-    unsigned changes;
-    assert_int_equal(sl_scene_set_time(scene, time, &changes, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+    go_to_time(scene, method, time);
     assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
-}
-
-static sl_image *picture_of(sl_method *method) {
-    sl_image *image;
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-    return image;
 }
 
 static double difference(const sl_image *image, const sl_image *reference, const char *layer) {
@@ -91,7 +73,7 @@ static uint64_t counted(const sl_method *method, sl_counter counter) {
 
 /* Against pictures that begin with the scene as it is. */
 static void look(sl_method *method, const sl_scene *scene, const sl_settings *settings, double most) {
-    sl_image *seen = picture_of(method), *fresh = render(scene, settings, NULL);
+    sl_image *seen = resolved_picture(method), *fresh = render(scene, settings, NULL);
     double all = difference(seen, fresh, "G"), direct = difference(seen, fresh, "direct.G");
     print_message("%.1f %% off, direct light %.1f %%\n", 100.0 * all, 100.0 * direct);
     assert_true(all < most && direct < most);
@@ -118,14 +100,14 @@ static size_t leaves_to_be_cut(const sl_method *method) {
 static void light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while(void **state) {
     sl_scene *scene = moving_room();
     const sl_settings settings = mesh_settings(2);
-    sl_method *method = begin(scene, &settings);
-    finish(method);
-    sl_image *still = picture_of(method);
+    sl_method *method = created_method(scene, &settings);
+    run_to_end(method);
+    sl_image *still = resolved_picture(method);
     const double light = mean_of(still);
     uint64_t splits = counted(method, SL_COUNT_SPLITS), undone = counted(method, SL_COUNT_COLLAPSES);
     for (int k = 1; k <= MOVES; k++) {
         move_to(method, scene, fmod(0.04 * k, 4.0));
-        sl_image *seen = picture_of(method);
+        sl_image *seen = resolved_picture(method);
         assert_in_range((int)(100.0 * mean_of(seen) / light), 70, 140);
         sl_image_destroy(seen);
         if (k % 10 == 0) {
@@ -145,14 +127,14 @@ static void pictures_in_motion_have_the_same_bits_with_any_threads(void **state)
     sl_method *method[2];
     for (int i = 0; i < 2; i++) {
         const sl_settings settings = mesh_settings(i ? 3 : 1);
-        method[i] = begin(scene[i], &settings);
+        method[i] = created_method(scene[i], &settings);
     }
     for (int k = 0; k < 60; k++) {
         sl_image *seen[2];
         for (int i = 0; i < 2; i++) {
             if (k < 20) assert_int_equal(sl_method_update(method[i], &(sl_progress){0}, NULL), SL_OK);
             else move_to(method[i], scene[i], 2.0 + 0.05 * (k - 20));
-            seen[i] = picture_of(method[i]);
+            seen[i] = resolved_picture(method[i]);
         }
         assert_true(same_picture(seen[0], seen[1]));
         for (int i = 0; i < 2; i++) sl_image_destroy(seen[i]);
@@ -171,10 +153,10 @@ static void after_edits_that_undo_each_other_a_picture_is_as_good_as_a_fresh_one
     truth.bounces = settings.bounces;
     truth.filter = SL_FILTER_CENTRE;
     truth.spp = 256;
-    sl_method *method = begin(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     for (int k = 0; k < 31; k++) move_to(method, scene, k % 2 ? 1.0 : 3.7);
-    finish(method);
-    sl_image *seen = picture_of(method), *fresh = render(scene, &settings, NULL),
+    run_to_end(method);
+    sl_image *seen = resolved_picture(method), *fresh = render(scene, &settings, NULL),
              *reference = render(scene, &truth, NULL);
     double ours = difference(seen, reference, "G"), theirs = difference(fresh, reference, "G");
     print_message("%.2f %%, a fresh one %.2f %%\n", 100.0 * ours, 100.0 * theirs);
@@ -276,14 +258,14 @@ static void change_colours(sl_scene *scene) {
 static void a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once(void **state) {
     sl_scene *scene = moving_room();
     const sl_settings settings = mesh_settings(2);
-    sl_method *method = begin(scene, &settings);
-    finish(method);
+    sl_method *method = created_method(scene, &settings);
+    run_to_end(method);
     const size_t known = known_samples(method->state);
     change_colours(scene);
     assert_int_equal(sl_method_edit(method, 0, NULL), SL_OK);
     assert_int_equal(known_samples(method->state), known);
     assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
-    sl_image *seen = picture_of(method), *fresh = render(scene, &settings, NULL);
+    sl_image *seen = resolved_picture(method), *fresh = render(scene, &settings, NULL);
     print_message("direct light %.2f %% off\n", 100.0 * difference(seen, fresh, "direct.G"));
     assert_true(difference(seen, fresh, "direct.G") < 0.08);
     sl_image_destroy(seen);
@@ -299,14 +281,14 @@ static void indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_mov
     sl_settings settings = mesh_settings(2);
     settings.multi_mesh.coarse_edge = 0.05;
     settings.multi_mesh.coarse_depth = 6;
-    sl_method *method = begin(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     for (int i = 1; i <= 12; i++) move_to(method, scene, 0.04 * i);
     assert_true(sl_method_counters(method)->value[SL_COUNT_INDIRECT_SAMPLES] > 0);
-    finish(method);
-    sl_image *image = picture_of(method);
-    sl_method *fresh = begin(scene, &settings);
-    finish(fresh);
-    sl_image *reference = picture_of(fresh);
+    run_to_end(method);
+    sl_image *image = resolved_picture(method);
+    sl_method *fresh = created_method(scene, &settings);
+    run_to_end(fresh);
+    sl_image *reference = resolved_picture(fresh);
     assert_true(difference(image, reference, "indirect.G") < 0.05);
     sl_image_destroy(reference);
     sl_method_destroy(fresh);
@@ -335,7 +317,7 @@ static sl_scene *wall_by_lamps(int lamps) {
 static void where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_have_some(void **state) {
     sl_scene *scene = wall_by_lamps(4000), *copy;
     const sl_settings settings = mesh_settings(2);
-    sl_method *method = begin(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     const sl_window_class *class = method->class->window;
     void *window;
     sl_image *image;

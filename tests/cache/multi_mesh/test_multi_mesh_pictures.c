@@ -142,11 +142,6 @@ static void two_lamps_together_light_as_one_and_the_other(void **state) {
 
 /* ---- what is done again, and what is not ---- */
 
-static void to_the_end(sl_method *method) {
-    sl_progress progress = {0};
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-}
-
 static sl_counters counters_of(const sl_method *method) { return *sl_method_counters(method); }
 
 static uint64_t grown(const sl_counters *before, const sl_counters *after, sl_counter counter) {
@@ -167,20 +162,19 @@ static void back_in_an_old_view_no_irradiance_is_sampled_again(void **state) {
         sl_scene *scene = load_scene(names[k]);
         sl_settings settings = mesh_settings(128, 96);
         settings.quality = SL_QUALITY_NORMAL;
-        sl_method *method;
         look_from(scene, 0);
-        assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-        to_the_end(method);
+        sl_method *method = created_method(scene, &settings);
+        run_to_end(method);
         for (int there = 0; there < 2; there++) {
             sl_counters at_home = counters_of(method);
             look_from(scene, there ? -90.0f : 150.0f);
             assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-            to_the_end(method);
+            run_to_end(method);
             sl_counters before = counters_of(method);
             assert_true(grown(&at_home, &before, SL_COUNT_LIGHT_SAMPLES) > 0);
             look_from(scene, 0);
             assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-            to_the_end(method);
+            run_to_end(method);
             sl_counters after = counters_of(method);
             assert_int_equal(grown(&before, &after, SL_COUNT_LIGHT_SAMPLES), 0);
             assert_int_equal(grown(&before, &after, SL_COUNT_INDIRECT_SAMPLES), 0);
@@ -193,14 +187,12 @@ static void back_in_an_old_view_no_irradiance_is_sampled_again(void **state) {
 static void the_first_picture_takes_the_roots_vertices_and_the_ambient_light(void **state) {
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = mesh_settings(48, 48);
-    sl_method *method;
     sl_progress progress = {0};
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
     assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK); /* the view */
     assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK); /* the roots */
     sl_counters counters = counters_of(method);
-    sl_image *image;
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    sl_image *image = resolved_picture(method);
     const float *indirect = sl_image_channel(image, "indirect.R"), *kd = sl_image_channel(image, "kd.R");
     double first = 0.0;
     for (int i = 0; i < 48 * 48; i++) {

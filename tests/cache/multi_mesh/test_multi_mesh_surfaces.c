@@ -27,9 +27,8 @@ static sl_image *picture_of(const sl_scene *scene) {
 static sl_scene *floor_below_a_leaf(bool masked) {
     static uint8_t texels[16] = {255, 255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 255, 255, 255, 255, 0};
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0),
-             leaf = trace_mesh_material(&mesh, 0.3f, 0, 0, 0, 0);
-    uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 20.0f);
+    uint32_t white = trace_mesh_diffuse(&mesh, 0.7f), leaf = trace_mesh_diffuse(&mesh, 0.3f);
+    uint32_t lamp = trace_mesh_lamp(&mesh, 20.0f);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), white);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, -2), sl_v3(4, 0, 0), sl_v3(0, 2, 0), white);
     trace_mesh_quad(&mesh, sl_v3(-0.3f, 2, -0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f), lamp);
@@ -69,8 +68,7 @@ static void a_masked_leaf_is_seen_and_shades_as_the_half_that_is_opaque(void **s
 static sl_scene *floor_below_a_masked_lamp(uint8_t left) {
     uint8_t texels[16] = {255, 255, 255, left, 255, 255, 255, 0, 255, 255, 255, 0, 255, 255, 255, left};
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t white = trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0),
-             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 20.0f);
+    uint32_t white = trace_mesh_diffuse(&mesh, 0.7f), lamp = trace_mesh_lamp(&mesh, 20.0f);
     trace_mesh_quad(&mesh, sl_v3(-2, 0, 2), sl_v3(4, 0, 0), sl_v3(0, 0, -4), white);
     mesh.textures[0] = (sl_texture){NULL, 2, 2, true, texels};
     mesh.texture_count = 1;

@@ -17,7 +17,7 @@ typedef struct lit_floor {
  * below the left one that the other's light passes. */
 static void make_with(lit_floor *f, bool plate, bool few_rays, float ambient) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t grey = trace_mesh_material(&mesh, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f);
+    uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(-8, 0, -8), sl_v3(0, 0, 16), sl_v3(16, 0, 0), grey);
     add_ceiling_light(&mesh, -5, -0.5f, 1, 1, 3);
     add_ceiling_light(&mesh, 4, -0.5f, 1, 1, 3.25f);

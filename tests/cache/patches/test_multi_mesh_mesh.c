@@ -45,7 +45,7 @@ static void split_all(sl_patches *mesh, sl_patch_place place, int levels) {
 
 static trace_mesh one_triangle(void) {
     trace_mesh m = trace_mesh_begin();
-    trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&m, 0.5f);
     uint32_t a = trace_mesh_vertex(&m, 0, 0, 0), b = trace_mesh_vertex(&m, 1, 0, 0),
              c = trace_mesh_vertex(&m, 0, 1, 0);
     trace_mesh_triangle(&m, a, b, c, 0);
@@ -56,7 +56,7 @@ static trace_mesh one_triangle(void) {
  * Positions of vertices are exact. */
 static trace_mesh field(int columns, int rows) {
     trace_mesh m = trace_mesh_begin();
-    trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&m, 0.5f);
     for (int y = 0; y <= rows; y++)
         for (int x = 0; x <= columns; x++)
             trace_mesh_vertex(&m, (float)x, y < rows ? (float)y : (float)(rows - 1) + 0x1p-6f, 0);

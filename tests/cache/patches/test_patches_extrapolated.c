@@ -154,16 +154,14 @@ static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
     sl_settings settings = small_settings("shading-cache", 32, 32);
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
     settings.shading_cache.updates = 1000000000;
-    sl_method *method, *cold;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
     sl_image_destroy(finished_picture(method));
     assert_true(
         sl_camera_look_at(&scene->camera, sl_v3(0, 0.28f, 0), sl_v3(0.3f, 0, 0.3f), sl_v3(0, 1, 0), 1.5f));
     assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
-    assert_int_equal(sl_method_create(scene, &settings, &cold, NULL), SL_OK);
+    sl_method *cold = created_method(scene, &settings);
     sl_image *image = finished_picture(method), *expected = finished_picture(cold);
-    sl_comparison result;
-    assert_int_equal(sl_image_compare(image, expected, NULL, &result, NULL, NULL), SL_OK);
+    sl_comparison result = comparison_of(image, expected);
     printf("    %.3f %% from a cold start\n", 100.0 * result.rel_rmse);
     assert_true(result.rel_rmse < 0.02 && result.mean_reference > 1.0);
     const sl_shading_state *s = method->state;
@@ -250,7 +248,7 @@ static void a_sample_that_is_no_number_leaves_the_old_value_and_is_not_asked_for
 /* A box stands on the square's lower left corner, as wide as that. */
 static sl_scene *box_on_square(float width) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);
     trace_mesh_box(&mesh, sl_v3(-2, -2, -0.5f), sl_v3(width - 1.0f, width - 1.0f, 0.5f), false, 0);
     return trace_mesh_build(&mesh);
@@ -263,10 +261,9 @@ static void a_vertex_inside_something_is_looked_for_beside_it_further_and_furthe
     for (int i = 0; i < 4; i++) {
         hierarchy h = hierarchy_of(box_on_square(width[i]), 0);
         sl_counters counters = {{0}};
-        sl_tracer *tracer;
         sl_lit_point at;
         bool moved;
-        assert_int_equal(sl_tracer_create(h.scene, 1, NULL, &tracer, NULL), SL_OK);
+        sl_tracer *tracer = tracer_of(h.scene);
         split_levels(&h, want_root(&h, 0), 2);
         uint32_t corner = vertex_at(&h, 0, 0);
         sl_vertex_sample_point(h.patches, corner, &at);

@@ -24,8 +24,8 @@ static void discard(world *w) {
 
 static trace_mesh begin(void) {
     trace_mesh m = trace_mesh_begin();
-    trace_mesh_material(&m, 0.5f, 0, 0, 0, 0);
-    trace_mesh_material(&m, 0.0f, 0, 0, 0, 5.0f);
+    trace_mesh_diffuse(&m, 0.5f);
+    trace_mesh_lamp(&m, 5.0f);
     return m;
 }
 
@@ -102,8 +102,7 @@ static void a_lit_box_is_solid_to_eyes_outside_only(void **state) {
     trace_mesh_quad(&parts, sl_v3(0.4f, 0.9f, 0.4f), sl_v3(0.2f, 0, 0), sl_v3(0, 0, 0.2f), 1);
     trace_mesh_quad(&parts, sl_v3(-5, 0, 5), sl_v3(10, 0, 0), sl_v3(0, 0, -10), 0);
     world w = world_of(&parts);
-    sl_tracer *tracer;
-    assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &tracer, NULL), SL_OK);
+    sl_tracer *tracer = tracer_of(w.scene);
     sl_counters counters = {0};
     const sl_vec3 at = {0.2f, 0, 0.3f}, up = {0, 1, 0}, outside = {3, 3, 3}, inside = {0.5f, 0.5f, 0.5f};
     assert_true(sl_solids_hold(w.solids, tracer, at, up, SL_NO_INDEX, &outside, &counters));
@@ -148,8 +147,7 @@ static float depth_in_boxes(sl_vec3 p, float *nearest) {
 static void points_inside_of_solids_are_known_from_those_outside(void **state) {
     trace_mesh parts = furniture();
     world w = world_of(&parts);
-    sl_tracer *tracer;
-    assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &tracer, NULL), SL_OK);
+    sl_tracer *tracer = tracer_of(w.scene);
     uint64_t key = sl_random_key(8, 1);
     size_t inside = 0;
     for (uint64_t i = 0; i < 4000; i++) {
@@ -171,8 +169,7 @@ static void points_inside_of_solids_are_known_from_those_outside(void **state) {
 static void a_floor_is_inside_where_a_leg_stands_on_it_and_a_leg_is_not(void **state) {
     trace_mesh parts = furniture();
     world w = world_of(&parts);
-    sl_tracer *tracer;
-    assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &tracer, NULL), SL_OK);
+    sl_tracer *tracer = tracer_of(w.scene);
     sl_counters counters = {0};
     for (int y = 0; y < 20; y++)
         for (int x = 0; x < 60; x++) {

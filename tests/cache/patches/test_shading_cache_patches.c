@@ -90,7 +90,7 @@ static void every_point_is_in_the_leaf_that_is_found_for_it(void **state) {
 
 static void a_closed_box_shares_no_corner_and_a_flat_fan_shares_all(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_box(&mesh, sl_v3(0, 0, 0), sl_v3(1, 1, 1), false, 0);
     hierarchy box = hierarchy_of(trace_mesh_build(&mesh), 0);
     for (uint32_t r = 0; r < 12; r += 2) split_levels(&box, want_root(&box, r), 2);
@@ -99,7 +99,7 @@ static void a_closed_box_shares_no_corner_and_a_flat_fan_shares_all(void **state
     hierarchy_discard(&box);
 
     mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     for (int i = 0; i < 2; i++) {
         for (int j = 0; j < 2; j++)
             trace_mesh_quad(&mesh, sl_v3((float)i, (float)j, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
@@ -114,8 +114,8 @@ static void a_closed_box_shares_no_corner_and_a_flat_fan_shares_all(void **state
 /* A square of which one half is a triangle of its own; `material`: of another material. */
 static sl_scene *two_triangles(bool other_material, bool turned) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    trace_mesh_material(&mesh, 0.7f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
+    trace_mesh_diffuse(&mesh, 0.7f);
     uint32_t a = trace_mesh_vertex(&mesh, 0, 0, 0), b = trace_mesh_vertex(&mesh, 1, 0, 0),
              c = trace_mesh_vertex(&mesh, 0, 1, 0);
     uint32_t d = trace_mesh_vertex(&mesh, 1, 2, turned ? 0.01f : 0.0f);
@@ -171,7 +171,7 @@ static void a_shared_vertex_is_evaluated_once_for_both(void **state) {
 
 static void a_leaf_beside_finer_ones_knows_the_vertices_on_its_edge_in_order(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     for (int i = 0; i < 2; i++)
         trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
     hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
@@ -292,7 +292,7 @@ static void split_and_drop_at_random(hierarchy *h, uint64_t steps, int deepest) 
 
 static void random_splits_and_drops_leave_a_sound_hierarchy(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     for (int i = 0; i < 2; i++)
         trace_mesh_quad(&mesh, sl_v3((float)i, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
     uint32_t a = trace_mesh_vertex(&mesh, 0, 1, 0), b = trace_mesh_vertex(&mesh, 1, 1, 0),
@@ -315,7 +315,7 @@ static void so_do_they_on_curved_surfaces_with_a_pole(void **state) {
 
 static void patches_are_not_split_where_floats_cannot_tell_their_corners_apart(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     float x = 16384.0f; /* neighbouring floats are 1/512 apart */
     uint32_t a = trace_mesh_vertex(&mesh, x, 0, 0), b = trace_mesh_vertex(&mesh, x + 1.0f / 64.0f, 0, 0);
     uint32_t c = trace_mesh_vertex(&mesh, x, 1, 0);
@@ -356,7 +356,7 @@ static void see(sl_patches *p, uint32_t patch, uint32_t now, uint32_t pixels) {
 
 static hierarchy two_walls(void) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 5), sl_v3(1, 0, 0), sl_v3(0, 1, 0), 0);
     hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);

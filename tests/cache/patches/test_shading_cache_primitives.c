@@ -144,7 +144,7 @@ static void two_triangles_are_a_quadrilateral_only_where_everything_agrees(void 
 static void points_of_roots_and_their_parameters_agree(void **state) {
     for (uint32_t turn = 0; turn < 9; turn++) {
         trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+        trace_mesh_diffuse(&mesh, 0.5f);
         uint32_t corner[4] = {trace_mesh_vertex(&mesh, 0, 0, 1), trace_mesh_vertex(&mesh, 2, 0.5f, 1),
                               trace_mesh_vertex(&mesh, 3, 1.5f, 1), trace_mesh_vertex(&mesh, 1, 1, 1)};
         uint32_t first[3] = {corner[0], corner[1], corner[2]}, second[3] = {corner[0], corner[2], corner[3]};
@@ -243,8 +243,8 @@ static void any_numbers_are_answered_with_a_point_of_the_root(void **state) {
 
 static void mean_reflectance_is_that_of_the_texture(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
+    trace_mesh_diffuse(&mesh, 0.5f);
     uint8_t texels[16] = {255, 255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255, 255};
     mesh.textures[0] = (sl_texture){.file = "t", .width = 2, .height = 2, .texels = texels};
     mesh.texture_count = 1;
@@ -347,7 +347,7 @@ static void a_pole_has_one_vertex_and_seams_are_shared(void **state) {
 
 static void shared_corners_of_many_facets_are_found_in_bounded_time(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     uint32_t tip = trace_mesh_vertex(&mesh, 0, 1, 0);
     for (int i = 0; i < 20000; i++) { /* facets that all face elsewhere, about one point */
         float x = (float)(i - 10000) / 10000.0f;

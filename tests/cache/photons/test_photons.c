@@ -76,8 +76,7 @@ static void add_point(trace_mesh *mesh, float x, float y, float z, float intensi
 
 static sl_scene *diffuse_sphere(float albedo, unsigned rings) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_sphere(&mesh, sl_v3(1, 2, 3), 2.0f, rings, 0.0f, true,
-                      trace_mesh_material(&mesh, albedo, 0, 0, 0, 0));
+    trace_mesh_sphere(&mesh, sl_v3(1, 2, 3), 2.0f, rings, 0.0f, true, trace_mesh_diffuse(&mesh, albedo));
     add_point(&mesh, 1, 2, 3, 1.0f);
     return trace_mesh_build(&mesh);
 }
@@ -130,8 +129,7 @@ static void power_of_every_light_in_a_closed_room_arrives(void **state) {
     const sl_rgb intensity = {1.0f, 2.0f, 0.5f};
     for (int kind = 0; kind < 4; kind++) {
         trace_mesh mesh = trace_mesh_begin();
-        trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
-                       trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
+        trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&mesh, 0.4f));
         double extent = 4.0 * SL_PI;
         if (kind == 0) add_light(&mesh, point_light(0.3f, 0, 0, intensity));
         if (kind == 1) {
@@ -139,7 +137,7 @@ static void power_of_every_light_in_a_closed_room_arrives(void **state) {
             extent = 2.0 * SL_PI * (1.0 - 0.5 * (0.9 + 0.5));
         }
         if (kind >= 2) {
-            uint32_t lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 1.0f);
+            uint32_t lamp = trace_mesh_lamp(&mesh, 1.0f);
             mesh.materials[lamp].emission = intensity;
             mesh.materials[lamp].emission_two_sided = kind == 3;
             trace_mesh_quad(&mesh, sl_v3(-0.5f, 0.5f, -0.5f), sl_v3(0.8f, 0.1f, 0), sl_v3(0, 0, 0.5f), lamp);
@@ -160,8 +158,7 @@ static void power_of_every_light_in_a_closed_room_arrives(void **state) {
 
 static void lights_share_the_paths_by_power_and_the_weakest_is_not_forgotten(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
-                   trace_mesh_material(&mesh, 0.4f, 0, 0, 0, 0));
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&mesh, 0.4f));
     add_light(&mesh, point_light(0, 0, 0, (sl_rgb){0, 1, 0}));
     /* a ten-thousandth of the luminance */
     add_light(&mesh, point_light(0, 0.1f, 0, (sl_rgb){1e-4f * 0.7152f / 0.2126f, 0, 0}));
@@ -250,7 +247,7 @@ static void direct_irradiance_on_a_plane_is_that_of_every_kind_of_light(void **s
     for (int kind = 0; kind < 6; kind++) {
         trace_mesh mesh = trace_mesh_begin();
         trace_mesh_quad(&mesh, sl_v3(-3, 0, -3), sl_v3(0, 0, 6), sl_v3(6, 0, 0),
-                        trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+                        trace_mesh_diffuse(&mesh, 0.5f));
         sl_light light = point_light(0.3f, 1.5f, 0.2f, (sl_rgb){1, 2, 3});
         if (kind == 1) {
             light = spot_light((sl_rgb){1, 2, 3});
@@ -264,7 +261,7 @@ static void direct_irradiance_on_a_plane_is_that_of_every_kind_of_light(void **s
         if (kind < 3) add_light(&mesh, light);
         if (kind == 3) {
             trace_mesh_quad(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0.2f, 1),
-                            trace_mesh_material(&mesh, 0, 0, 0, 0, 4.0f));
+                            trace_mesh_lamp(&mesh, 4.0f));
         }
         if (kind == 4) mesh.environment = &constant;
         if (kind == 5) mesh.environment = &picture;
@@ -283,7 +280,7 @@ static void direct_irradiance_on_a_plane_is_that_of_every_kind_of_light(void **s
 /* A closed room whose walls differ: coloured, glossy, mirroring. */
 static sl_scene *motley_room(void) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t coloured = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t coloured = trace_mesh_diffuse(&mesh, 0.5f);
     mesh.materials[coloured].diffuse = (sl_rgb){0.8f, 0.4f, 0.2f};
     uint32_t glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 20.0f, 0, 0);
     uint32_t mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.7f, 0);
@@ -300,8 +297,7 @@ static sl_scene *motley_room(void) {
 /* A square metre of floor whose shading normals all lean to x, in a large, almost black box, under a spot. */
 static sl_scene *leaning_floor(sl_vec3 lean) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
-             black = trace_mesh_material(&mesh, 1e-6f, 0, 0, 0, 0);
+    uint32_t floor = trace_mesh_diffuse(&mesh, 0.8f), black = trace_mesh_diffuse(&mesh, 1e-6f);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 0, -0.5f), sl_v3(0, 0, 1), sl_v3(1, 0, 0), floor);
     trace_mesh_box(&mesh, sl_v3(-50, -1, -50), sl_v3(50, 50, 50), true, black);
     float normals[3 * 12] = {0};
@@ -365,8 +361,7 @@ static void photons_see_shading_normals_as_the_eye_does(void **state) {
 
 static void white_room_is_cut_at_64_bounces_and_says_what_was_lost(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
-                   trace_mesh_material(&mesh, 1.0f, 0, 0, 0, 0));
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&mesh, 1.0f));
     add_point(&mesh, 0, 0, 0, 1.0f);
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_photon_list *list = trace_scene(scene, emitted(2, SL_STORE_ALL));
@@ -385,8 +380,7 @@ static void white_room_is_cut_at_64_bounces_and_says_what_was_lost(void **state)
 /* A floor, and a mirror that stands on its edge. */
 static sl_scene *mirror_over_floor(void) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_quad(&mesh, sl_v3(-4, 0, -4), sl_v3(0, 0, 8), sl_v3(8, 0, 0),
-                    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0));
+    trace_mesh_quad(&mesh, sl_v3(-4, 0, -4), sl_v3(0, 0, 8), sl_v3(8, 0, 0), trace_mesh_diffuse(&mesh, 0.5f));
     trace_mesh_quad(&mesh, sl_v3(2, 0.01f, -2), sl_v3(0, 0, 4), sl_v3(0, 2, 0),
                     trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0));
     add_point(&mesh, 0.5f, 1.0f, 0.0f, 1.0f);
@@ -487,7 +481,7 @@ static sl_scene *bumpy_hall(void) {
     trace_mesh_sphere(&mesh, sl_v3(0.5f, 0, 0), 0.4f, 20, 0.2f, false,
                       trace_mesh_material(&mesh, 0, 0, 0, 0.9f, 0));
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 1, -0.5f), sl_v3(0.8f, 0.1f, 0), sl_v3(0, 0, 0.5f),
-                    trace_mesh_material(&mesh, 0, 0, 0, 0, 5));
+                    trace_mesh_lamp(&mesh, 5));
     add_light(&mesh, spot_light((sl_rgb){1, 2, 3}));
     return trace_mesh_build(&mesh);
 }

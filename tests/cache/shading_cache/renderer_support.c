@@ -6,7 +6,7 @@
 void shop_open(shop *s, sl_scene *scene) {
     *s = (shop){.scene = scene};
     assert_non_null(scene);
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &s->tracer, NULL), SL_OK);
+    s->tracer = tracer_of(scene);
     s->shown = s->tracer;
     s->settings = (sl_renderer_settings){.scene = scene, .tracer = &s->shown, .seed = 1, .threads = 3};
     s->settings.cache.area_samples = 64;

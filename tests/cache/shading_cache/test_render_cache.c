@@ -23,7 +23,7 @@ static world open_world(const char *path) {
     world w = {0};
     sl_error error;
     assert_int_equal(sl_scene_load(path, &w.scene, &error), SL_OK);
-    assert_int_equal(sl_tracer_create(w.scene, 1, NULL, &w.own, &error), SL_OK);
+    w.own = tracer_of(w.scene);
     w.renderer = constant_renderer((sl_rgb){1.0f, 2.0f, 3.0f});
     return w;
 }
@@ -54,7 +54,7 @@ static void move_to(world *w, double time) {
     sl_error error;
     assert_int_equal(sl_scene_set_time(w->scene, time, &changes, &error), SL_OK);
     sl_tracer_destroy(w->own);
-    assert_int_equal(sl_tracer_create(w->scene, 1, NULL, &w->own, &error), SL_OK);
+    w->own = tracer_of(w->scene);
     w->tracer = w->own;
     render_cache_edit(w->cache, changes);
 }

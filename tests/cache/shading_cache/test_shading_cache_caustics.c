@@ -7,8 +7,7 @@
  * point light. */
 static sl_scene *floor_and_mirror(bool lamp_of_extent, float exponent) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
-             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 40.0f);
+    uint32_t floor = trace_mesh_diffuse(&mesh, 0.5f), lamp = trace_mesh_lamp(&mesh, 40.0f);
     uint32_t mirror = exponent > 0 ? trace_mesh_material(&mesh, 0, 0.8f, exponent, 0, 0)
                                    : trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
@@ -126,8 +125,7 @@ static void rough_surfaces_make_no_caustics(void **state) {
 
 static void mirrors_that_no_light_reaches_make_no_caustics(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
-             mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
+    uint32_t floor = trace_mesh_diffuse(&mesh, 0.5f), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, -1), sl_v3(8, 0, 0), sl_v3(0, 8, 0), mirror);
     mesh.lights[0] = (sl_light){.type = SL_LIGHT_SPOT,

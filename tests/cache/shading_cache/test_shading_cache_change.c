@@ -15,7 +15,7 @@ typedef struct world {
 /* So many squares beside each other, each an object. */
 static world world_of(unsigned objects) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     uint32_t object[16];
     for (unsigned i = 0; i < objects; i++) {
         trace_mesh_quad(&mesh, sl_v3(3.0f * (float)i, 0, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), 0);

@@ -27,9 +27,8 @@ static void look(sl_scene *scene, float x, float y, float z, float to_x, float t
 }
 
 static float brightest(sl_method *method) {
-    sl_image *image;
     float most = 0.0f;
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    sl_image *image = resolved_picture(method);
     for (int i = 0; i < 3 * image->width * image->height; i++) {
         assert_true(isfinite(image->planes[i]) && image->planes[i] >= 0.0f);
         most = fmaxf(most, image->planes[i]);
@@ -86,11 +85,9 @@ static void play(const char *path, unsigned threads, sl_image *frame[FRAMES], sl
     sl_method *method = created_method(scene, &settings);
     sl_progress progress;
     for (int i = 0; i < FRAMES; i++) {
-        unsigned changes;
-        assert_int_equal(sl_scene_set_time(scene, 0.4 * i, &changes, NULL), SL_OK);
-        assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
+        go_to_time(scene, method, 0.4 * i);
         for (int k = 0; k < 5; k++) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-        assert_int_equal(sl_method_resolve(method, &frame[i], NULL), SL_OK);
+        frame[i] = resolved_picture(method);
     }
     *counters = *sl_method_counters(method);
     sl_method_destroy(method);

@@ -117,11 +117,9 @@ static sl_live_state frames_until_done(sl_live *live, float picture[3 * PIXELS])
 static void first_picture_at(const char *path, double time, float picture[3 * PIXELS]) {
     sl_scene *scene = load_scene(path);
     sl_settings settings = show_settings();
-    sl_method *method;
-    sl_image *image;
     assert_int_equal(sl_scene_set_time(scene, time, NULL, NULL), SL_OK);
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
+    sl_image *image = resolved_picture(method);
     memcpy(picture, image->planes, 3 * PIXELS * sizeof *picture);
     sl_image_destroy(image);
     sl_method_destroy(method);

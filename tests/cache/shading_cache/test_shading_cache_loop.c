@@ -51,7 +51,7 @@ static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) {
 /* A room of six quadrilaterals with a floor of tiles, a light or a lamp in it, and the eye in its front. */
 static sl_scene *room_with(bool lamp) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t wall = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
     for (int i = 0; i < 4; i++)
         trace_mesh_quad(&mesh, sl_v3(-0.8f + 0.8f * (float)(i % 2), -0.9f, -0.8f + 0.8f * (float)(i / 2)),
@@ -61,7 +61,7 @@ static sl_scene *room_with(bool lamp) {
     mesh.light_count = lamp ? 0 : 1;
     if (lamp)
         trace_mesh_quad(&mesh, sl_v3(0.1f, 0.8f, -0.4f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f),
-                        trace_mesh_material(&mesh, 0, 0, 0, 0, 4));
+                        trace_mesh_lamp(&mesh, 4));
     sl_scene *scene = trace_mesh_build(&mesh);
     look(scene, sl_v3(0, 0, 0.9f), sl_v3(0, -0.2f, -1));
     return scene;
@@ -187,7 +187,7 @@ static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_childre
 /* One wall hides another, and one is behind the eye. */
 static void patches_that_are_not_seen_are_left_alone(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t wall = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(-2, -2, 0), sl_v3(4, 0, 0), sl_v3(0, 4, 0), wall);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, -1), sl_v3(2, 0, 0), sl_v3(0, 2, 0), wall);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, 5), sl_v3(0, 2, 0), sl_v3(2, 0, 0), wall);
@@ -222,7 +222,7 @@ static void a_textured_wall_in_even_light_is_exact_with_four_samples(void **stat
     static uint8_t texels[16 * 16 * 4];
     for (int i = 0; i < 16 * 16 * 4; i++) texels[i] = (uint8_t)(30 + 97 * i % 220);
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t wall = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0);
+    uint32_t wall = trace_mesh_diffuse(&mesh, 0.8f);
     mesh.textures[0] = (sl_texture){.file = (char *)"checks", .width = 16, .height = 16, .texels = texels};
     mesh.texture_count = 1;
     mesh.materials[wall].texture = 0;
@@ -317,17 +317,16 @@ static void an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_a
     settings.shading_cache.area_samples = 16;
     settings.shading_cache.no_resolution_drop = true;
     sl_method *method = created_method(scene, &settings);
-    sl_image *before, *after;
     to_the_end(method);
     uint64_t points = count_of(method, SL_COUNT_POINTS_SHADED);
-    assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
+    sl_image *before = resolved_picture(method);
     for (int i = 0; i < 3; i++) {
         edit(method, SL_CHANGED_LIGHTS | SL_CHANGED_OBJECTS | SL_CHANGED_CAMERA);
         to_the_end(method);
     }
     assert_true(count_of(method, SL_COUNT_POINTS_SHADED) > 3 * points);
     assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), 0);
-    assert_int_equal(sl_method_resolve(method, &after, NULL), SL_OK);
+    sl_image *after = resolved_picture(method);
     assert_true(same_picture(before, after));
     sl_image_destroy(before);
     sl_image_destroy(after);
@@ -432,19 +431,18 @@ static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state
     sl_method *warm = created_method(scene, &settings);
     to_the_end(warm);
     sl_image *image[3];
-    assert_int_equal(sl_method_resolve(warm, &image[0], NULL), SL_OK);
+    image[0] = resolved_picture(warm);
     move_light(scene, -0.6f);
     edit(warm, SL_CHANGED_LIGHTS);
     to_the_end(warm);
     assert_true(count_of(warm, SL_COUNT_CHANGES_DETECTED) > 0);
     sl_method *cold = created_method(scene, &settings);
     to_the_end(cold);
-    assert_int_equal(sl_method_resolve(warm, &image[1], NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(cold, &image[2], NULL), SL_OK);
+    image[1] = resolved_picture(warm);
+    image[2] = resolved_picture(cold);
     sl_image *truth = render(scene, &path, NULL);
     sl_comparison c[3];
-    for (int i = 0; i < 3; i++)
-        assert_int_equal(sl_image_compare(image[i], truth, NULL, &c[i], NULL, NULL), SL_OK);
+    for (int i = 0; i < 3; i++) c[i] = comparison_of(image[i], truth);
     print_message("relRMSE: before %.3f %%, after the change %.3f %%, from a cold start %.3f %%\n",
                   100.0 * c[0].rel_rmse, 100.0 * c[1].rel_rmse, 100.0 * c[2].rel_rmse);
     assert_true(c[0].rel_rmse > 10.0 * c[2].rel_rmse &&
@@ -471,8 +469,7 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
         const double limit =
             settings.shading_cache.cache_limit * ROOM_FOR + 2.0 * (double)s->primitives->count;
         to_the_end(method);
-        sl_image *before, *after;
-        assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
+        sl_image *before = resolved_picture(method);
         look(scene, sl_v3(0, 0, 0), sl_v3(1, 0.3f, 0.9f));
         edit(method, SL_CHANGED_CAMERA);
         for (int i = 0; i < 60; i++) update(method);
@@ -483,7 +480,7 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
         look(scene, sl_v3(0, 0, 0.9f), sl_v3(0, -0.2f, -1));
         edit(method, SL_CHANGED_CAMERA);
         assert_int_equal(to_the_end(method) == 1, !late);
-        assert_int_equal(sl_method_resolve(method, &after, NULL), SL_OK);
+        sl_image *after = resolved_picture(method);
         assert_int_equal(count_of(method, SL_COUNT_POINTS_SHADED) > points, late);
         if (!late) assert_true(same_picture(before, after));
         sl_image_destroy(before);
@@ -502,7 +499,7 @@ static sl_scene *before_the_eye(trace_mesh *mesh) {
 /* One lamp of two changes, and only one of two walls shows it; the other has to be shaded again before that
  * is known. */
 static sl_scene *two_walls_with_a_lamp_each(trace_mesh *mesh) {
-    uint32_t wall = trace_mesh_material(mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t wall = trace_mesh_diffuse(mesh, 0.5f);
     for (int i = 0; i < 2; i++) {
         float x = i ? 0.5f : -0.5f;
         trace_mesh_quad(mesh, sl_v3(x - 0.5f, -1, 0), sl_v3(1, 0, 0), sl_v3(0, 2, 0), wall);

@@ -36,20 +36,8 @@ static void to_the_end(sl_method *method) {
     for (int updates = 0; !update(method); updates++) assert_true(updates < 4000);
 }
 
-static void go_to(sl_scene *scene, sl_method *method, double time) {
-    unsigned changes = 0;
-    assert_int_equal(sl_scene_set_time(scene, time, &changes, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-}
-
 /* To and fro, 25 frames a second. */
 static double time_of(int move) { return 3.96 - fabs(fmod(0.04 * move, 7.92) - 3.96); }
-
-static sl_image *picture_of(sl_method *method) {
-    sl_image *image;
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-    return image;
-}
 
 /* Relative RMS difference of what is displayed: lamps count as white. */
 static double apart(const sl_image *image, const sl_image *from) {
@@ -65,7 +53,7 @@ static double apart(const sl_image *image, const sl_image *from) {
 static double apart_from_a_fresh_one(sl_method *method, const sl_scene *scene, const sl_settings *settings) {
     sl_method *fresh = created_method(scene, settings);
     to_the_end(fresh);
-    sl_image *image = picture_of(method), *right = picture_of(fresh);
+    sl_image *image = resolved_picture(method), *right = resolved_picture(fresh);
     double difference = apart(image, right);
     sl_image_destroy(image);
     sl_image_destroy(right);
@@ -103,7 +91,7 @@ static void moves_without_rest(const char *path, int moves, double most) {
         size_t coarse = window ? coarse_leaves(method) : 1;
         uint64_t before = splits_of(method);
         for (int i = 0; i < WINDOW; i++) {
-            go_to(scene, method, time_of(window * WINDOW + i));
+            go_to_time(scene, method, time_of(window * WINDOW + i));
             update(method);
         }
         assert_true(coarse == 0 || splits_of(method) > before);
@@ -130,11 +118,11 @@ static sl_image *after_moves(const char *path, unsigned threads) {
     sl_settings settings = motion_settings(threads);
     sl_method *method = created_method(scene, &settings);
     for (int move = 0; move < 30; move++) {
-        go_to(scene, method, time_of(move));
+        go_to_time(scene, method, time_of(move));
         update(method);
     }
     for (int i = 0; i < 5; i++) update(method);
-    sl_image *image = picture_of(method);
+    sl_image *image = resolved_picture(method);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
     return image;
@@ -158,11 +146,11 @@ static void lights_are_sampled_quickly_while_they_move_and_in_full_at_rest(void 
     sl_settings settings = motion_settings(1);
     sl_method *method = created_method(scene, &settings);
     for (int i = 0; i < 20; i++) update(method);
-    go_to(scene, method, time_of(1)); /* a single move is sampled in full */
+    go_to_time(scene, method, time_of(1)); /* a single move is sampled in full */
     update(method);
     assert_int_equal(quick_corners(method), 0);
     for (int i = 2; i < 12; i++) {
-        go_to(scene, method, time_of(i));
+        go_to_time(scene, method, time_of(i));
         update(method);
     }
     assert_true(quick_corners(method) > 0);
@@ -192,7 +180,7 @@ static void an_edited_scene_that_rests_is_as_good_as_a_fresh_one(void **state) {
         sl_settings settings = motion_settings(2);
         sl_method *method = created_method(scene, &settings);
         for (int k = 0; k < 8; k++) {
-            go_to(scene, method, times[k]);
+            go_to_time(scene, method, times[k]);
             for (int updates = 0; updates < 1 + (k == 3) * 20; updates++) update(method);
         }
         to_the_end(method);
@@ -256,12 +244,12 @@ static void assert_log_gives(const sl_live_event *log, size_t events, uint64_t u
     for (uint64_t done = 0; done < updates; done++) {
         for (; next < events && log[next].updates == done; next++) {
             if (log[next].rate) assert_int_equal(sl_method_rate(method, log[next].value, NULL), SL_OK);
-            else go_to(scene, method, log[next].value);
+            else go_to_time(scene, method, log[next].value);
         }
         update(method);
     }
     assert_int_equal(next, events);
-    sl_image *image = picture_of(method);
+    sl_image *image = resolved_picture(method);
     assert_memory_equal(image->planes, frame->planes, 3 * PIXELS * sizeof *frame->planes);
     sl_image_destroy(image);
     sl_method_destroy(method);

@@ -24,8 +24,7 @@ static sl_image *path_picture(const sl_scene *scene, const sl_settings *settings
 }
 
 static sl_comparison compared(const sl_image *ours, const sl_image *truth, const char *what) {
-    sl_comparison c;
-    assert_int_equal(sl_image_compare(ours, truth, NULL, &c, NULL, NULL), SL_OK);
+    sl_comparison c = comparison_of(ours, truth);
     print_message("%s: bias %.3f %%, relRMSE %.2f %%, relMSE less noise %.2e\n", what, 100.0 * c.bias,
                   100.0 * c.rel_rmse, c.rel_mse - c.rel_mse_noise);
     return c;
@@ -63,27 +62,18 @@ static void glossy_surfaces_reflect_towards_the_eye(void **state) {
     sl_scene_destroy(scene);
 }
 
-static void to_the_end(sl_method *method) {
-    sl_progress progress = {0};
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-}
-
 /* Moving things are shown where they are before any update. */
 static void a_moved_object_is_shown_in_its_place_at_once(void **state) {
     sl_scene *scene = load_scene("scenes/moving-ball.json");
     sl_settings settings = cache_settings(64, 64);
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
     settings.shading_cache.updates = 40;
-    sl_method *method;
-    unsigned changes = 0;
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    to_the_end(method);
-    sl_image *before, *after;
-    assert_int_equal(sl_method_resolve(method, &before, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
+    run_to_end(method);
+    sl_image *before = resolved_picture(method);
     uint64_t shaded = sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED];
-    assert_int_equal(sl_scene_set_time(scene, 1.0, &changes, NULL), SL_OK);
-    assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &after, NULL), SL_OK);
+    go_to_time(scene, method, 1.0);
+    sl_image *after = resolved_picture(method);
     assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], shaded);
     assert_false(same_picture(before, after));
     assert_sound_picture(after, "moved");
@@ -115,9 +105,8 @@ static void a_patch_takes_at_most_125_bytes_with_both_copies_of_the_display_and_
     settings.shading_cache.points = 1024;
     settings.shading_cache.updates = 200;
     settings.shading_cache.frames_per_update = 1;
-    sl_method *method;
     sl_progress progress = {0};
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
     assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
     const uint64_t *count = sl_method_counters(method)->value;
     assert_int_equal(count[SL_COUNT_SPLITS], 0);

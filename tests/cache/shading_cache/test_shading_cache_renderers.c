@@ -7,8 +7,7 @@
  */
 static trace_mesh lamp_over_floor(float side, float height, float radiance) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0),
-             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, radiance);
+    uint32_t floor = trace_mesh_diffuse(&mesh, 0.5f), lamp = trace_mesh_lamp(&mesh, radiance);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-side / 2, height, -side / 2), sl_v3(side, 0, 0), sl_v3(0, 0, side), lamp);
     return mesh;
@@ -152,8 +151,7 @@ static void the_variance_told_is_that_of_points_which_see_the_lamp_or_not(void *
 /* Phong lobe of a square lamp at height 2, by a fine grid. */
 static void lobes_reflect_a_lamps_points(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 12, 0, 0),
-             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+    uint32_t glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 12, 0, 0), lamp = trace_mesh_lamp(&mesh, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), glossy);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     shop s;
@@ -191,7 +189,7 @@ static void lobes_reflect_a_lamps_points(void **state) {
 static void narrow_lobes_show_the_lamp(void **state) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t glossy = trace_mesh_material(&mesh, 0.0f, 0.6f, 20000, 0, 0),
-             lamp = trace_mesh_material(&mesh, 0, 0, 0, 0, 5.0f);
+             lamp = trace_mesh_lamp(&mesh, 5.0f);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), glossy);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
     shop s;
@@ -221,7 +219,7 @@ static void the_sky_is_counted_once(void **state) {
     sl_environment sky = {.present = true, .constant = {1.0f, 2.0f, 0.5f}};
     trace_mesh mesh = trace_mesh_begin();
     uint32_t black = trace_mesh_material(&mesh, 0.0f, 0.4f, 30, 0, 0),
-             dark = trace_mesh_material(&mesh, 1e-6f, 0, 0, 0, 0);
+             dark = trace_mesh_diffuse(&mesh, 1e-6f);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), black);
     /* hides half of it */
     trace_mesh_quad(&mesh, sl_v3(0, 0, -5000), sl_v3(0, 0, 10000), sl_v3(0, 5000, 0), dark);

@@ -295,7 +295,7 @@ static sl_screen_size size_of(hierarchy *h, uint32_t patch, const sl_camera *cam
 
 static void a_floor_that_runs_on_behind_the_eye_is_as_large_as_what_is_seen_of_it(void **state) {
     trace_mesh mesh = trace_mesh_begin();
-    trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(-1e4f, -1e4f, 0), sl_v3(2e4f, 0, 0), sl_v3(0, 2e4f, 0), 0);
     hierarchy h = hierarchy_of(trace_mesh_build(&mesh), 0);
     uint32_t patch = want_root(&h, 0);

@@ -31,12 +31,6 @@ static bool finish_frame(sl_method *method) {
     return !progress.done;
 }
 
-static sl_image *picture_of(sl_method *method) {
-    sl_image *image;
-    assert_int_equal(sl_method_resolve(method, &image, NULL), SL_OK);
-    return image;
-}
-
 static void a_frame_gets_as_many_new_records_as_it_may_and_no_more(void **state) {
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = walk_settings();
@@ -61,9 +55,9 @@ static void a_still_walk_ends_with_the_picture_of_a_single_frame(void **state) {
     sl_settings by_frames = walk_settings(), at_once = by_frames;
     at_once.records_per_frame = 1000000000;
     sl_method *walk = start(scene, &by_frames), *whole = start(scene, &at_once);
-    while (finish_frame(walk)) sl_image_destroy(picture_of(walk)); /* every frame is shown */
+    while (finish_frame(walk)) sl_image_destroy(resolved_picture(walk)); /* every frame is shown */
     while (finish_frame(whole)) {}
-    sl_image *a = picture_of(walk), *b = picture_of(whole);
+    sl_image *a = resolved_picture(walk), *b = resolved_picture(whole);
     assert_true(same_picture(a, b));
     sl_image_destroy(a);
     sl_image_destroy(b);
@@ -118,7 +112,7 @@ static void in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end(void *
     for (bool more = true; more; count++) {
         assert_true(count < FRAMES_MAX);
         more = finish_frame(method);
-        sl_image *image = picture_of(method);
+        sl_image *image = resolved_picture(method);
         const float *weight = sl_image_channel(image, "weight.Y"),
                     *old = last ? sl_image_channel(last, "weight.Y") : weight;
         for (int i = 0; i < SIDE * SIDE; i++) assert_true(weight[i] >= old[i]);
@@ -178,7 +172,7 @@ static sl_image *walk_picture(unsigned threads) {
         look(scene, method, 278.0f + 10.0f * (float)step);
     }
     finish_frame(method);
-    sl_image *image = picture_of(method);
+    sl_image *image = resolved_picture(method);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
     return image;

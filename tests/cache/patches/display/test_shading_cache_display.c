@@ -52,8 +52,7 @@ static sl_scene *room(bool glossy) {
     trace_mesh mesh = trace_mesh_begin();
     mesh.textures[0] = (sl_texture){.file = (char *)"checks", .width = 8, .height = 8, .texels = texels};
     mesh.texture_count = 1;
-    uint32_t floor = trace_mesh_material(&mesh, 0.8f, 0, 0, 0, 0),
-             wall = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 0);
+    uint32_t floor = trace_mesh_diffuse(&mesh, 0.8f), wall = trace_mesh_diffuse(&mesh, 0.5f);
     uint32_t lamp = trace_mesh_material(&mesh, 0.1f, 0, 0, 0, 7),
              shiny = trace_mesh_material(&mesh, 0.3f, glossy ? 0.4f : 0, 20, 0, 0);
     mesh.materials[floor].texture = 0;
