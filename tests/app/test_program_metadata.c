@@ -121,14 +121,13 @@ static void other_value(const sl_setting *s, char text[WORD]) {
 static void assert_set_and_told(const sl_setting *setting, const char *method) {
     sl_settings settings = sl_settings_default();
     char value[WORD], back[WORD];
-    sl_image *image;
     set(&settings, "method", method);
     set(&settings, "transport", "full");
     other_value(setting, value);
     set(&settings, setting->name, value);
     assert_int_equal(sl_settings_get(&settings, setting->name, back, sizeof back, NULL), SL_OK);
     assert_string_equal(back, value);
-    assert_int_equal(sl_image_create(1, 1, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(1, 1, 3);
     assert_int_equal(sl_settings_stamp(&settings, image, NULL), SL_OK);
     if (!is_told(image, setting)) fail_msg("%s: %s is not told", method, setting->name);
     sl_image_destroy(image);

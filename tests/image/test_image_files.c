@@ -19,6 +19,7 @@
 #include <stb/stb_image_write.h>
 
 #include "unit_test.h"
+#include "rendering.h"
 #include "base/random.h"
 #include "image/formats.h"
 #include "image_support.h"
@@ -51,8 +52,7 @@ static void a_pfm_begins_with_its_bottom_row(void **state) {
 static void a_pfm_comes_back_bit_for_bit(void **state) {
     static const uint32_t special[] = {0x7fc01234, 0xff800000, 0x7f800000,
                                        0x00000001, 0x80000000, 0x7f7fffff};
-    sl_image *image;
-    assert_int_equal(sl_image_create(7, 5, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(7, 5, 3);
     for (int i = 0; i < 105; i++) image->planes[i] = test_value(i / 35, i % 7, i / 7);
     memcpy(image->planes + 50, special, sizeof special);
     assert_int_equal(sl_image_write(image, scene_file_path("back.pfm"), NULL), SL_OK);
@@ -205,9 +205,8 @@ static void read_codes(const char *path, uint8_t *rgb, int count) {
 }
 
 static void check_codes(sl_tone tone, const float *values, const int *codes, int count) {
-    sl_image *image;
     uint8_t rgb[3 * 64];
-    assert_int_equal(sl_image_create(count, 1, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(count, 1, 3);
     for (int c = 0; c < 3; c++) memcpy(image->planes + c * count, values, (size_t)count * sizeof *values);
     assert_int_equal(sl_image_write_png(image, scene_file_path("tone.png"), tone, NULL), SL_OK);
     read_codes(scene_file_path("tone.png"), rgb, count);
@@ -241,10 +240,9 @@ static void automatic_exposure_brings_the_log_average_to_middle_gray(void **stat
 }
 
 static void frames_after_the_first_one_keep_its_exposure(void **state) {
-    sl_image *image;
     sl_tone tone = {SL_TONE_CLIP, 0.0f, true};
     uint8_t first[3], second[3], alone[3];
-    assert_int_equal(sl_image_create(1, 1, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(1, 1, 3);
     for (int c = 0; c < 3; c++) image->planes[c] = 8.0f;
     assert_int_equal(sl_image_srgb(image, &tone, first, NULL), SL_OK);
     assert_false(tone.automatic);
@@ -309,9 +307,8 @@ static void a_write_that_fails_keeps_the_old_file(void **state) {
 }
 
 static void impossible_targets_are_named(void **state) {
-    sl_image *image;
     sl_error error;
-    assert_int_equal(sl_image_create(2, 2, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(2, 2, 3);
     assert_int_equal(sl_image_write(image, "/nowhere/at/all.exr", &error), SL_ERROR_OUTPUT);
     assert_string_equal(error.message, "cannot write /nowhere/at/all.exr: No such file or directory");
     const char *folder = scene_file_path("folder.png");
@@ -323,9 +320,8 @@ static void impossible_targets_are_named(void **state) {
 }
 
 static void a_link_is_followed_and_permissions_are_kept(void **state) {
-    sl_image *image;
     struct stat status;
-    assert_int_equal(sl_image_create(2, 2, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(2, 2, 3);
     scene_file_write("target.pfm", "old", 3);
     assert_int_equal(chmod(scene_file_path("target.pfm"), 0640), 0);
     assert_int_equal(symlink("target.pfm", scene_file_path("link.pfm")), 0);

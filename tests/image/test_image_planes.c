@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "unit_test.h"
+#include "rendering.h"
 #include "softlux.h"
 
 static void a_new_image_is_black_and_its_planes_follow_each_other(void **state) {
@@ -21,11 +22,10 @@ static void a_new_image_is_black_and_its_planes_follow_each_other(void **state) 
 }
 
 static void channels_without_names_are_rgb_or_y(void **state) {
-    sl_image *image;
-    assert_int_equal(sl_image_create(1, 1, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(1, 1, 3);
     assert_non_null(sl_image_channel(image, "G"));
     sl_image_destroy(image);
-    assert_int_equal(sl_image_create(1, 1, 1, NULL, &image, NULL), SL_OK);
+    image = blank_image(1, 1, 1);
     assert_non_null(sl_image_channel(image, "Y"));
     sl_image_destroy(image);
     assert_int_equal(sl_image_create(1, 1, 4, NULL, &image, NULL), SL_ERROR_USAGE);
@@ -51,9 +51,8 @@ static void impossible_images_are_refused(void **state) {
 }
 
 static void metadata_is_copied_and_replaced(void **state) {
-    sl_image *image;
     char value[8] = "first";
-    assert_int_equal(sl_image_create(1, 1, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(1, 1, 3);
     assert_null(sl_image_metadata(image, "method"));
     assert_int_equal(sl_image_set_metadata(image, "method", value, NULL), SL_OK);
     strcpy(value, "other");

@@ -52,7 +52,6 @@ static void *follow(void *context) {
     follower *f = context;
     sl_progress progress = {0};
     sl_settings settings = small_settings(f->name, 16, 16);
-    settings.quality = SL_QUALITY_DRAFT;
     settings.filter = SL_FILTER_CENTRE;
     settings.spp = 1;
     settings.bounces = 1;

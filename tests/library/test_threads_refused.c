@@ -85,7 +85,6 @@ static void loops_are_done_by_the_threads_that_there_are(void **state) {
 
 static sl_settings of_threads(const char *name, unsigned threads) {
     sl_settings settings = small_settings(name, 24, 20);
-    settings.quality = SL_QUALITY_DRAFT;
     settings.threads = threads;
     return settings;
 }

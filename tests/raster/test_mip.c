@@ -11,12 +11,11 @@
 
 /* A square of side 1 with one turn of a picture of so many texels, of random colours. */
 static sl_scene *textured_square(int width, int height, bool colours) {
-    sl_image *image;
     sl_scene *scene;
     sl_error error;
     char json[300];
     const uint64_t key = sl_random_key(7, 0);
-    assert_int_equal(sl_image_create(width, height, 3, NULL, &image, &error), SL_OK);
+    sl_image *image = blank_image(width, height, 3);
     for (size_t i = 0; i < 3 * (size_t)width * (size_t)height; i++) image->planes[i] = sl_random_unit(key, i);
     scene_file_text("texels.png", "");
     assert_int_equal(sl_image_write(image, scene_file_path("texels.png"), &error), SL_OK);

@@ -117,8 +117,7 @@ static void the_cornell_box_from_arrays_is_that_of_its_file_by_every_method(void
 }
 
 static void write_sky(const char *name) {
-    sl_image *sky;
-    assert_int_equal(sl_image_create(8, 4, 3, NULL, &sky, NULL), SL_OK);
+    sl_image *sky = blank_image(8, 4, 3);
     for (int i = 0; i < 8 * 4 * 3; i++) sky->planes[i] = i % 7 == 0 ? 9.0f : 0.3f;
     assert_int_equal(sl_image_write(sky, scene_file_path(name), NULL), SL_OK);
     sl_image_destroy(sky);

@@ -104,7 +104,6 @@ static void without_texture_coordinates_nothing_is_raised(void **state) {
 static void the_octrees_lobes_light_bumps_as_paths_do(void **state) {
     sl_scene *scene = load_scene("scenes/bricks.json");
     sl_settings octree = small_settings("light-octree", 64, 48), path = small_settings("path", 64, 48);
-    octree.quality = SL_QUALITY_DRAFT;
     octree.threads = path.threads = 2;
     octree.light_octree.indirect_only = path.light_octree.indirect_only = true;
     path.transport = "matched:light-octree";

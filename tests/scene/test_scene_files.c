@@ -23,8 +23,7 @@ static const char box_mtl[] =
 static void write_box(void) {
     scene_file_text("box.obj", box_obj);
     scene_file_text("box.mtl", box_mtl);
-    sl_image *image;
-    assert_int_equal(sl_image_create(2, 1, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(2, 1, 3);
     image->planes[0] = 1.0f; /* red, black */
     scene_file_text("texel.png", "");
     assert_int_equal(sl_image_write(image, scene_file_path("texel.png"), NULL), SL_OK);
@@ -103,8 +102,7 @@ static void height_maps_come_from_mtl_and_scene_files(void **state) {
 }
 
 static void a_normal_map_is_no_height_map_and_is_told(void **state) {
-    sl_image *map;
-    assert_int_equal(sl_image_create(2, 1, 3, NULL, &map, NULL), SL_OK);
+    sl_image *map = blank_image(2, 1, 3);
     /* encoded, (0.5, 0.5, 1) and (0.7, 0.3, 0.93); or grey as bright as their blue */
     for (int blue = 1; blue >= 0; blue--) {
         const float texels[6] = {blue ? 0.214f : 0.85f, blue ? 0.448f : 0.85f, blue ? 0.214f : 0.85f,
@@ -297,8 +295,7 @@ static void z_up_is_turned_once(void **state) {
 }
 
 static void an_environment_picture_keeps_its_top_row_up(void **state) {
-    sl_image *image;
-    assert_int_equal(sl_image_create(4, 2, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(4, 2, 3);
     for (int i = 0; i < 24; i++) image->planes[i] = i % 8 < 4 ? 3.0f : 0.5f;
     scene_file_text("sky.pfm", "");
     assert_int_equal(sl_image_write(image, scene_file_path("sky.pfm"), NULL), SL_OK);

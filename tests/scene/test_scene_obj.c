@@ -208,8 +208,7 @@ static void a_face_has_the_material_that_was_named_last_before_it(void **state) 
 }
 
 static void write_picture(const char *name) {
-    sl_image *image;
-    assert_int_equal(sl_image_create(2, 1, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(2, 1, 3);
     scene_file_text(name, "");
     assert_int_equal(sl_image_write(image, scene_file_path(name), NULL), SL_OK);
     sl_image_destroy(image);

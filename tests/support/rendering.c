@@ -2,6 +2,7 @@
 #include "rendering.h"
 
 #include <dirent.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -146,6 +147,17 @@ sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters
     return image;
 }
 
+sl_image *blank_image(int width, int height, int channels) {
+    sl_error error;
+    sl_image *image;
+    good(sl_image_create(width, height, channels, NULL, &image, &error), &error);
+    return image;
+}
+
+uint64_t count_of(const sl_method *method, sl_counter counter) {
+    return sl_method_counters(method)->value[counter];
+}
+
 double channel_mean(const sl_image *image, const char *channel) {
     const float *plane = sl_image_channel(image, channel);
     const size_t pixels = (size_t)image->width * (size_t)image->height;
@@ -153,6 +165,17 @@ double channel_mean(const sl_image *image, const char *channel) {
     assert_non_null(plane);
     for (size_t i = 0; i < pixels; i++) sum += (double)plane[i];
     return sum / (double)pixels;
+}
+
+double displayed_difference(const sl_image *image, const sl_image *from) {
+    const int values = 3 * image->width * image->height;
+    double squares = 0.0, sum = 0.0;
+    for (int i = 0; i < values; i++) {
+        const double a = fmin((double)image->planes[i], 1.0), b = fmin((double)from->planes[i], 1.0);
+        squares += (a - b) * (a - b);
+        sum += b;
+    }
+    return sqrt(squares / values) / (sum / values);
 }
 
 sl_comparison comparison_of(const sl_image *image, const sl_image *reference) {

@@ -29,7 +29,12 @@ sl_image *resolved_picture(sl_method *method); /* as far as it has come */
 void go_to_time(sl_scene *scene, sl_method *method, double time);
 /* Updates a method to its end and resolves it. */
 sl_image *finished_picture(sl_method *method);
+sl_image *blank_image(int width, int height,
+                      int channels); /* with the names that channels have by themselves */
+uint64_t count_of(const sl_method *method, sl_counter counter);
 double channel_mean(const sl_image *image, const char *channel);
+/* Relative RMS difference of what is displayed: lamps count as white. */
+double displayed_difference(const sl_image *image, const sl_image *from);
 sl_comparison comparison_of(const sl_image *image, const sl_image *reference);
 /* Are all channels equal, bit for bit? */
 bool same_picture(const sl_image *a, const sl_image *b);

@@ -13,7 +13,6 @@
 
 static sl_settings radiance_settings(int size) {
     sl_settings s = small_settings("direct-radiance", size, size);
-    s.threads = 2;
     return s;
 }
 
@@ -37,10 +36,6 @@ static sl_image *next_frame(sl_method *method, unsigned changes) {
     assert_true(progress.done && progress.frame_done);
     if (sl_method_resolve(method, &image, &error) != SL_OK) fail_msg("%s", error.message);
     return image;
-}
-
-static uint64_t counted(const sl_method *method, sl_counter counter) {
-    return sl_method_counters(method)->value[counter];
 }
 
 /* ---- layers ---- */
@@ -153,17 +148,17 @@ static void a_new_camera_keeps_what_the_lights_see(void **state) {
     sl_settings settings = radiance_settings(32);
     sl_method *method = created_method(scene, &settings);
     sl_image_destroy(next_frame(method, 0));
-    uint64_t passes = counted(method, SL_COUNT_RASTER_PASSES),
-             photons = counted(method, SL_COUNT_MAP_PHOTONS);
+    uint64_t passes = count_of(method, SL_COUNT_RASTER_PASSES),
+             photons = count_of(method, SL_COUNT_MAP_PHOTONS);
     assert_true(photons > 0);
     const float eye[3] = {200.0f, 300.0f, -700.0f}, target[3] = {278.0f, 250.0f, 280.0f},
                 up[3] = {0.0f, 1.0f, 0.0f};
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, 0.7f, NULL), SL_OK);
     sl_image_destroy(next_frame(method, SL_CHANGED_CAMERA));
-    assert_int_equal(counted(method, SL_COUNT_RASTER_PASSES), passes + 1);
-    assert_int_equal(counted(method, SL_COUNT_MAP_PHOTONS), photons);
+    assert_int_equal(count_of(method, SL_COUNT_RASTER_PASSES), passes + 1);
+    assert_int_equal(count_of(method, SL_COUNT_MAP_PHOTONS), photons);
     sl_image_destroy(next_frame(method, SL_CHANGED_LIGHTS));
-    assert_int_equal(counted(method, SL_COUNT_MAP_PHOTONS), 2 * photons);
+    assert_int_equal(count_of(method, SL_COUNT_MAP_PHOTONS), 2 * photons);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
 }

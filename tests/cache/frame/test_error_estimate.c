@@ -396,8 +396,7 @@ static void what_no_path_from_the_eye_finds_is_owned_up_to(void **state) {
     for (size_t i = 0; i < 3; i++) {
         sl_settings settings = small_settings(cases[i].method, SIZE, SIZE);
         sl_error_probe *probe = probe_of(scene, &settings);
-        sl_image *image;
-        assert_int_equal(sl_image_create(SIZE, SIZE, 3, NULL, &image, NULL), SL_OK);
+        sl_image *image = blank_image(SIZE, SIZE, 3);
         assert_int_equal(estimate_with(probe, image, 16, 1).blind, cases[i].blind);
         sl_image_destroy(image);
         sl_error_probe_destroy(probe);

@@ -14,7 +14,6 @@ enum { METHODS = 5 };
 
 static sl_settings on_film(const char *method, int side, unsigned samples) {
     sl_settings s = small_settings(method, side, side);
-    s.quality = SL_QUALITY_DRAFT;
     s.filter = samples ? SL_FILTER_BOX : SL_FILTER_CENTRE;
     s.sub_samples = samples;
     s.shading_cache.updates = 60;
@@ -162,10 +161,9 @@ static void a_hair_of_light_is_as_bright_as_it_is_thick(void **state) {
  * units each pixel is grey. */
 static sl_scene *checkerboard(void) {
     enum { SIDE = 32 };
-    sl_image *image;
     sl_scene *scene;
     sl_error error;
-    assert_int_equal(sl_image_create(SIDE, SIDE, 1, NULL, &image, &error), SL_OK);
+    sl_image *image = blank_image(SIDE, SIDE, 1);
     for (int i = 0; i < SIDE * SIDE; i++)
         image->planes[i] = (i % SIDE < SIDE / 2) == (i / SIDE < SIDE / 2) ? 1.0f : 0.0f;
     scene_file_text("squares.png", "");
@@ -325,10 +323,9 @@ static void edges_along_pixel_centres_are_half_seen(void **state) {
 /* Leaves: a mask whose holes are a quarter of it, each some hundredths of a pixel wide. */
 static void a_lamp_behind_leaves_shines_through_their_holes(void **state) {
     enum { SIDE = 16, TEXELS = 64 };
-    sl_image *mask;
     sl_scene *scene;
     sl_error error;
-    assert_int_equal(sl_image_create(TEXELS, TEXELS, 1, NULL, &mask, &error), SL_OK);
+    sl_image *mask = blank_image(TEXELS, TEXELS, 1);
     for (int i = 0; i < TEXELS * TEXELS; i++)
         mask->planes[i] = i % TEXELS < TEXELS / 2 && i / TEXELS < TEXELS / 2 ? 0.0f : 1.0f;
     scene_file_text("holes.png", "");

@@ -25,7 +25,6 @@ static void pause_a_little(void) { nanosleep(&(struct timespec){0, 2000000}, NUL
 
 static sl_settings draft(const char *method) {
     sl_settings s = small_settings(method, W, H);
-    s.quality = SL_QUALITY_DRAFT;
     s.filter = SL_FILTER_CENTRE;
     return s;
 }

@@ -29,7 +29,6 @@ static const motion motions[] = {{"light-octree", "scenes/moving-ball.json", MOV
 
 static sl_settings settings_of(const motion *m, unsigned threads) {
     sl_settings s = small_settings(m->method, SIZE, SIZE);
-    s.quality = SL_QUALITY_DRAFT;
     s.filter = SL_FILTER_CENTRE;
     s.threads = threads;
     s.light_octree.depth = 3;
@@ -57,17 +56,6 @@ static sl_image *next_frame(const motion *m, sl_method *method, sl_scene *scene,
     return image;
 }
 
-/* Of what is displayed: lamps count as white. */
-static double error_of(const sl_image *image, const sl_image *still) {
-    double squares = 0.0, sum = 0.0;
-    for (int i = 0; i < 3 * SIZE * SIZE; i++) {
-        const double a = fmin((double)image->planes[i], 1.0), b = fmin((double)still->planes[i], 1.0);
-        squares += (a - b) * (a - b);
-        sum += b;
-    }
-    return sqrt(squares / (3.0 * SIZE * SIZE)) / (sum / (3.0 * SIZE * SIZE));
-}
-
 static double mean_of(const sl_image *image, const char *channel) {
     const float *plane = sl_image_channel(image, channel);
     double sum = 0.0;
@@ -78,7 +66,7 @@ static double mean_of(const sl_image *image, const char *channel) {
 static double error_of_frame(const motion *m, const sl_scene *scene, const sl_image *frame) {
     const sl_settings settings = settings_of(m, 2);
     sl_image *still = render(scene, &settings, NULL);
-    const double error = error_of(frame, still);
+    const double error = displayed_difference(frame, still);
     sl_image_destroy(still);
     return error;
 }

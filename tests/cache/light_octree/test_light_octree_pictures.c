@@ -14,8 +14,6 @@
 /* Few photons: a test takes a moment, not minutes. */
 static sl_settings octree_settings(int size) {
     sl_settings s = small_settings("light-octree", size, size);
-    s.threads = 2;
-    s.quality = SL_QUALITY_DRAFT;
     s.light_octree.photons = 40000;
     s.light_octree.neighbours = 100;
     return s;

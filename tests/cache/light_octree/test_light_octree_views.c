@@ -10,24 +10,15 @@
 
 static sl_settings octree_settings(int size) {
     sl_settings s = small_settings("light-octree", size, size);
-    s.threads = 2;
-    s.quality = SL_QUALITY_DRAFT;
     s.light_octree.photons = 30000;
     s.light_octree.neighbours = 60;
     s.light_octree.indirect_only = true;
     return s;
 }
 
-static double mean_of(const sl_image *image, const char *channel) {
-    size_t count = (size_t)image->width * (size_t)image->height;
-    double sum = 0.0;
-    for (size_t i = 0; i < count; i++) sum += (double)sl_image_channel(image, channel)[i] / (double)count;
-    return sum;
-}
-
 static double mean_indirect(const sl_scene *scene, const sl_settings *settings) {
     sl_image *image = render(scene, settings, NULL);
-    double mean = mean_of(image, "indirect.G");
+    double mean = channel_mean(image, "indirect.G");
     sl_image_destroy(image);
     return mean;
 }
@@ -105,7 +96,7 @@ static void lights_with_directions_shade_a_ball_that_colours_leave_flat(void **s
         sl_image_destroy(image);
     }
     print_message("rms %.4f with directions, %.4f without, of a mean of %.4f\n", rms[0], rms[1],
-                  mean_of(truth, "direct.G"));
+                  channel_mean(truth, "direct.G"));
     assert_true(rms[0] < 0.75 * rms[1]);
     sl_image_destroy(truth);
     sl_scene_destroy(scene);

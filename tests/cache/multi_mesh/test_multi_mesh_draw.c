@@ -19,12 +19,6 @@ static sl_rgb painted(const void *context, sl_vec3 p) {
     return PAINT;
 }
 
-static sl_scene *room(void) {
-    sl_scene *scene = furnished_room(6, 6);
-    scene->camera = room_camera(sl_v3(2, 1.5f, 4.9f), sl_v3(2.2f, 1.2f, 0));
-    return scene;
-}
-
 enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
 
 static void blank(rig *r) {
@@ -55,7 +49,7 @@ static void split_at_random(rig *r, uint64_t seed, int rounds) {
 
 static void a_mesh_of_one_colour_split_at_random_has_neither_holes_nor_steps(void **state) {
     sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(room(), (field){painted, NULL}, &settings, WIDTH, HEIGHT);
+    rig r = rig_of(striped_room(), (field){painted, NULL}, &settings, WIDTH, HEIGHT);
     rig_look(&r, NULL, 1);
     for (uint64_t round = 0; round < 3; round++) {
         split_at_random(&r, round, 2);
@@ -119,7 +113,7 @@ static void assert_same_planes(const rig *r, float *copy[3]) {
 static void incremental_drawing_equals(field f, bool hanging) {
     sl_displayed_settings settings = usual_settings();
     settings.hanging = hanging;
-    rig r = rig_of(room(), f, &settings, WIDTH, HEIGHT);
+    rig r = rig_of(striped_room(), f, &settings, WIDTH, HEIGHT);
     rig_look(&r, NULL, 1);
     rig_draw(&r, 1);
     uint64_t all = r.counters.value[SL_COUNT_PIXELS_REDRAWN];
@@ -156,7 +150,7 @@ static void so_it_does_where_samples_are_of_no_use(void **state) {
 
 static void a_drawn_pixel_has_the_value_that_the_mesh_has_there(void **state) {
     sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
+    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
     rig_look(&r, NULL, 1);
     for (int i = 0; i < 60; i++) rig_step(&r, 32);
     rig_draw(&r, 1);
@@ -175,7 +169,7 @@ static void a_drawn_pixel_has_the_value_that_the_mesh_has_there(void **state) {
 
 static void leaves_without_values_show_what_stands_in(void **state) {
     sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
+    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
     rig_look(&r, NULL, 1);
     for (uint32_t v = 0; v < r.mesh->mesh->vertex_count; v++)
         sl_mesh_set_state(r.mesh->mesh, v, SL_VERTEX_UNKNOWN);

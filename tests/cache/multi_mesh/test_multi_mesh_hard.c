@@ -12,8 +12,6 @@ enum { SIDE = 64, PIXELS = SIDE * SIDE };
 
 static sl_settings mesh_settings(int width, int height) {
     sl_settings s = small_settings("multi-mesh", width, height);
-    s.threads = 2;
-    s.quality = SL_QUALITY_DRAFT;
     return s;
 }
 
@@ -91,7 +89,6 @@ static sl_image *exact_direct_light(const sl_scene *scene, int width, int height
     s.transport = "direct";
     s.filter = SL_FILTER_CENTRE;
     s.spp = 4;
-    s.threads = 2;
     return render(scene, &s, NULL); /* without noise: there are but point lights */
 }
 

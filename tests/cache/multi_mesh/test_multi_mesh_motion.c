@@ -36,7 +36,6 @@ static sl_scene *moving_room(void) {
 
 static sl_settings mesh_settings(unsigned threads) {
     sl_settings s = small_settings("multi-mesh", SIDE, SIDE);
-    s.quality = SL_QUALITY_DRAFT;
     s.filter = SL_FILTER_CENTRE;
     s.threads = threads;
     s.gather_size = 64;
@@ -58,17 +57,6 @@ static double difference(const sl_image *image, const sl_image *reference, const
         all += pow((double)b[i], 2.0);
     }
     return sqrt(sum / all);
-}
-
-static double mean_of(const sl_image *image) {
-    const float *g = sl_image_channel(image, "G");
-    double sum = 0.0;
-    for (int i = 0; i < PIXELS; i++) sum += (double)g[i] / PIXELS;
-    return sum;
-}
-
-static uint64_t counted(const sl_method *method, sl_counter counter) {
-    return sl_method_counters(method)->value[counter];
 }
 
 /* Against pictures that begin with the scene as it is. */
@@ -103,20 +91,20 @@ static void light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while(vo
     sl_method *method = created_method(scene, &settings);
     run_to_end(method);
     sl_image *still = resolved_picture(method);
-    const double light = mean_of(still);
-    uint64_t splits = counted(method, SL_COUNT_SPLITS), undone = counted(method, SL_COUNT_COLLAPSES);
+    const double light = channel_mean(still, "G");
+    uint64_t splits = count_of(method, SL_COUNT_SPLITS), undone = count_of(method, SL_COUNT_COLLAPSES);
     for (int k = 1; k <= MOVES; k++) {
         move_to(method, scene, fmod(0.04 * k, 4.0));
         sl_image *seen = resolved_picture(method);
-        assert_in_range((int)(100.0 * mean_of(seen) / light), 70, 140);
+        assert_in_range((int)(100.0 * channel_mean(seen, "G") / light), 70, 140);
         sl_image_destroy(seen);
         if (k % 10 == 0) {
-            assert_true(counted(method, SL_COUNT_SPLITS) > splits || leaves_to_be_cut(method) == 0);
-            splits = counted(method, SL_COUNT_SPLITS);
+            assert_true(count_of(method, SL_COUNT_SPLITS) > splits || leaves_to_be_cut(method) == 0);
+            splits = count_of(method, SL_COUNT_SPLITS);
         }
         if (k % 45 == 0) look(method, scene, &settings, 0.10);
     }
-    assert_true(counted(method, SL_COUNT_COLLAPSES) > undone);
+    assert_true(count_of(method, SL_COUNT_COLLAPSES) > undone);
     sl_image_destroy(still);
     sl_method_destroy(method);
     sl_scene_destroy(scene);
@@ -320,7 +308,6 @@ static void where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_h
     sl_method *method = created_method(scene, &settings);
     const sl_window_class *class = method->class->window;
     void *window;
-    sl_image *image;
     uint64_t versions;
     sl_counters counters = {{0}};
     assert_int_equal(sl_scene_copy(scene, &copy, NULL), SL_OK);
@@ -328,7 +315,7 @@ static void where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_h
     assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
     move_to(method, scene, 0.1);
     assert_int_equal(((sl_multi_mesh_state *)method->state)->phase, SL_PHASE_FIRST);
-    assert_int_equal(sl_image_create(SIDE, SIDE, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(SIDE, SIDE, 3);
     assert_int_equal(class->draw(window, image, &versions, &counters, NULL), SL_OK);
     double sum = 0.0;
     for (size_t i = 0; i < 3 * PIXELS; i++) sum += (double)image->planes[i];

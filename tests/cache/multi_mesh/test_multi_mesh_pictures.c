@@ -13,8 +13,6 @@ static const double pi = 3.14159265358979323846;
 
 static sl_settings mesh_settings(int width, int height) {
     sl_settings s = small_settings("multi-mesh", width, height);
-    s.threads = 2;
-    s.quality = SL_QUALITY_DRAFT;
     return s;
 }
 

@@ -5,14 +5,8 @@
 
 enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
 
-static sl_scene *room(void) {
-    sl_scene *scene = furnished_room(6, 6);
-    scene->camera = room_camera(sl_v3(2, 1.5f, 4.9f), sl_v3(2.2f, 1.2f, 0));
-    return scene;
-}
-
 static void every_pixel_that_shows_something_is_listed_once_under_its_face(void **state) {
-    sl_scene *scene = room();
+    sl_scene *scene = striped_room();
     sl_raster *raster = raster_of(scene);
     sl_primitives *primitives;
     sl_view view = sl_view_scene(scene, WIDTH, HEIGHT);

@@ -13,7 +13,6 @@ enum { SIDE = 64, PIXELS = SIDE * SIDE };
 
 static sl_image *picture_of(const sl_scene *scene) {
     sl_settings s = small_settings("multi-mesh", SIDE, SIDE);
-    s.threads = 2;
     s.quality = SL_QUALITY_NORMAL;
     sl_image *image = render(scene, &s, NULL);
     assert_sound_picture(image, "by multi-mesh caching");

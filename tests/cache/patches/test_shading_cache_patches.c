@@ -12,30 +12,28 @@ static size_t power_of_4(int d) { return (size_t)1 << (2 * d); }
 
 /* ---- counts ---- */
 
+static void assert_split_evenly(sl_scene *scene, uint32_t root, int d, size_t vertices) {
+    hierarchy h = hierarchy_of(scene, 0);
+    split_levels(&h, want_root(&h, root), d);
+    assert_int_equal(h.patches->leaves_alive, power_of_4(d));
+    assert_int_equal(h.patches->patches_alive, (power_of_4(d + 1) - 1) / 3);
+    assert_int_equal(h.patches->vertices_alive, vertices);
+    assert_sound(h.patches);
+    hierarchy_discard(&h);
+}
+
 static void a_square_split_to_depth_d_has_4_to_the_d_leaves_and_a_grid_of_vertices(void **state) {
     for (int d = 0; d <= 5; d++) {
-        hierarchy h = hierarchy_of(square_scene(), 0);
-        split_levels(&h, want_root(&h, 0), d);
         size_t n = (size_t)1 << d;
-        assert_int_equal(h.patches->leaves_alive, power_of_4(d));
-        assert_int_equal(h.patches->patches_alive, (power_of_4(d + 1) - 1) / 3);
-        assert_int_equal(h.patches->vertices_alive, (n + 1) * (n + 1));
-        assert_sound(h.patches);
-        hierarchy_discard(&h);
+        assert_split_evenly(square_scene(), 0, d, (n + 1) * (n + 1));
     }
 }
 
 static void a_triangle_split_to_depth_d_has_4_to_the_d_leaves_and_a_triangular_grid_of_vertices(
     void **state) {
     for (int d = 0; d <= 5; d++) {
-        hierarchy h = hierarchy_of(triangle_scene(), 0);
-        split_levels(&h, want_root(&h, 1), d);
         size_t n = (size_t)1 << d;
-        assert_int_equal(h.patches->leaves_alive, power_of_4(d));
-        assert_int_equal(h.patches->patches_alive, (power_of_4(d + 1) - 1) / 3);
-        assert_int_equal(h.patches->vertices_alive, (n + 1) * (n + 2) / 2);
-        assert_sound(h.patches);
-        hierarchy_discard(&h);
+        assert_split_evenly(triangle_scene(), 1, d, (n + 1) * (n + 2) / 2);
     }
 }
 

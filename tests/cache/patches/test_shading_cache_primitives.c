@@ -21,7 +21,7 @@ static sl_primitives *primitives_of(const sl_scene *scene) {
     return p;
 }
 
-static size_t count_of(const sl_primitives *p, sl_primitive_kind kind) {
+static size_t count_of_kind(const sl_primitives *p, sl_primitive_kind kind) {
     size_t count = 0;
     for (size_t i = 0; i < p->count; i++) count += p->kind[i] == kind;
     return count;
@@ -34,7 +34,7 @@ static void the_walls_and_boxes_of_the_cornell_box_are_quadrilaterals(void **sta
     sl_primitives *p = primitives_of(scene);
     /* The published measurements are not quite those of parallelograms: the floor's and the ceiling's
      * corners, and some sides of the boxes. */
-    size_t quads = count_of(p, SL_PRIMITIVE_QUAD), triangles = count_of(p, SL_PRIMITIVE_TRIANGLE);
+    size_t quads = count_of_kind(p, SL_PRIMITIVE_QUAD), triangles = count_of_kind(p, SL_PRIMITIVE_TRIANGLE);
     assert_int_equal(2 * quads + triangles, scene->triangle_count);
     assert_true(quads >= 5);
     for (uint32_t i = 0; i < p->count; i++) {

@@ -36,10 +36,6 @@ static uint64_t to_the_end(sl_method *method) {
     return updates;
 }
 
-static uint64_t count_of(const sl_method *method, sl_counter what) {
-    return sl_method_counters(method)->value[what];
-}
-
 static void edit(sl_method *method, unsigned changes) {
     assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
 }

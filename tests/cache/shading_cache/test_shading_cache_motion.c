@@ -39,22 +39,11 @@ static void to_the_end(sl_method *method) {
 /* To and fro, 25 frames a second. */
 static double time_of(int move) { return 3.96 - fabs(fmod(0.04 * move, 7.92) - 3.96); }
 
-/* Relative RMS difference of what is displayed: lamps count as white. */
-static double apart(const sl_image *image, const sl_image *from) {
-    double squares = 0.0, sum = 0.0;
-    for (int i = 0; i < 3 * PIXELS; i++) {
-        double a = fmin((double)image->planes[i], 1.0), b = fmin((double)from->planes[i], 1.0);
-        squares += (a - b) * (a - b);
-        sum += b;
-    }
-    return sqrt(squares / (3 * PIXELS)) / (sum / (3 * PIXELS));
-}
-
 static double apart_from_a_fresh_one(sl_method *method, const sl_scene *scene, const sl_settings *settings) {
     sl_method *fresh = created_method(scene, settings);
     to_the_end(fresh);
     sl_image *image = resolved_picture(method), *right = resolved_picture(fresh);
-    double difference = apart(image, right);
+    double difference = displayed_difference(image, right);
     sl_image_destroy(image);
     sl_image_destroy(right);
     sl_method_destroy(fresh);

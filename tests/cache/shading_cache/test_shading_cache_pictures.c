@@ -9,8 +9,6 @@
 
 static sl_settings cache_settings(int width, int height) {
     sl_settings s = small_settings("shading-cache", width, height);
-    s.threads = 2;
-    s.quality = SL_QUALITY_DRAFT;
     return s;
 }
 
@@ -19,7 +17,6 @@ static sl_image *path_picture(const sl_scene *scene, const sl_settings *settings
     reference.transport = "matched:shading-cache";
     reference.shading_cache = settings->shading_cache;
     reference.spp = spp;
-    reference.threads = 2;
     return render(scene, &reference, NULL);
 }
 

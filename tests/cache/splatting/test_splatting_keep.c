@@ -9,6 +9,7 @@
 #include "unit_test.h"
 #include "base/random.h"
 #include "cache/frame/cache_file.h"
+#include "image_support.h"
 #include "rendering.h"
 
 typedef struct {
@@ -41,23 +42,6 @@ static void save(const sl_method *method, const char *path) {
 static void load(sl_method *method, const char *path) {
     sl_error error;
     if (sl_method_load(method, path, &error) != SL_OK) fail_msg("%s", error.message);
-}
-
-static uint64_t count_of(const sl_method *method, sl_counter counter) {
-    return sl_method_counters(method)->value[counter];
-}
-
-static uint8_t *read_file(const char *path, size_t *size) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    assert_int_equal(fseek(file, 0, SEEK_END), 0);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    uint8_t *bytes = malloc(*size);
-    assert_non_null(bytes);
-    assert_int_equal(fread(bytes, 1, *size, file), *size);
-    fclose(file);
-    return bytes;
 }
 
 static void write_file(const char *path, const uint8_t *bytes, size_t size) {
