@@ -97,8 +97,7 @@ static void the_settings_that_a_picture_tells_make_it_again(void **state) {
         sl_image *same = render_small(scene, settings_of_picture(image));
         if (!same_picture(image, same)) fail_msg("%s: another picture", lines[l]);
         assert_int_equal(image->metadata_count, same->metadata_count);
-        sl_image_destroy(image);
-        sl_image_destroy(same);
+        destroy_pictures(image, same);
     }
     sl_scene_destroy(scene);
 }

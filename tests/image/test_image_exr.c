@@ -46,8 +46,7 @@ static void a_layered_image_comes_back_bit_for_bit(void **state) {
         assert_same_image(image, back);
         assert_string_equal(back->channel_name[0], "R");
         assert_string_equal(back->channel_name[2], "B");
-        sl_image_destroy(image);
-        sl_image_destroy(back);
+        destroy_pictures(image, back);
     }
 }
 
@@ -62,8 +61,7 @@ static void every_kind_of_float_survives(void **state) {
     assert_int_equal(sl_image_write(image, scene_file_path("floats.exr"), NULL), SL_OK);
     assert_int_equal(sl_image_read(scene_file_path("floats.exr"), &back, NULL), SL_OK);
     assert_same_image(image, back);
-    sl_image_destroy(image);
-    sl_image_destroy(back);
+    destroy_pictures(image, back);
 }
 
 /* OpenEXR 3.1's C library takes a chunk that does not shrink at all for one that does. */
@@ -83,8 +81,7 @@ static void chunks_that_zip_to_their_own_size_survive(void **state) {
     assert_int_equal(sl_image_write(image, scene_file_path("chunks.exr"), NULL), SL_OK);
     assert_int_equal(sl_image_read(scene_file_path("chunks.exr"), &back, NULL), SL_OK);
     assert_same_image(image, back);
-    sl_image_destroy(image);
-    sl_image_destroy(back);
+    destroy_pictures(image, back);
 }
 
 static void metadata_comes_back(void **state) {
@@ -105,8 +102,7 @@ static void metadata_comes_back(void **state) {
     assert_string_equal(sl_image_metadata(back, long_key), long_value);
     assert_null(sl_image_metadata(back, "absent"));
     free(long_value);
-    sl_image_destroy(image);
-    sl_image_destroy(back);
+    destroy_pictures(image, back);
 }
 
 static void metadata_with_a_name_of_the_format_is_refused(void **state) {

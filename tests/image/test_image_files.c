@@ -60,8 +60,7 @@ static void a_pfm_comes_back_bit_for_bit(void **state) {
     assert_int_equal(back->width, 7);
     assert_int_equal(back->height, 5);
     assert_true(same_bits(image->planes, back->planes, 105));
-    sl_image_destroy(image);
-    sl_image_destroy(back);
+    destroy_pictures(image, back);
 }
 
 /* ---- Radiance HDR ---------------------------------------------------------------------------- */

@@ -17,8 +17,7 @@ static void a_new_image_is_black_and_its_planes_follow_each_other(void **state) 
     }
     assert_null(sl_image_channel(image, "direct.G"));
     assert_null(sl_image_channel(image, ""));
-    sl_image_destroy(image);
-    sl_image_destroy(NULL);
+    destroy_pictures(image, NULL);
 }
 
 static void channels_without_names_are_rgb_or_y(void **state) {

@@ -361,8 +361,7 @@ static void a_method_takes_no_null(void **state) {
     USAGE(sl_method_explanation(method, image, 0, 0, NULL, error));
     assert_null(explanation);
     sl_image_destroy(image);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void a_explanation_is_of_a_pixel_of_the_last_picture(void **state) {
@@ -389,8 +388,7 @@ static void a_explanation_is_of_a_pixel_of_the_last_picture(void **state) {
         /* which is no longer the last */
         USAGE(sl_method_explanation(method, image, 1, 1, &explanation, error));
         assert_null(explanation);
-        sl_image_destroy(image);
-        sl_image_destroy(other);
+        destroy_pictures(image, other);
         sl_image_destroy(same);
         sl_method_destroy(method);
     }
@@ -581,8 +579,7 @@ static void an_error_is_of_a_picture_that_the_probes_are_of(void **state) {
     assert_int_equal(e.probes, SIDE * SIDE);
     assert_int_equal(sl_error_probe_estimate(probe, image, SIDE * SIDE, 1, &e, NULL), SL_OK);
     assert_int_equal(e.probes, SIDE * SIDE);
-    sl_image_destroy(image);
-    sl_image_destroy(wide);
+    destroy_pictures(image, wide);
     sl_image_destroy(plain);
     sl_error_probe_destroy(probe);
     sl_scene_destroy(scene);

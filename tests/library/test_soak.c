@@ -172,8 +172,7 @@ static void edit_for_ever(const char *name) {
         print_message(
             "%s: %u rounds of four edits and pictures, %.0f then %.0f bytes, pages %.0f then %.0f\n", name,
             s.round, held, now, s.early.resident, late.resident);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void edits_and_pictures_leave_nothing_behind_in_any_method(void **state) {

@@ -33,8 +33,7 @@ static void *work(void *context) {
     if (status == SL_OK) status = sl_method_create(scene, &settings, &method, NULL);
     while (status == SL_OK && !progress.done) status = sl_method_update(method, &progress, NULL);
     if (status == SL_OK) (void)sl_method_resolve(method, &j->image, NULL);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
     return NULL;
 }
 
@@ -96,8 +95,7 @@ static void a_method_a_thread_follows_one_scene_as_alone(void **state) {
         assert_non_null(alone.image);
         assert_non_null(together[i].image);
         assert_true(same_picture(alone.image, together[i].image));
-        sl_image_destroy(alone.image);
-        sl_image_destroy(together[i].image);
+        destroy_pictures(alone.image, together[i].image);
         sl_method_destroy(alone.method);
         sl_method_destroy(together[i].method);
     }

@@ -113,8 +113,7 @@ static void with_fewer_threads_than_were_asked_for_pictures_are_the_same(void **
         sl_image *image = render(scene, &many, NULL);
         wanted_more += atomic_load(&refused) > 0;
         assert_true(same_picture(image, expected));
-        sl_image_destroy(image);
-        sl_image_destroy(expected);
+        destroy_pictures(image, expected);
     }
     assert_true(wanted_more > 3); /* in so small a picture not all do */
     sl_scene_destroy(scene);

@@ -101,8 +101,7 @@ static void assert_same_scene(sl_scene *made, sl_scene *loaded) {
         const sl_settings settings = least_settings(methods[m], 16, 12);
         sl_image *a = render(made, &settings, NULL), *b = render(loaded, &settings, NULL);
         if (!same_picture(a, b)) fail_msg("%s draws another picture", methods[m]);
-        sl_image_destroy(a);
-        sl_image_destroy(b);
+        destroy_pictures(a, b);
     }
     sl_scene_destroy(made);
     sl_scene_destroy(loaded);

@@ -117,8 +117,7 @@ static void the_octrees_lobes_light_bumps_as_paths_do(void **state) {
                   b.rel_mse - b.rel_mse_noise, f.rel_mse - f.rel_mse_noise, 100.0 * b.bias);
     assert_true(fabs(b.bias) < 0.05);
     assert_true(b.rel_mse - b.rel_mse_noise < 0.7 * (f.rel_mse - f.rel_mse_noise));
-    sl_image_destroy(truth);
-    sl_image_destroy(bumpy);
+    destroy_pictures(truth, bumpy);
     sl_image_destroy(flat);
     sl_scene_destroy(scene);
 }

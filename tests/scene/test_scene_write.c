@@ -26,8 +26,7 @@ static void assert_same_pictures(const sl_scene *a, const sl_scene *b, const cha
         const sl_settings settings = least_settings(methods[m], 16, 12);
         sl_image *x = render(a, &settings, NULL), *y = render(b, &settings, NULL);
         if (!same_picture(x, y)) fail_msg("%s: %s draws another picture", what, methods[m]);
-        sl_image_destroy(x);
-        sl_image_destroy(y);
+        destroy_pictures(x, y);
     }
 }
 

@@ -147,6 +147,16 @@ sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters
     return image;
 }
 
+void destroy_pictures(sl_image *one, sl_image *other) {
+    sl_image_destroy(one);
+    sl_image_destroy(other);
+}
+
+void destroy_method(sl_method *method, sl_scene *scene) {
+    sl_method_destroy(method);
+    sl_scene_destroy(scene);
+}
+
 sl_image *blank_image(int width, int height, int channels) {
     sl_error error;
     sl_image *image;

@@ -32,6 +32,8 @@ sl_image *finished_picture(sl_method *method);
 sl_image *blank_image(int width, int height,
                       int channels); /* with the names that channels have by themselves */
 uint64_t count_of(const sl_method *method, sl_counter counter);
+void destroy_pictures(sl_image *one, sl_image *other);
+void destroy_method(sl_method *method, sl_scene *scene); /* and its scene */
 double channel_mean(const sl_image *image, const char *channel);
 /* Relative RMS difference of what is displayed: lamps count as white. */
 double displayed_difference(const sl_image *image, const sl_image *from);

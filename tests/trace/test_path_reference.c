@@ -132,8 +132,7 @@ static void check_picture(const trace_picture *p, const char *first, const char 
     } else {
         print_message("skipped: the reference pictures are not there\n");
     }
-    sl_image_destroy(mask);
-    sl_image_destroy(r1);
+    destroy_pictures(mask, r1);
     sl_image_destroy(r2);
 }
 

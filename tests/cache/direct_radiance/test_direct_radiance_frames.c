@@ -76,8 +76,7 @@ static void a_picture_without_layers_is_the_same_picture(void **state) {
         assert_memory_equal(sl_image_channel(first, names[c]), sl_image_channel(all, names[c]),
                             50 * 50 * sizeof(float));
     }
-    sl_image_destroy(first);
-    sl_image_destroy(again);
+    destroy_pictures(first, again);
     sl_method_destroy(method);
     sl_image_destroy(all);
     sl_scene_destroy(scene);
@@ -136,10 +135,8 @@ static void frame_k_alone_is_frame_k_of_the_series(void **state) {
         }
         sl_image *alone = render(scene, &settings, NULL);
         assert_true(same_picture(series, alone));
-        sl_image_destroy(alone);
-        sl_image_destroy(series);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_pictures(alone, series);
+        destroy_method(method, scene);
     }
 }
 
@@ -159,8 +156,7 @@ static void a_new_camera_keeps_what_the_lights_see(void **state) {
     assert_int_equal(count_of(method, SL_COUNT_MAP_PHOTONS), photons);
     sl_image_destroy(next_frame(method, SL_CHANGED_LIGHTS));
     assert_int_equal(count_of(method, SL_COUNT_MAP_PHOTONS), 2 * photons);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* ---- only what is needed ---- */

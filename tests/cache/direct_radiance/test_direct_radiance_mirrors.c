@@ -57,8 +57,7 @@ static void a_mirror_shows_what_its_image_of_the_eye_sees_and_dims_it(void **sta
     print_message("%zu of %zu differ, %zu are darker\n", differing, lit[0] + lit[1], darker);
     assert_true(lit[0] > 0 && lit[1] > PIXELS / 4 && lit[2] > PIXELS / 4);
     assert_true(differing < (lit[0] + lit[1]) / 50 && darker < lit[2] / 50); /* rounding at edges */
-    sl_image_destroy(mirrored);
-    sl_image_destroy(straight);
+    destroy_pictures(mirrored, straight);
 }
 
 /* A ray that neither ends nor leaves is black, and finite. */

@@ -106,8 +106,7 @@ static void follow_series(const char *name, int edits, bool limited, looks *l) {
     }
     print_message("%-16s %.4f, a fresh one %.4f; %d the same; memory ended %d times\n", name,
                   sqrt(l->edited), sqrt(l->fresh), l->same, failures);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void check_series(const char *name, int edits, bool limited) {

@@ -30,8 +30,7 @@ static sl_comparison edited_against_fresh(sl_scene *scene, const sl_settings *se
     go_to_time(scene, method, 1.0);
     sl_image *edited = finished_picture(method), *fresh = render(scene, settings, NULL);
     sl_comparison c = comparison_of(edited, fresh);
-    sl_image_destroy(edited);
-    sl_image_destroy(fresh);
+    destroy_pictures(edited, fresh);
     sl_method_destroy(method);
     return c;
 }
@@ -88,8 +87,7 @@ static void before_its_first_sample_the_shading_cache_guesses_by_the_light_of_no
     sl_image *pictures[] = {bright, edited, fresh};
     for (int i = 0; i < 3; i++) sl_image_destroy(pictures[i]);
     sl_method_destroy(other);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* Two rooms far from each other on a plain: where the eye is is the central region of the scene. */
@@ -128,8 +126,7 @@ static void an_eye_in_another_room_far_away_sees_it_as_a_new_method_would(void *
         print_message("%-16s mean %.4f, %.2f %% off a fresh one's %.4f\n", settings.method, c.mean_image,
                       100.0 * c.rel_rmse, c.mean_reference);
         assert_true(c.mean_reference > 0.02 && c.rel_rmse < 0.02);
-        sl_image_destroy(edited);
-        sl_image_destroy(fresh);
+        destroy_pictures(edited, fresh);
         sl_method_destroy(method);
     }
     sl_scene_destroy(scene);

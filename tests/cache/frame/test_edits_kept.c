@@ -63,8 +63,7 @@ static void check_entry(size_t i, room_edit kind) {
     if (entries[i].most == ANEW) assert_int_equal(more, all);
     else assert_true((double)more <= entries[i].most * (double)all);
     sl_method_destroy(fresh);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void what_the_table_says_is_kept_is_not_computed_again(void **state) {
@@ -114,8 +113,7 @@ static void every_record_is_its_gather_done_anew(void **state) {
     const sl_record_list *list = &s->cache[SL_RECEIVES_IRRADIANCE].list;
     assert_true(list->count > 50);
     for (size_t i = 0; i < list->count; i += 10) assert_true(is_its_gather(s, &list->records[i], &batch));
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* An older value is shown until its turn comes. */
@@ -143,8 +141,7 @@ static void shading_since_the_last_edit_is_what_a_fresh_cache_computes(void **st
     print_message("%zu the same, %zu older, %zu others\n", same, older, others);
     assert_true(same > 200 && others == 0);
     sl_method_destroy(fresh);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* Of few photons the slices of motion, whole chunks of paths, are more than a picture at rest has. */
@@ -231,8 +228,7 @@ static void when_a_lamp_alone_has_another_power_nothing_is_sampled_and_values_ar
     print_message("values are apart by %.2g of them at most\n", apart);
     assert_true(apart < 1e-5);
     sl_method_destroy(fresh);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 int main(void) {

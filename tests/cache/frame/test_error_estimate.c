@@ -71,8 +71,7 @@ static void estimates_agree_with_a_converged_reference_for_every_method(void **s
         /* or no better than the probes can tell */
         assert_true(e.bound < 2.0 * truth || e.bound < 1.3 * e.resolution);
         sl_error_probe_destroy(probe);
-        sl_image_destroy(image);
-        sl_image_destroy(reference);
+        destroy_pictures(image, reference);
     }
     sl_scene_destroy(scene);
 }
@@ -169,8 +168,7 @@ static void the_bound_holds_for_at_least_nine_of_ten_seeds(void **state) {
     print_message("truth %.4f; %u of %u bounds hold, %u of those from below\n", truth, above, SEEDS, below);
     assert_true(10 * above >= 9 * SEEDS);
     assert_true(10 * below >= 9 * SEEDS);
-    sl_image_destroy(image);
-    sl_image_destroy(reference);
+    destroy_pictures(image, reference);
     sl_scene_destroy(scene);
 }
 
@@ -273,8 +271,7 @@ static sl_error_estimate estimate_beside_a_lamp(double wrong, double planted[2])
                   planted[1], e.rel_rmse, e.least, e.bound);
     assert_int_equal(e.probes, pixels);
     sl_error_probe_destroy(probe);
-    sl_image_destroy(truth);
-    sl_image_destroy(image);
+    destroy_pictures(truth, image);
     sl_scene_destroy(scene);
     return e;
 }
@@ -347,8 +344,7 @@ static void a_picture_of_two_halves_knows_its_own_error(void **state) {
     image = render(scene, &settings, NULL);
     assert_int_equal(sl_error_estimate_from_halves(image, NULL, &e, NULL), SL_OK);
     assert_true(isinf(e.bound));
-    sl_image_destroy(image);
-    sl_image_destroy(reference);
+    destroy_pictures(image, reference);
     sl_scene_destroy(scene);
 }
 
@@ -382,8 +378,7 @@ static void how_much_of_an_error_is_left_is_told_by_differences_at_the_same_prob
         assert_true(10 * held >= 9 * SEEDS);
         if (shares[i] > 0.9) assert_true(10 * near >= 9 * SEEDS && 10 * overlap >= 9 * SEEDS);
     }
-    sl_image_destroy(second);
-    sl_image_destroy(first);
+    destroy_pictures(second, first);
     sl_scene_destroy(scene);
 }
 

@@ -286,10 +286,8 @@ static void a_film_follows_edits(void **state) {
     assert_int_equal(sl_scene_set_time(other, 0.7, NULL, NULL), SL_OK);
     sl_image *anew = render(other, &settings, NULL);
     assert_true(same_picture(moved, anew));
-    sl_image_destroy(moved);
-    sl_image_destroy(anew);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_pictures(moved, anew);
+    destroy_method(method, scene);
     sl_scene_destroy(other);
 }
 
@@ -363,8 +361,7 @@ static void a_pixel_of_a_film_is_not_explained(void **state) {
     assert_int_equal(sl_method_explanation(method, image, 3, 3, &explanation, &error), SL_ERROR_USAGE);
     assert_non_null(strstr(error.message, "filter=centre"));
     sl_image_destroy(image);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 int main(void) {

@@ -84,10 +84,8 @@ static void colours_for_frames_are_the_pictures(void **state) {
         for (int c = 0; c < 3; c++)
             assert_memory_equal(colours->planes + c * W * H, sl_image_channel(picture, names[c]),
                                 W * H * sizeof(float));
-        sl_image_destroy(picture);
-        sl_image_destroy(colours);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_pictures(picture, colours);
+        destroy_method(method, scene);
     }
 }
 

@@ -211,8 +211,7 @@ static void what_is_done_less_is_told_and_does_not_depend_on_threads(void **stat
             fail_msg("%s: '%s' does not tell of %s", cases[i].method, told, cases[i].told);
         assert_non_null(sl_image_metadata(three, "softlux.memory"));
         assert_true(same_picture(one, three));
-        sl_image_destroy(one);
-        sl_image_destroy(three);
+        destroy_pictures(one, three);
     }
     sl_scene_destroy(scene);
 }
@@ -262,8 +261,7 @@ static void enough_memory_changes_no_bit(void **state) {
         sl_image *bounded = render(scene, &s, NULL);
         assert_true(same_picture(free_one, bounded));
         assert_null(sl_image_metadata(bounded, "softlux.reduced"));
-        sl_image_destroy(free_one);
-        sl_image_destroy(bounded);
+        destroy_pictures(free_one, bounded);
     }
     sl_scene_destroy(scene);
 }

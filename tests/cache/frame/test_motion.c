@@ -95,8 +95,7 @@ static void follow(const motion *m) {
                   100.0 * worst);
     assert_true(worst < m->most);
     sl_method_destroy(method[0]);
-    sl_method_destroy(method[1]);
-    sl_scene_destroy(scene);
+    destroy_method(method[1], scene);
 }
 
 static void frames_of_what_moves_without_rest_are_near_those_of_what_stands_still(void **state) {
@@ -113,10 +112,8 @@ static void what_comes_to_rest_is_the_picture_of_what_never_moved(void **state) 
         for (int move = 1; move < 5; move++) sl_image_destroy(next_frame(&motions[i], method, scene, move));
         sl_image *image = finished_picture(method), *still = render(scene, &settings, NULL);
         assert_true(same_picture(image, still));
-        sl_image_destroy(still);
-        sl_image_destroy(image);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_pictures(still, image);
+        destroy_method(method, scene);
     }
 }
 

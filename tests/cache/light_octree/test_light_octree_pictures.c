@@ -120,10 +120,8 @@ static void a_new_camera_keeps_photons_and_voxels(void **state) {
     const sl_counters *after = sl_method_counters(method);
     assert_int_equal(after->value[SL_COUNT_PHOTONS_EMITTED], before.value[SL_COUNT_PHOTONS_EMITTED]);
     assert_int_equal(after->value[SL_COUNT_LEAVES], before.value[SL_COUNT_LEAVES]);
-    sl_image_destroy(moved);
-    sl_image_destroy(alone);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_pictures(moved, alone);
+    destroy_method(method, scene);
 }
 
 /* ---- mirrors, caustics, the stored paths ---- */
@@ -172,8 +170,7 @@ static void highlights_in_mirrors_are_where_the_mirror_reflects_them(void **stat
         print_message("%s: %.4f of %.4f\n", layers[k], apart / (SIZE * SIZE), sum / (SIZE * SIZE));
         assert_true(sum > 0.0 && apart < (k == 0 ? 1e-3 : 0.2) * sum);
     }
-    sl_image_destroy(in_mirror);
-    sl_image_destroy(truth);
+    destroy_pictures(in_mirror, truth);
     sl_scene_destroy(mirrored);
     sl_scene_destroy(plain);
 }
@@ -276,8 +273,7 @@ static void mirrors_show_a_far_environment_alone_as_by_rays(void **state) {
     assert_true(c.mean_image > 0.5);
     /* one for each pixel of the mirror */
     assert_true(with_rays.value[SL_COUNT_RAYS] > counters.value[SL_COUNT_RAYS] + 1000);
-    sl_image_destroy(rays);
-    sl_image_destroy(cube);
+    destroy_pictures(rays, cube);
     sl_scene_destroy(scene);
 }
 
@@ -294,8 +290,7 @@ static void by_way_of_the_atlas_the_picture_is_the_same_but_for_filtering(void *
     sl_comparison c = comparison_of(atlas, octree);
     print_message("relRMSE between the two %.2f %%, bias %.2f %%\n", 100.0 * c.rel_rmse, 100.0 * c.bias);
     assert_true(!c.identical && c.rel_mse < 1e-3);
-    sl_image_destroy(octree);
-    sl_image_destroy(atlas);
+    destroy_pictures(octree, atlas);
     sl_scene_destroy(scene);
 }
 
@@ -314,8 +309,7 @@ static void a_new_camera_looks_its_light_up_in_the_atlas_that_is_there(void **st
     run_to_end(method);
     uint64_t looked_up = sl_method_counters(method)->value[SL_COUNT_TEXTURE_FETCHES] - baked;
     assert_true(looked_up <= 24 * 24);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* ---- nothing there ---- */

@@ -153,11 +153,9 @@ static void a_frame_of_a_series_is_that_frame_alone(void **state) {
         second = next_frame(method, changes);
         sl_image *alone = render(scene, &settings, NULL);
         assert_true(same_picture(second, alone) && !same_picture(first, second));
-        sl_image_destroy(first);
-        sl_image_destroy(second);
+        destroy_pictures(first, second);
         sl_image_destroy(alone);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_method(method, scene);
     }
 }
 
@@ -183,11 +181,9 @@ static void a_frame_in_motion_is_nearly_the_picture_at_rest(void **state) {
     print_message("%.4f apart\n", apart / total);
     assert_true(apart > 0.0 && apart < 0.02 * total);
     assert_true(same_picture(rest, again));
-    sl_image_destroy(rest);
-    sl_image_destroy(moving);
+    destroy_pictures(rest, moving);
     sl_image_destroy(again);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* ---- what is said ---- */

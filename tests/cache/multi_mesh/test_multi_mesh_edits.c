@@ -52,8 +52,7 @@ static void light_in_other_colours_is_not_sampled_again(void **state) {
                   (unsigned)both);
     assert_true(both > 100 && last < 2 * first);
     sl_method_destroy(fresh);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 int main(void) {

@@ -125,8 +125,7 @@ static int count_wrong(const sl_scene *scene, sl_quality quality, int reach) {
         else wrong++;
     }
     print_message("%d of %d pixels differ beside borders, %d elsewhere\n", at_borders, PIXELS, wrong);
-    sl_image_destroy(ours);
-    sl_image_destroy(theirs);
+    destroy_pictures(ours, theirs);
     return wrong;
 }
 
@@ -198,8 +197,7 @@ static void the_shadow_of_a_rug_is_a_pixel_wide_and_dark(void **state) {
     print_message("%d dark pixels, %.1f %% as bright as those below\n", dark, 100.0 * there / around);
     assert_true(dark > 15);
     assert_true(there < 0.1 * around);
-    sl_image_destroy(ours);
-    sl_image_destroy(theirs);
+    destroy_pictures(ours, theirs);
     sl_scene_destroy(scene);
 }
 

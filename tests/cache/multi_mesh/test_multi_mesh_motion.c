@@ -65,8 +65,7 @@ static void look(sl_method *method, const sl_scene *scene, const sl_settings *se
     double all = difference(seen, fresh, "G"), direct = difference(seen, fresh, "direct.G");
     print_message("%.1f %% off, direct light %.1f %%\n", 100.0 * all, 100.0 * direct);
     assert_true(all < most && direct < most);
-    sl_image_destroy(seen);
-    sl_image_destroy(fresh);
+    destroy_pictures(seen, fresh);
 }
 
 /* Leaves that are seen, known to be too large or to have an edge that differs, and may be cut. */
@@ -106,8 +105,7 @@ static void light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while(vo
     }
     assert_true(count_of(method, SL_COUNT_COLLAPSES) > undone);
     sl_image_destroy(still);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void pictures_in_motion_have_the_same_bits_with_any_threads(void **state) {
@@ -128,8 +126,7 @@ static void pictures_in_motion_have_the_same_bits_with_any_threads(void **state)
         for (int i = 0; i < 2; i++) sl_image_destroy(seen[i]);
     }
     for (int i = 0; i < 2; i++) {
-        sl_method_destroy(method[i]);
-        sl_scene_destroy(scene[i]);
+        destroy_method(method[i], scene[i]);
     }
 }
 
@@ -149,11 +146,9 @@ static void after_edits_that_undo_each_other_a_picture_is_as_good_as_a_fresh_one
     double ours = difference(seen, reference, "G"), theirs = difference(fresh, reference, "G");
     print_message("%.2f %%, a fresh one %.2f %%\n", 100.0 * ours, 100.0 * theirs);
     assert_true(ours < 1.1 * theirs);
-    sl_image_destroy(seen);
-    sl_image_destroy(fresh);
+    destroy_pictures(seen, fresh);
     sl_image_destroy(reference);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* ---- samples that survive ---- */
@@ -256,10 +251,8 @@ static void a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once(v
     sl_image *seen = resolved_picture(method), *fresh = render(scene, &settings, NULL);
     print_message("direct light %.2f %% off\n", 100.0 * difference(seen, fresh, "direct.G"));
     assert_true(difference(seen, fresh, "direct.G") < 0.08);
-    sl_image_destroy(seen);
-    sl_image_destroy(fresh);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_pictures(seen, fresh);
+    destroy_method(method, scene);
 }
 
 /* The coarse mesh of a picture at rest has more vertices than all these updates ask for light at. */
@@ -281,8 +274,7 @@ static void indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_mov
     sl_image_destroy(reference);
     sl_method_destroy(fresh);
     sl_image_destroy(image);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* A wall by so many lamps that an update lights few vertices. */

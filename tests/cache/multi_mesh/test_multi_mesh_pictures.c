@@ -177,8 +177,7 @@ static void back_in_an_old_view_no_irradiance_is_sampled_again(void **state) {
             assert_int_equal(grown(&before, &after, SL_COUNT_LIGHT_SAMPLES), 0);
             assert_int_equal(grown(&before, &after, SL_COUNT_INDIRECT_SAMPLES), 0);
         }
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_method(method, scene);
     }
 }
 
@@ -205,8 +204,7 @@ static void the_first_picture_takes_the_roots_vertices_and_the_ambient_light(voi
     assert_int_equal(counters.value[SL_COUNT_SPLITS], 0);
     assert_int_equal(counters.value[SL_COUNT_INDIRECT_SAMPLES], 0);
     sl_image_destroy(image);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* ---- limits ---- */

@@ -57,8 +57,7 @@ static void a_masked_leaf_is_seen_and_shades_as_the_half_that_is_opaque(void **s
     print_message("direct %.2f %%, indirect %.2f %% apart\n", 100.0 * off[0] / sum[0],
                   100.0 * off[1] / sum[1]);
     assert_true(off[0] < 0.02 * sum[0] && off[1] < 0.1 * sum[1]);
-    sl_image_destroy(a);
-    sl_image_destroy(b);
+    destroy_pictures(a, b);
     sl_scene_destroy(masked);
     sl_scene_destroy(half);
 }

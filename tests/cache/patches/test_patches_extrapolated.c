@@ -171,11 +171,9 @@ static void an_eye_that_goes_into_the_box_sees_what_is_lit_there(void **state) {
             assert_false(s->patches->vertex[vertex].extrapolated);
         }
     }
-    sl_image_destroy(image);
-    sl_image_destroy(expected);
+    destroy_pictures(image, expected);
     sl_method_destroy(method);
-    sl_method_destroy(cold);
-    sl_scene_destroy(scene);
+    destroy_method(cold, scene);
 }
 
 /* ---- samples, committed ---------------------------------------------------------------------- */

@@ -50,8 +50,7 @@ static void who_sees_nothing_asks_for_nothing(void **state) {
     assert_true(to_the_end(method) > 1);
     assert_true(brightest(method) > 0.1f);
     assert_true(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED] > 0);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void refinement_comes_to_an_end_by_itself(void **state) {
@@ -69,8 +68,7 @@ static void refinement_comes_to_an_end_by_itself(void **state) {
     assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
     assert_true(progress.done);
     assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], points);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 enum { FRAMES = 6 };
@@ -90,8 +88,7 @@ static void play(const char *path, unsigned threads, sl_image *frame[FRAMES], sl
         frame[i] = resolved_picture(method);
     }
     *counters = *sl_method_counters(method);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void with_things_that_move_bits_do_not_depend_on_threads(void **state) {

@@ -122,8 +122,7 @@ static void first_picture_at(const char *path, double time, float picture[3 * PI
     sl_image *image = resolved_picture(method);
     memcpy(picture, image->planes, 3 * PIXELS * sizeof *picture);
     sl_image_destroy(image);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static int pixels_apart(const float *a, const float *b) {

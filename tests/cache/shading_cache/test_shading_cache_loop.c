@@ -83,8 +83,7 @@ some_pixels_are_chosen_at_random_some_by_floods_and_where_there_is_a_crowd_patch
         for (int i = 0; i < 6; i++) update(method);
         assert_int_equal(count_of(method, SL_COUNT_PIXELS_RANDOM) > 0, !without);
         assert_int_equal(count_of(method, SL_COUNT_PIXELS_FLOODED) > 0, !without);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_method(method, scene);
     }
 }
 
@@ -104,8 +103,7 @@ static void in_the_end_all_that_is_seen_is_of_the_stop_size_and_nothing_was_spli
                                  1.2f * 2.0f,
                              !sl_patch_is_leaf(s->patches, i));
         }
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_method(method, scene);
     }
 }
 
@@ -134,8 +132,7 @@ static void nothing_is_shaded_twice_in_a_scene_at_rest_and_no_more_points_than_t
         assert_true(evaluated <= s->patches->vertices_alive);
     }
     assert_true(count_of(method, SL_COUNT_POINTS_SHADED) > 1000);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_children(void **state) {
@@ -176,8 +173,7 @@ static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_childre
         if (wanted[i]) assert_int_equal(s->patches->patch[i].pixels, wanted[i]);
     }
     free(wanted);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* One wall hides another, and one is behind the eye. */
@@ -209,8 +205,7 @@ static void patches_that_are_not_seen_are_left_alone(void **state) {
     const sl_shading_state *s = inside_of(method);
     /* nobody else has a priority */
     for (size_t i = 0; i < s->leaf_count; i++) assert_int_equal(sl_patch_root(p, s->leaf[i].patch), 0);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* Irradiance is even, so its four corners say all; what is seen has the texture's own resolution. */
@@ -248,8 +243,7 @@ static void a_textured_wall_in_even_light_is_exact_with_four_samples(void **stat
             least = fminf(least, truth->planes[i]), most = fmaxf(most, truth->planes[i]);
     }
     assert_true(most > 2.0f * least);
-    sl_image_destroy(ours);
-    sl_image_destroy(truth);
+    destroy_pictures(ours, truth);
     sl_scene_destroy(scene);
 }
 
@@ -299,8 +293,7 @@ static void when_the_eye_turns_only_what_is_not_diffuse_grows_old_and_is_shaded_
     assert_true(renewed[1] > 20 && renewed[0] < 5); /* a few came into view */
     /* light towards another eye tells of no change */
     assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), changes);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* ---- edits ----------------------------------------------------------------------------------- */
@@ -324,10 +317,8 @@ static void an_edit_that_changes_nothing_has_all_shaded_again_to_the_same_bits_a
     assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), 0);
     sl_image *after = resolved_picture(method);
     assert_true(same_picture(before, after));
-    sl_image_destroy(before);
-    sl_image_destroy(after);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_pictures(before, after);
+    destroy_method(method, scene);
 }
 
 static size_t visible_leaves(const sl_shading_state *s) {
@@ -368,8 +359,7 @@ static void after_a_change_there_are_no_more_leaves_than_can_be_shaded_in_time(v
         to_the_end(method); /* which is not where all is fresh and coarse */
         assert_false(s->changes.object[0].changing);
         assert_true(visible_leaves(s) > before - before / 10);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_method(method, scene);
     }
     assert_true(left[1] < left[0]);
 }
@@ -413,8 +403,7 @@ static void leaves_of_one_pixel_have_dense_points_on_the_lamp_at_all_corners_and
         assert_int_equal(count_of(method, SL_COUNT_CHANGES_DETECTED), 0);
         edit(method, SL_CHANGED_LIGHTS);
     }
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* Both are refined until nothing is left to refine. */
@@ -446,8 +435,7 @@ static void after_a_change_all_becomes_what_it_is_from_a_cold_start(void **state
     for (int i = 0; i < 3; i++) sl_image_destroy(image[i]);
     sl_image_destroy(truth);
     sl_method_destroy(warm);
-    sl_method_destroy(cold);
-    sl_scene_destroy(scene);
+    destroy_method(cold, scene);
 }
 
 /* ---- memory ---------------------------------------------------------------------------------- */
@@ -479,10 +467,8 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
         sl_image *after = resolved_picture(method);
         assert_int_equal(count_of(method, SL_COUNT_POINTS_SHADED) > points, late);
         if (!late) assert_true(same_picture(before, after));
-        sl_image_destroy(before);
-        sl_image_destroy(after);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_pictures(before, after);
+        destroy_method(method, scene);
     }
 }
 
@@ -551,8 +537,7 @@ static void a_change_ends_while_there_are_corners_that_were_never_evaluated(void
         count_corners(s, &before, &never);
     }
     assert_true(before == 0 && never > 0);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* At the edges of shadows leaves of a pixel differ at their corners for good. As long as they were chosen all
@@ -577,8 +562,7 @@ static void refinement_to_the_end_takes_few_more_updates_than_its_points_fill(vo
             /* of what is seen of it nothing is left to do, but it is seen */
             sl_changes_begin(&inside_of(method)->changes, 0, 1000);
             assert_true(fabsf(sl_shading_coarsest(inside_of(method)) * 10000.0f - PIXELS) < 0.01f);
-            sl_method_destroy(method);
-            sl_scene_destroy(scene);
+            destroy_method(method, scene);
         }
     }
 }

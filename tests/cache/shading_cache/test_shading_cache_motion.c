@@ -44,8 +44,7 @@ static double apart_from_a_fresh_one(sl_method *method, const sl_scene *scene, c
     to_the_end(fresh);
     sl_image *image = resolved_picture(method), *right = resolved_picture(fresh);
     double difference = displayed_difference(image, right);
-    sl_image_destroy(image);
-    sl_image_destroy(right);
+    destroy_pictures(image, right);
     sl_method_destroy(fresh);
     return difference;
 }
@@ -89,8 +88,7 @@ static void moves_without_rest(const char *path, int moves, double most) {
     }
     print_message("%s: %.3f from a fresh picture at most\n", path, worst);
     assert_true(worst < most);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh_one(void **state) {
@@ -112,8 +110,7 @@ static sl_image *after_moves(const char *path, unsigned threads) {
     }
     for (int i = 0; i < 5; i++) update(method);
     sl_image *image = resolved_picture(method);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
     return image;
 }
 
@@ -145,8 +142,7 @@ static void lights_are_sampled_quickly_while_they_move_and_in_full_at_rest(void 
     assert_true(quick_corners(method) > 0);
     to_the_end(method);
     assert_int_equal(quick_corners(method), 0);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void motion_has_the_same_bits_at_any_number_of_threads(void **state) {
@@ -154,8 +150,7 @@ static void motion_has_the_same_bits_at_any_number_of_threads(void **state) {
     for (int i = 0; i < 2; i++) {
         sl_image *one = after_moves(paths[i], 1), *three = after_moves(paths[i], 3);
         assert_true(same_picture(one, three));
-        sl_image_destroy(one);
-        sl_image_destroy(three);
+        destroy_pictures(one, three);
     }
 }
 
@@ -179,8 +174,7 @@ static void an_edited_scene_that_rests_is_as_good_as_a_fresh_one(void **state) {
         double difference = apart_from_a_fresh_one(method, scene, &settings);
         print_message("%s: %.4f from a fresh picture\n", paths[i], difference);
         assert_true(difference < 0.04);
-        sl_method_destroy(method);
-        sl_scene_destroy(scene);
+        destroy_method(method, scene);
     }
 }
 
@@ -200,8 +194,7 @@ static void the_rate_settles_how_fine_patches_are_while_things_change(void **sta
     assert_int_equal(sl_method_rate(method, 0.0, NULL), SL_ERROR_USAGE);
     assert_int_equal(sl_method_rate(method, 2000.0, NULL), SL_OK);
     assert_true(sl_shading_coarsest(s) == nominal);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void what_is_made_anew_keeps_the_rate(void **state) {
@@ -211,8 +204,7 @@ static void what_is_made_anew_keeps_the_rate(void **state) {
     assert_int_equal(sl_method_rate(method, 200.0, NULL), SL_OK);
     assert_int_equal(sl_method_edit(method, SL_CHANGED_KINDS, NULL), SL_OK);
     assert_true(((sl_shading_state *)method->state)->settings.shading_cache.nominal_rate == 200.0);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void pause_a_millisecond(void) { nanosleep(&(struct timespec){0, 1000000}, NULL); }
@@ -241,8 +233,7 @@ static void assert_log_gives(const sl_live_event *log, size_t events, uint64_t u
     sl_image *image = resolved_picture(method);
     assert_memory_equal(image->planes, frame->planes, 3 * PIXELS * sizeof *frame->planes);
     sl_image_destroy(image);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void a_show_is_repeated_from_its_log_to_the_bit(void **state) {

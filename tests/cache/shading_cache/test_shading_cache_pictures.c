@@ -39,8 +39,7 @@ static void the_cornell_box_converges_to_what_paths_find(void **state) {
     assert_true(fabs(second.bias) < 0.02);
     assert_true(second.rel_rmse < 0.5 * first.rel_rmse);
     assert_true(second.rel_rmse < 0.04);
-    sl_image_destroy(early);
-    sl_image_destroy(late);
+    destroy_pictures(early, late);
     sl_image_destroy(truth);
     sl_scene_destroy(scene);
 }
@@ -54,8 +53,7 @@ static void glossy_surfaces_reflect_towards_the_eye(void **state) {
     sl_comparison c = compared(ours, truth, "glossy");
     assert_true(fabs(c.bias) < 0.03);
     assert_true(c.rel_rmse < 0.12);
-    sl_image_destroy(ours);
-    sl_image_destroy(truth);
+    destroy_pictures(ours, truth);
     sl_scene_destroy(scene);
 }
 
@@ -74,10 +72,8 @@ static void a_moved_object_is_shown_in_its_place_at_once(void **state) {
     assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], shaded);
     assert_false(same_picture(before, after));
     assert_sound_picture(after, "moved");
-    sl_image_destroy(before);
-    sl_image_destroy(after);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_pictures(before, after);
+    destroy_method(method, scene);
 }
 
 static void a_still_scene_never_seems_to_change(void **state) {
@@ -114,8 +110,7 @@ static void a_patch_takes_at_most_125_bytes_with_both_copies_of_the_display_and_
     double bytes = ((double)sl_method_memory_bytes(method) - before) / patches;
     print_message("%.0f patches, %.1f bytes each\n", patches, bytes);
     assert_true(patches >= 20000.0 && bytes <= 125.0);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 int main(void) {

@@ -253,8 +253,7 @@ static void the_light_of_a_sky_bounces_as_the_path_tracer_says(void **state) {
         sl_comparison c = comparison_of(image, reference);
         print_message("%u bounces: bias %.4f\n", bounces, c.bias);
         assert_true(fabs(c.bias) < 0.01);
-        sl_image_destroy(image);
-        sl_image_destroy(reference);
+        destroy_pictures(image, reference);
     }
     sl_scene_destroy(scene);
 }
@@ -280,8 +279,7 @@ static void second_level_records_stay_as_long_as_the_light_does(void **state) {
     assert_true(made[0] > 0);
     assert_int_equal(made[1], made[0]);
     assert_true(made[2] > made[1]);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* Two rooms without a door between them, each with its light: seen from one, the other has no second-level

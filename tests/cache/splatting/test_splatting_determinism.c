@@ -217,8 +217,7 @@ static void a_moved_camera_keeps_the_records_and_looking_back_needs_none(void **
     assert_true(third <= first / 20);
     assert_int_equal(sl_method_edit(method, SL_CHANGED_LIGHTS, NULL), SL_OK);
     assert_int_equal(finish(method) - first - second - third, first); /* new light: all anew */
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 int main(void) {

@@ -248,8 +248,7 @@ static void a_glossy_wall_leaves_diffuse_pixels_as_they_were(void **state) {
     }
     assert_true(wall > 1000 && wall < 4000);
     assert_true(same > 96 * 96 - wall - 50); /* but for records that the wall's pixels no longer make */
-    sl_image_destroy(a);
-    sl_image_destroy(b);
+    destroy_pictures(a, b);
     sl_scene_destroy(diffuse);
     sl_scene_destroy(glossy);
 }

@@ -76,11 +76,9 @@ static void expect_the_same_again(const place *p, const char *scene_path, sl_set
     assert_memory_equal(bytes, again, size);
     free(bytes);
     free(again);
-    sl_image_destroy(before);
-    sl_image_destroy(after);
+    destroy_pictures(before, after);
     sl_method_destroy(first);
-    sl_method_destroy(second);
-    sl_scene_destroy(scene);
+    destroy_method(second, scene);
 }
 
 static void a_second_run_makes_no_records_and_the_same_picture(void **state) {
@@ -121,8 +119,7 @@ static bool expect_the_same_end(const place *p, sl_method *first, const sl_scene
     sl_image *after = finished_picture(second);
     assert_int_equal(count_of(second, SL_COUNT_RECORDS), 0);
     assert_true(same_picture(before, after));
-    sl_image_destroy(before);
-    sl_image_destroy(after);
+    destroy_pictures(before, after);
     sl_method_destroy(second);
     return ended;
 }
@@ -171,8 +168,7 @@ static void another_view_starts_with_what_it_sees_again(void **state) {
     assert_true(2 * count_of(helped, SL_COUNT_RECORDS) < count_of(alone, SL_COUNT_RECORDS));
     sl_method_destroy(first);
     sl_method_destroy(alone);
-    sl_method_destroy(helped);
-    sl_scene_destroy(scene);
+    destroy_method(helped, scene);
 }
 
 /* ---- what does not fit ---- */
@@ -187,8 +183,7 @@ static void expect_refusal(const char *path, const char *scene_path, const sl_se
         fail_msg("expected '%s', got '%s'", why, error.message);
     assert_int_equal(status, SL_ERROR_INPUT);
     assert_null(strchr(error.message, '\n'));
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void caches_of_other_scenes_and_settings_are_refused(void **state) {
@@ -198,8 +193,7 @@ static void caches_of_other_scenes_and_settings_are_refused(void **state) {
     sl_method *method = created_method(scene, &settings);
     sl_image_destroy(finished_picture(method));
     save(method, p->path);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
     expect_refusal(p->path, "scenes/cornell-glossy.json", &settings, "made for another scene");
     sl_settings other = settings;
     other.accuracy = 0.25;
@@ -254,8 +248,7 @@ static sample sample_new(const place *p) {
 static void sample_free(sample *s) {
     free(s->bytes);
     sl_image_destroy(s->picture);
-    sl_method_destroy(s->method);
-    sl_scene_destroy(s->scene);
+    destroy_method(s->method, s->scene);
 }
 
 static void expect_damage(const place *p, sample *s, const uint8_t *bytes, size_t size) {

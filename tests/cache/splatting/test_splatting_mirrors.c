@@ -66,8 +66,7 @@ static void a_camera_may_turn_away_from_mirrors_and_back(void **state) {
         assert_true(squared_error(scene, turned, 32) < 0.0005);
         sl_image_destroy(turned);
     }
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 /* ---- rectangles ---- */

@@ -46,8 +46,7 @@ static void a_frame_gets_as_many_new_records_as_it_may_and_no_more(void **state)
         assert_true(frames < FRAMES_MAX);
     }
     assert_true(frames > 5);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void a_still_walk_ends_with_the_picture_of_a_single_frame(void **state) {
@@ -59,11 +58,9 @@ static void a_still_walk_ends_with_the_picture_of_a_single_frame(void **state) {
     while (finish_frame(whole)) {}
     sl_image *a = resolved_picture(walk), *b = resolved_picture(whole);
     assert_true(same_picture(a, b));
-    sl_image_destroy(a);
-    sl_image_destroy(b);
+    destroy_pictures(a, b);
     sl_method_destroy(walk);
-    sl_method_destroy(whole);
-    sl_scene_destroy(scene);
+    destroy_method(whole, scene);
 }
 
 /* Mean absolute difference of indirect light. */
@@ -131,8 +128,7 @@ static void in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end(void *
     }
     assert_true(before < 0.1 * first);
     sl_image_destroy(last);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static void look(sl_scene *scene, sl_method *method, float x) {
@@ -158,8 +154,7 @@ static void a_step_aside_needs_few_new_records_and_a_step_back_none(void **state
     look(scene, method, 278);
     while (finish_frame(method)) {}
     assert_int_equal(records_of(method), third);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
 }
 
 static sl_image *walk_picture(unsigned threads) {
@@ -173,16 +168,14 @@ static sl_image *walk_picture(unsigned threads) {
     }
     finish_frame(method);
     sl_image *image = resolved_picture(method);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
     return image;
 }
 
 static void a_walk_has_the_same_bits_at_any_number_of_threads(void **state) {
     sl_image *one = walk_picture(1), *three = walk_picture(3);
     assert_true(same_picture(one, three));
-    sl_image_destroy(one);
-    sl_image_destroy(three);
+    destroy_pictures(one, three);
 }
 
 int main(void) {
