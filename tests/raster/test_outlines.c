@@ -35,18 +35,10 @@ static size_t touched_within(const outlined *o, int x0, int y0, int x1, int y1) 
     return count;
 }
 
-/* A wall at z = -depth; x and y in pixels of the picture. */
-static void wall(world *w, float x0, float y0, float x1, float y1, float depth, uint32_t material) {
-    const float scale = 2.0f * depth / SIDE;
-    const sl_vec3 low = sl_v3(scale * (x0 - SIDE / 2), scale * (y0 - SIDE / 2), -depth),
-                  high = sl_v3(scale * (x1 - SIDE / 2), scale * (y1 - SIDE / 2), -depth);
-    world_quad(w, low, sl_v3(high.x, low.y, -depth), high, sl_v3(low.x, high.y, -depth), material);
-}
-
 static void borders_are_outlines_and_diagonals_are_not(void **state) {
     static outlined o;
     world *w = world_new();
-    wall(w, 16.5f, 16.5f, 48.5f, 48.5f, 4, world_material(w, sl_grey(0.5f), sl_grey(0)));
+    world_wall(w, SIDE, 16.5f, 16.5f, 48.5f, 48.5f, 4, world_material(w, sl_grey(0.5f), sl_grey(0)));
     outline(w, &o);
     assert_int_equal(touched_within(&o, 18, 18, 47, 47), 0);
     assert_int_equal(touched_within(&o, 0, 0, SIDE, SIDE), touched_within(&o, 15, 15, 50, 50));
@@ -61,8 +53,8 @@ static void what_is_hidden_has_no_outline(void **state) {
     static outlined o;
     world *w = world_new();
     const uint32_t grey = world_material(w, sl_grey(0.5f), sl_grey(0));
-    wall(w, -8, -8, 72, 72, 2, grey);
-    wall(w, 20, 20, 40, 40, 3, grey);
+    world_wall(w, SIDE, -8, -8, 72, 72, 2, grey);
+    world_wall(w, SIDE, 20, 20, 40, 40, 3, grey);
     outline(w, &o);
     assert_int_equal(touched_within(&o, 0, 0, SIDE, SIDE), 0);
     world_free(w);
@@ -71,8 +63,8 @@ static void what_is_hidden_has_no_outline(void **state) {
 static void where_the_material_changes_is_an_outline(void **state) {
     static outlined o;
     world *w = world_new();
-    wall(w, -8, -8, 32, 72, 2, world_material(w, sl_grey(0.5f), sl_grey(0)));
-    wall(w, 32, -8, 72, 72, 2, world_material(w, sl_grey(0.2f), sl_grey(0)));
+    world_wall(w, SIDE, -8, -8, 32, 72, 2, world_material(w, sl_grey(0.5f), sl_grey(0)));
+    world_wall(w, SIDE, 32, -8, 72, 72, 2, world_material(w, sl_grey(0.2f), sl_grey(0)));
     outline(w, &o);
     for (int y = 0; y < SIDE; y++) assert_true(o.touched[y * SIDE + 31] && o.touched[y * SIDE + 32]);
     assert_int_equal(touched_within(&o, 0, 0, 29, SIDE) + touched_within(&o, 35, 0, SIDE, SIDE), 0);
@@ -83,8 +75,8 @@ static void a_hair_that_no_sample_meets_is_an_outline_along_all_its_length(void 
     static outlined o;
     world *w = world_new();
     const uint32_t grey = world_material(w, sl_grey(0.5f), sl_grey(0));
-    wall(w, -8, -8, 72, 72, 4, grey);
-    wall(w, 20.2f, -8, 20.201f, 72, 2, grey);
+    world_wall(w, SIDE, -8, -8, 72, 72, 4, grey);
+    world_wall(w, SIDE, 20.2f, -8, 20.201f, 72, 2, grey);
     outline(w, &o);
     for (int y = 0; y < SIDE; y++) {
         assert_true(o.touched[y * SIDE + 20]);

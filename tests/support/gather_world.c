@@ -57,6 +57,13 @@ void world_quad(world *w, sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3 d, uint32_t m
     add_triangle(w, v[0], v[2], v[3], material);
 }
 
+void world_wall(world *w, int side, float x0, float y0, float x1, float y1, float depth, uint32_t material) {
+    const float scale = 2.0f * depth / (float)side;
+    const sl_vec3 low = sl_v3(scale * (x0 - (float)(side / 2)), scale * (y0 - (float)(side / 2)), -depth),
+                  high = sl_v3(scale * (x1 - (float)(side / 2)), scale * (y1 - (float)(side / 2)), -depth);
+    world_quad(w, low, sl_v3(high.x, low.y, -depth), high, sl_v3(low.x, high.y, -depth), material);
+}
+
 void world_box(world *w, sl_vec3 l, sl_vec3 h, bool inside, const uint32_t m[6]) {
     /* x low, front inside */
     sl_vec3 q[6][4] = {{{l.x, l.y, l.z}, {l.x, h.y, l.z}, {l.x, h.y, h.z}, {l.x, l.y, h.z}},

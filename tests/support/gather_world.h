@@ -33,6 +33,8 @@ void world_free(world *w);
 uint32_t world_material(world *w, sl_rgb diffuse, sl_rgb emission);
 /* Front side: from which a, b, c, d run counter-clockwise. */
 void world_quad(world *w, sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3 d, uint32_t material);
+/* At z = -depth, seen from the origin, 90 degrees wide; x and y in pixels of a picture of side x side. */
+void world_wall(world *w, int side, float x0, float y0, float x1, float y1, float depth, uint32_t material);
 /* Six quads, fronts inside or outside. */
 void world_box(world *w, sl_vec3 low, sl_vec3 high, bool inside, const uint32_t materials[6]);
 /* Fronts inside; shading normals exact. material_of_x: materials by x from -radius to radius. */

@@ -9,14 +9,6 @@
 
 enum { SIDE = 32, PIXELS = SIDE * SIDE };
 
-/* A wall at z = -depth, seen from the origin, 90 degrees wide; x and y in pixels of the picture. */
-static void wall(world *w, float x0, float y0, float x1, float y1, float depth, uint32_t material) {
-    const float scale = 2.0f * depth / SIDE;
-    const sl_vec3 low = sl_v3(scale * (x0 - SIDE / 2), scale * (y0 - SIDE / 2), -depth),
-                  high = sl_v3(scale * (x1 - SIDE / 2), scale * (y1 - SIDE / 2), -depth);
-    world_quad(w, low, sl_v3(high.x, low.y, -depth), high, sl_v3(low.x, high.y, -depth), material);
-}
-
 static void look(world *w) {
     world_build(w);
     assert_true(sl_camera_look_at(&w->scene->camera, sl_v3(0, 0, 0), sl_v3(0, 0, -1), sl_v3(0, 1, 0),
@@ -50,8 +42,8 @@ static sl_image *smoothed(world *w, unsigned threads, float light, float dark) {
 /* The light wall ends at .75 of a pixel. */
 static world *two_walls(void) {
     world *w = world_new();
-    wall(w, 4, 4, 12.75f, 20.25f, 4, world_material(w, sl_grey(0.5f), sl_grey(0)));
-    wall(w, 0, 0, SIDE, SIDE, 8, world_material(w, sl_grey(0.5f), sl_grey(0)));
+    world_wall(w, SIDE, 4, 4, 12.75f, 20.25f, 4, world_material(w, sl_grey(0.5f), sl_grey(0)));
+    world_wall(w, SIDE, 0, 0, SIDE, SIDE, 8, world_material(w, sl_grey(0.5f), sl_grey(0)));
     look(w);
     return w;
 }
