@@ -65,7 +65,8 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program")
     parser.add_argument("scenes", nargs="+")
-    parser.add_argument("--methods", default="direct-radiance,light-octree,multi-mesh,shading-cache,splatting")
+    parser.add_argument("--methods",
+                        default="direct-radiance,light-octree,multi-mesh,shading-cache,splatting")
     parser.add_argument("--size", default="512x512")
     parser.add_argument("--seconds", type=float, default=5.0)
     options = parser.parse_args()

@@ -67,7 +67,8 @@ static sl_status find_places(sl_second_cache *cache, unsigned origins_wanted, si
                              sl_counters *counters, sl_error *error) {
     const sl_second_settings *s = &cache->settings;
     sl_probed origins;
-    sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, origins_wanted, &origins, counters, error);
+    sl_status status =
+        sl_probe_camera(cache->scene, cache->tracer, s, origins_wanted, &origins, counters, error);
     size_t start = cache->list.count, first = start; /* records of the last generation start here */
     for (size_t generation = 0; status == SL_OK && generation < GENERATIONS; generation++) {
         sl_probed seen;

@@ -10,7 +10,8 @@
  *
  * and the visible records gather once with E^(bounces - 1). Gathering is linear, and what a gather sees does
  * not change: a record that has gathered twice, direct light and its first reflection, knows how much comes
- * from which other record, and the bounces that follow are products of a sparse matrix with a vector. Read in this order:
+ * from which other record, and the bounces that follow are products of a sparse matrix with a vector. Read in
+ * this order:
  *
  *   probe.c           points that gathers will see
  *   cover.c           points that no second-level record covers get one

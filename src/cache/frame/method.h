@@ -102,8 +102,8 @@ typedef struct sl_method_class {
     bool any_transport; /* takes --transport: a reference tracer */
     bool draws_anew; /* a picture does not depend on those before it: ranks may draw one each */
     const sl_window_class *window; /* NULL: pictures are resolved between updates alone */
-    /* True: all of the picture has light, though not what it will have; NULL: pictures are shown when they are
-     * done. */
+    /* True: all of the picture has light, though not what it will have; NULL: pictures are shown when they
+     * are done. */
     bool (*shows)(const void *state);
     /* Estimates the error of what is seen, in displayed levels (0 to 255), as the last update found it; NULL:
      * nobody knows. */
