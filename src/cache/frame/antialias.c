@@ -214,7 +214,7 @@ static void meet(const cone *c, const sample_places *at, double inverse[SAMPLES]
         for (int i = 0; i < 3; i++) s[i] = c->side[i].x * at->u[k] + c->side[i].y * at->v[k] + c->side[i].z;
         const bool above = (s[0] >= 0.0) & (s[1] >= 0.0) & (s[2] >= 0.0),
                    below = (s[0] <= 0.0) & (s[1] <= 0.0) & (s[2] <= 0.0);
-        inverse[k] = above | below ? (s[0] + s[1] + s[2]) * c->inverse_volume : -1.0;
+        inverse[k] = (above | below) ? (s[0] + s[1] + s[2]) * c->inverse_volume : -1.0;
     }
 }
 
