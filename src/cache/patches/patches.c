@@ -186,17 +186,6 @@ sl_patch_place sl_patch_place_of(const sl_patches *p, uint32_t patch) {
 
 static double scaled(double t) { return t > 0.0 ? (t < 1.0 ? t * SL_PATCH_DYADIC : SL_PATCH_DYADIC) : 0.0; }
 
-static int child_at(const sl_patch_place *place, double u, double v) {
-    double a, b;
-    sl_patch_local(place, u, v, &a, &b);
-    if (place->corners == 3) return a >= 0.5 ? 1 : b >= 0.5 ? 2 : a + b <= 0.5 ? 0 : 3;
-    return a < 0.5 ? (b < 0.5 ? 0 : 3) : (b < 0.5 ? 1 : 2);
-}
-
-int sl_patch_child_at(const sl_patch_place *place, double u, double v) {
-    return child_at(place, scaled(u), scaled(v));
-}
-
 /* Goes from a place in a triangle to that in one of its children, which is returned. */
 static uint32_t go_down_triangle(double *a, double *b) {
     const uint32_t child = *a >= 0.5 ? 1 : *b >= 0.5 ? 2 : *a + *b <= 0.5 ? 0 : 3;
@@ -217,9 +206,19 @@ static uint32_t go_down_quad(double *a, double *b) {
     return up ? (right ? 2 : 3) : (right ? 1 : 0);
 }
 
+static uint32_t go_down(int corners, double *a, double *b) {
+    return corners == 3 ? go_down_triangle(a, b) : go_down_quad(a, b);
+}
+
+int sl_patch_child_at(const sl_patch_place *place, double u, double v) {
+    double a, b;
+    sl_patch_local(place, scaled(u), scaled(v), &a, &b);
+    return (int)go_down(place->corners, &a, &b);
+}
+
 uint32_t sl_patch_leaf_at(const sl_patches *p, uint32_t patch, int corners, double a, double b) {
     while (patch != SL_NO_INDEX && !sl_patch_is_leaf(p, patch))
-        patch = p->patch[patch].child + (corners == 3 ? go_down_triangle(&a, &b) : go_down_quad(&a, &b));
+        patch = p->patch[patch].child + go_down(corners, &a, &b);
     return patch;
 }
 
