@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-enum { PILES = 256, FEW = 24, CODE_BYTES = 8, BYTES = CODE_BYTES + 4 };
+enum { PILES = 256, FEW = 48, CODE_BYTES = 8, BYTES = CODE_BYTES + 4 };
 
 /* The byte of that rank: the code's, highest first, then the item's. */
 static unsigned byte_of(const sl_coded *c, int rank) {

@@ -13,7 +13,7 @@
 
 /* ---- from the octree ---- */
 
-enum { TILE = 64 };
+enum { TILE = 64, TILE_PIXELS = TILE * TILE };
 static const uint32_t QUAD = UINT32_C(1) << 31;
 
 typedef struct listed_pixels {
@@ -22,6 +22,9 @@ typedef struct listed_pixels {
      * of four that share a point */
     uint32_t *list;
     size_t count;
+    uint32_t *listed;    /* of each tile */
+    size_t across;       /* tiles side by side */
+    const uint8_t *side; /* of the atlas; NULL: no atlas */
     float *const *out;
 } listed_pixels;
 
@@ -60,40 +63,65 @@ static bool is_quad(const sl_octree_pixels *p, const uint8_t *side, size_t pixel
     return sl_dot(across, across) < most * most;
 }
 
-static void list_pixel(listed_pixels *l, const uint8_t *side, size_t pixel) {
-    if (is_lit(l->pixels, side, pixel)) l->list[l->count++] = (uint32_t)pixel;
+static size_t tiles_of(int extent) { return ((size_t)extent + TILE - 1) / TILE; }
+
+/* Those of one tile. */
+typedef struct tile_list {
+    const sl_octree_pixels *pixels;
+    const uint8_t *side;
+    uint32_t *pixel;
+    uint32_t count;
+} tile_list;
+
+static void list_pixel(tile_list *l, size_t pixel) {
+    if (is_lit(l->pixels, l->side, pixel)) l->pixel[l->count++] = (uint32_t)pixel;
 }
 
-static void list_quads(listed_pixels *l, const uint8_t *side, int x0, int y0, int x1, int y1) {
+static void list_quads(tile_list *l, int x0, int y0, int x1, int y1) {
     const size_t width = (size_t)l->pixels->gbuffer->width;
     for (int y = y0; y < y1; y += 2) {
         for (int x = x0; x < x1; x += 2) {
             const size_t pixel = (size_t)y * width + (size_t)x;
-            if (x + 1 < x1 && y + 1 < y1 && is_quad(l->pixels, side, pixel)) {
-                l->list[l->count++] = (uint32_t)pixel | QUAD;
+            if (x + 1 < x1 && y + 1 < y1 && is_quad(l->pixels, l->side, pixel)) {
+                l->pixel[l->count++] = (uint32_t)pixel | QUAD;
                 continue;
             }
             for (int k = 0; k < 4; k++)
                 if (x + k % 2 < x1 && y + k / 2 < y1)
-                    list_pixel(l, side, pixel + (size_t)(k % 2) + (size_t)(k / 2) * width);
+                    list_pixel(l, pixel + (size_t)(k % 2) + (size_t)(k / 2) * width);
         }
     }
 }
 
-static void list_tile(listed_pixels *l, const uint8_t *side, int x0, int y0) {
-    const sl_gbuffer *g = l->pixels->gbuffer;
+static void list_rows(tile_list *l, int x0, int y0, int x1, int y1) {
     const sl_sub_frame *at = &l->pixels->scene->sub_frame;
-    const int x1 = x0 + TILE < g->width ? x0 + TILE : g->width,
-              y1 = y0 + TILE < g->height ? y0 + TILE : g->height;
-    if (l->pixels->moves) {
-        list_quads(l, side, x0, y0, x1, y1);
-        return;
-    }
     for (int y = y0; y < y1; y++) {
-        const size_t row = (size_t)y * (size_t)g->width, end = row + (size_t)x1;
+        const size_t row = (size_t)y * (size_t)l->pixels->gbuffer->width, end = row + (size_t)x1;
         for (sl_pixel_run r = sl_sub_frame_run(at, row + (size_t)x0, end); r.first < r.end;
              r = sl_sub_frame_run(at, r.end, end))
-            for (size_t pixel = r.first; pixel < r.end; pixel++) list_pixel(l, side, pixel);
+            for (size_t pixel = r.first; pixel < r.end; pixel++) list_pixel(l, pixel);
+    }
+}
+
+static void list_tile(void *context, size_t tile, unsigned worker) {
+    (void)worker;
+    listed_pixels *l = context;
+    const sl_gbuffer *g = l->pixels->gbuffer;
+    const int x0 = (int)(tile % l->across) * TILE, y0 = (int)(tile / l->across) * TILE,
+              x1 = x0 + TILE < g->width ? x0 + TILE : g->width,
+              y1 = y0 + TILE < g->height ? y0 + TILE : g->height;
+    tile_list list = {l->pixels, l->side, l->list + tile * TILE_PIXELS, 0};
+    if (l->pixels->moves) list_quads(&list, x0, y0, x1, y1);
+    else list_rows(&list, x0, y0, x1, y1);
+    l->listed[tile] = list.count;
+}
+
+/* Lists all, one tile behind another. */
+static void list_pixels(listed_pixels *l, size_t tiles) {
+    sl_parallel_for(l->pixels->threads, tiles, list_tile, l);
+    for (size_t tile = 0; tile < tiles; tile++) {
+        memmove(l->list + l->count, l->list + tile * TILE_PIXELS, l->listed[tile] * sizeof *l->list);
+        l->count += l->listed[tile];
     }
 }
 
@@ -130,17 +158,19 @@ static void put_pixel(void *context, size_t index, const float rgb[3]) {
     }
 }
 
-/* side: of the atlas; NULL: no atlas. */
 static sl_status shade_pixels(const sl_octree_pixels *p, const uint8_t *side, float *const out[3],
                               sl_counters *counters, sl_error *error) {
-    const int width = p->gbuffer->width, height = p->gbuffer->height;
-    listed_pixels l = {.pixels = p, .out = out};
-    l.list = sl_allocate_unset((size_t)width * (size_t)height, sizeof *l.list);
-    if (!l.list) return sl_fail_memory(error, "the octree's pixels");
-    for (int y = 0; y < height; y += TILE)
-        for (int x = 0; x < width; x += TILE) list_tile(&l, side, x, y);
-    const sl_octree_points points = {l.count, find_pixel, put_pixel, &l};
-    sl_status status = sl_octree_shade(p->shading, &points, p->threads, counters, error);
+    listed_pixels l = {.pixels = p, .across = tiles_of(p->gbuffer->width), .side = side, .out = out};
+    const size_t tiles = l.across * tiles_of(p->gbuffer->height);
+    l.list = sl_allocate_unset(tiles * TILE_PIXELS, sizeof *l.list);
+    l.listed = sl_allocate_unset(tiles, sizeof *l.listed);
+    sl_status status = SL_OK;
+    if (l.list && l.listed) {
+        list_pixels(&l, tiles);
+        const sl_octree_points points = {l.count, find_pixel, put_pixel, &l};
+        status = sl_octree_shade(p->shading, &points, p->threads, counters, error);
+    } else status = sl_fail_memory(error, "the octree's pixels");
+    sl_free(l.listed);
     sl_free(l.list);
     return status;
 }

@@ -1,7 +1,6 @@
 #include "cache/light_octree/shade.h"
 
-#include <stdlib.h>
-
+#include "base/code_sort.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -113,15 +112,15 @@ typedef struct worker_scratch {
     sl_shade_cells cells;
     sl_octree_point point[SL_OCTREE_BLOCK];
     voxel_place place[SL_OCTREE_BLOCK];
-    /* points one behind another in the same voxels: bits of the cell, whether they are glossy, and the first
-     * one's number in the block; and by that number how many they are */
-    uint64_t run[SL_OCTREE_BLOCK];
+    /* points one behind another in the same voxels: the cell and whether they are glossy, the first one's
+     * number in the block; and by that number how many they are */
+    sl_coded run[SL_OCTREE_BLOCK];
     uint16_t length[SL_OCTREE_BLOCK];
     uint16_t order[SL_OCTREE_BLOCK]; /* numbers of points that share their eight voxels */
     sl_counters counters;
 } worker_scratch;
 
-enum { NUMBER_BITS = 12, CELL_BITS = 11 /* from -1 on */ };
+enum { CELL_BITS = 11 /* from -1 on */ };
 
 typedef struct shading_pass {
     const sl_octree_shading *shading;
@@ -130,15 +129,12 @@ typedef struct shading_pass {
     worker_scratch *scratch;
 } shading_pass;
 
-static int by_value(const void *x, const void *y) {
-    const uint64_t *a = x, *b = y;
-    return (*a > *b) - (*a < *b);
-}
-
+/* Spreads neighbours over the sort's piles, by an odd factor (Knuth's of the golden ratio): any order of cells
+ * will do. */
 static uint64_t key_of(const sl_octree_point *p, const voxel_place *place) {
     uint64_t key = is_glossy(p);
     for (int axis = 0; axis < 3; axis++) key = key << CELL_BITS | (uint64_t)(place->cell[axis] + 1);
-    return key;
+    return key * UINT64_C(0x9e3779b97f4a7c15);
 }
 
 /* Lists runs of a block's points that get light, those of the same eight voxels side by side; returns how
@@ -156,14 +152,14 @@ static size_t list_runs(const shading_pass *pass, size_t first, worker_scratch *
         }
         const uint64_t key = key_of(&s->point[i], &s->place[i]);
         if (i != end || key != before) {
-            s->run[runs++] = key << NUMBER_BITS | i;
+            s->run[runs++] = (sl_coded){key, (uint32_t)i};
             s->length[begin = i] = 0;
         }
         s->length[begin]++;
         before = key;
         end = i + 1;
     }
-    qsort(s->run, runs, sizeof *s->run, by_value);
+    sl_sort_coded(s->run, runs);
     return runs;
 }
 
@@ -185,10 +181,10 @@ static void shade_points(const shading_pass *pass, size_t first, const uint16_t 
 
 /* Puts the points of runs of one key in order; returns how many. *run: the first one behind them. */
 static size_t order_points(worker_scratch *s, size_t *run, size_t runs) {
-    const uint64_t key = s->run[*run] >> NUMBER_BITS;
+    const uint64_t key = s->run[*run].code;
     size_t count = 0;
-    for (; *run < runs && s->run[*run] >> NUMBER_BITS == key; ++*run) {
-        const size_t begin = s->run[*run] & (SL_OCTREE_BLOCK - 1);
+    for (; *run < runs && s->run[*run].code == key; ++*run) {
+        const size_t begin = s->run[*run].item;
         for (size_t i = 0; i < s->length[begin]; i++) s->order[count++] = (uint16_t)(begin + i);
     }
     return count;
