@@ -812,7 +812,6 @@ typedef struct sl_live_state {
     double change_seconds;
     /** ... and how many frames after the first that could have shown it that was; 0: in that one */
     uint64_t change_frames;
-    bool held;            /**< a move waits for shading-cache.hold */
     bool done;            /**< nothing is left to refine: updates rest until something moves */
     /** that updates have taken since all was made anew last, where of one with direct and indirect light a
      * part counts as what it costs; 0: of methods that take no notice of sl_live_rate() */
@@ -836,9 +835,8 @@ SL_API sl_status sl_live_start(sl_scene *scene, const sl_settings *settings, sl_
 SL_API void sl_live_stop(sl_live *live, sl_counters *counters);
 /** Moves camera, objects and lights to their keyframes' state at a time: the next frame shows it, whatever is
  * under way (methods without a display of their own, all but the Shading Cache and multi-mesh caching, show
- * it once a picture has light there, and follow no other move before that). With shading-cache.hold the move
- * waits until what is shown is as good as that; the newest one counts. Fails as sl_scene_set_time() does,
- * and stays where it is. */
+ * it once a picture has light there, and follow no other move before that). Fails as sl_scene_set_time()
+ * does, and stays where it is. */
 SL_API sl_status sl_live_move(sl_live *live, double time_seconds, sl_error *error);
 /** As sl_scene_set_camera(), whatever the keyframes say of the camera, from now on; fails likewise. */
 SL_API sl_status sl_live_look(sl_live *live, const float eye[3], const float target[3], const float up[3],

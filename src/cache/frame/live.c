@@ -63,9 +63,8 @@ struct sl_live {
     sl_image *frame;
     bool smooths;        /* edges: centres were not asked for */
     sl_antialias *edges; /* of frames, or of pictures; made with the first one */
-    pose shown, wanted;  /* wanted: of a higher number while it waits */
+    pose shown;
     uint64_t told, seen; /* numbers of changes: of the newest; of the newest in the frame */
-    double hold;         /* levels; 0: moves do not wait */
     sl_live_state state;
     sl_counters counters; /* of frames */
     sl_counters smoothing; /* of pictures: by the thread */
@@ -470,12 +469,11 @@ static sl_status renew_window(sl_live *l, sl_error *error) {
     return status;
 }
 
-static sl_status begin_at_once(sl_live *l, const sl_settings *asked, sl_error *error) {
+static sl_status begin_at_once(sl_live *l, sl_error *error) {
     sl_status status = make_method(l, error);
     if (status == SL_OK) status = sl_scene_copy(l->scene, &l->scene_copy, error);
     if (status != SL_OK) return status;
     const sl_settings *own = &l->method->settings;
-    l->hold = l->method->class->error_levels ? asked->shading_cache.hold_levels : 0.0;
     l->reduced = l->method->reduced;
     l->settings.width = own->width, l->settings.height = own->height;
     return l->blind ? renew_window(l, error) : SL_OK;
@@ -484,7 +482,7 @@ static sl_status begin_at_once(sl_live *l, const sl_settings *asked, sl_error *e
 static sl_status begin(sl_live *l, const sl_settings *settings, sl_error *error) {
     l->settings = *settings;
     l->smooths = settings->filter != SL_FILTER_CENTRE;
-    sl_status status = l->follows ? SL_OK : begin_at_once(l, settings, error);
+    sl_status status = l->follows ? SL_OK : begin_at_once(l, error);
     if (status == SL_OK)
         status = sl_image_create(l->settings.width, l->settings.height, 3, NULL, &l->frame, error);
     if (status != SL_OK) return status;
@@ -528,17 +526,6 @@ const char *sl_live_reduction(const sl_live *l) { return l->reduced; }
 
 /* ---- moves ----------------------------------------------------------------------------------- */
 
-/* Tells whether updates have come so far where things are that they may move on. */
-static bool may_move(sl_live *l) {
-    if (!(l->hold > 0.0)) return true;
-    sl_monitor_enter(&l->meeting);
-    bool good = l->followed == l->shown.number && l->progress.batches > 0 &&
-                (l->progress.done || l->error_levels <= l->hold);
-    good = good || l->status != SL_OK; /* no more updates: there is nothing to wait for */
-    sl_monitor_leave(&l->meeting);
-    return good;
-}
-
 /* The thread is told; or why there is no use in going on. */
 static void ask(sl_live *l, unsigned changes, sl_status status, const sl_error *error) {
     /* a display follows the eye itself */
@@ -557,35 +544,29 @@ static void ask(sl_live *l, unsigned changes, sl_status status, const sl_error *
 
 /* The copy follows at once. A window that could not follow shows nothing any more; a time at which nothing
  * can be is another matter. */
-static sl_status go(sl_live *l, sl_error *error) {
+static sl_status go(sl_live *l, const pose *there, sl_error *error) {
     unsigned changes = 0;
     sl_error why = {0};
-    sl_status status = take_pose(l->scene_copy, &l->wanted, &changes, &why);
+    sl_status status = take_pose(l->scene_copy, there, &changes, &why);
     if (status == SL_OK) {
-        l->shown = l->wanted;
+        l->shown = *there;
+        l->shown.number++;
         if (l->window && (changes & SL_CHANGED_OBJECTS))
             status = l->method->class->window->move(l->window, &why);
         ask(l, changes, status, &why);
     }
-    l->wanted = l->shown;
     if (status != SL_OK && error) *error = why;
     return status;
 }
 
-static sl_status go_if_it_may(sl_live *l, sl_error *error) {
-    if (l->wanted.number == l->shown.number || !may_move(l)) return SL_OK;
-    return go(l, error);
-}
-
 sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
     if (!l) return sl_fail_null(error, "a live show");
-    /* now, though the move may have to wait */
     sl_status status = sl_scene_check_time(l->scene_copy, time_seconds, error);
     if (status != SL_OK) return status;
-    l->wanted.timed = true;
-    l->wanted.time = time_seconds;
-    l->wanted.number = l->shown.number + 1;
-    return go_if_it_may(l, error);
+    pose there = l->shown;
+    there.timed = true;
+    there.time = time_seconds;
+    return go(l, &there, error);
 }
 
 sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], const float up[3],
@@ -598,10 +579,10 @@ sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], co
                        "camera: expected an eye apart from its target, an up vector not along the view and a "
                        "vertical field of view "
                        "between 0 and 180 degrees");
-    l->wanted.looks = true;
-    l->wanted.camera = camera;
-    l->wanted.number = l->shown.number + 1;
-    return go_if_it_may(l, error);
+    pose there = l->shown;
+    there.looks = true;
+    there.camera = camera;
+    return go(l, &there, error);
 }
 
 sl_status sl_live_rate(sl_live *l, double samples_a_second, sl_error *error) {
@@ -741,8 +722,7 @@ sl_status sl_live_frame(sl_live *l, const sl_image **frame, sl_live_state *state
     if (!l) return sl_fail_null(error, "a live show");
     sl_image *picture;
     double picture_time;
-    sl_status status = go_if_it_may(l, error);
-    if (status == SL_OK) status = look_up(l, &picture, &picture_time, error);
+    sl_status status = look_up(l, &picture, &picture_time, error);
     if (status != SL_OK) return status;
     if (l->draws) {
         status = draw_window(l, error);
@@ -756,7 +736,6 @@ sl_status sl_live_frame(sl_live *l, const sl_image **frame, sl_live_state *state
     if (status != SL_OK) return status;
     l->state.frames++;
     sl_count(&l->counters, SL_COUNT_FRAMES_DISPLAYED, 1);
-    l->state.held = l->wanted.number != l->shown.number;
     *frame = l->frame;
     if (state) *state = l->state;
     return SL_OK;

@@ -21,7 +21,7 @@ typedef sl_status sl_live_opening(void *context, sl_scene **scene, sl_error *err
 /* As sl_live_start(), without waiting for the method: the updating thread, which calls `opening` first, makes
  * it, and frames tell whether that has failed. The settings have the picture's size. `shown` is a
  * scene of its own; it must outlive the show, and between two calls it is the caller's. No frame waits: what
- * moves is sl_live_follow()'s, and sl_live_move(), sl_live_look() and shading-cache.hold are not for it. */
+ * moves is sl_live_follow()'s, and sl_live_move() and sl_live_look() are not for it. */
 sl_status sl_live_start_beside(sl_live_opening *opening, void *context, sl_scene *shown,
                                const sl_settings *settings, sl_live **live, sl_error *error);
 /* The change has been made to `shown`, of which it changed so much; updates follow. */

@@ -205,8 +205,6 @@
       "more samples where noise passes for contrast") \
     O(int, frames_per_update, "frames-per-update", "N", 1, 1e6, IS(20), "", RESEARCH, \
       "of the deterministic schedule") \
-    O(double, hold_levels, "hold", "LEVELS", 1e-6, 255, TOLD("motion does not wait"), "", RESEARCH, \
-      "motion waits until the mean error that shows is at most that") \
     O(uint32_t, updates, "updates", "N", 1, 1e9, TOLD("by quality and size"), "", USER(0), \
       "after which a picture is done") \
     O(double, mean_level_radiance, "mean-level", "L", 1e-30, 1e30, TOLD("by the light in the scene"), \

@@ -173,8 +173,7 @@ static sl_status shading_update(void *state, sl_progress *progress, sl_error *er
     s->shows_only = false;
     double left = (double)(s->last_update - s->now) / (double)s->settings.shading_cache.updates;
     progress->fraction = s->done ? 1.0 : 1.0 - left;
-    double hold = s->settings.shading_cache.hold_levels;
-    progress->frame_done = s->done || !(hold > 0.0) || s->error_levels <= hold;
+    progress->frame_done = true;
     progress->done = s->done;
     return status;
 }
@@ -282,7 +281,7 @@ static void begin_picture(sl_shading_state *s, unsigned what) {
     s->may_be_stale = true;
     if (!s->edited && (what & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) s->edited = s->now + 1;
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
-    s->shows_only = s->edits++ % (uint32_t)c->frames_per_update != 0 && !(c->hold_levels > 0.0);
+    s->shows_only = s->edits++ % (uint32_t)c->frames_per_update != 0;
     if (what & (SL_CHANGED_CAMERA | SL_CHANGED_OBJECTS)) s->drawn = false;
 }
 

@@ -113,18 +113,6 @@ static sl_live_state frames_until_done(sl_live *live, float picture[3 * PIXELS])
     return frame_of(live, picture); /* drawn after the last update */
 }
 
-/* Draws what the method itself shows of a scene at a time before any sample. */
-static void first_picture_at(const char *path, double time, float picture[3 * PIXELS]) {
-    sl_scene *scene = load_scene(path);
-    sl_settings settings = show_settings();
-    assert_int_equal(sl_scene_set_time(scene, time, NULL, NULL), SL_OK);
-    sl_method *method = created_method(scene, &settings);
-    sl_image *image = resolved_picture(method);
-    memcpy(picture, image->planes, 3 * PIXELS * sizeof *picture);
-    sl_image_destroy(image);
-    destroy_method(method, scene);
-}
-
 static int pixels_apart(const float *a, const float *b) {
     int apart = 0;
     for (int i = 0; i < PIXELS; i++) {
@@ -339,39 +327,6 @@ static void a_camera_of_ones_own_stays_whatever_moves(void **state) {
     sl_scene_destroy(scene);
 }
 
-/* ---- held back ------------------------------------------------------------------------------- */
-
-static void motion_waits_for_the_quality_that_it_is_held_for(void **state) {
-    static float first[3 * PIXELS], held[3 * PIXELS], there[3 * PIXELS], picture[3 * PIXELS];
-    sl_scene *scene = load_scene(ball);
-    sl_settings settings = show_settings();
-    settings.shading_cache.updates = 500;
-    settings.shading_cache.hold_levels = 3.0;
-    open_gate(false);
-    sl_live *live = start(scene, &settings);
-    frame_of(live, first);
-    wait_until_samples_are_held_up();
-    for (int step = 1; step <= 3; step++) {
-        assert_int_equal(sl_live_move(live, 0.5 * step, NULL), SL_OK);
-        sl_live_state shown = frame_of(live, held);
-        assert_true(shown.held && shown.time_seconds == 0.0);
-        assert_int_equal(pixels_apart(first, held), 0);
-    }
-    open_gate(true);
-    sl_live_state shown = frame_of(live, picture), before = shown;
-    while (shown.held) {
-        before = shown;
-        pause_a_millisecond();
-        shown = frame_of(live, picture);
-    }
-    assert_true(shown.time_seconds == 1.5); /* the newest one asked for */
-    assert_true(shown.error_levels <= 3.0 || shown.updates > before.updates);
-    first_picture_at(ball, 1.5, there);
-    assert_true(pixels_apart(picture, first) > 20);
-    sl_live_stop(live, NULL);
-    sl_scene_destroy(scene);
-}
-
 /* ---- ends ------------------------------------------------------------------------------------ */
 
 static void open_gate_soon(void *context) {
@@ -410,7 +365,6 @@ int main(void) {
         cmocka_unit_test(
             of_methods_without_a_display_a_move_is_a_change_that_shows_with_their_finished_picture),
         cmocka_unit_test(a_camera_of_ones_own_stays_whatever_moves),
-        cmocka_unit_test(motion_waits_for_the_quality_that_it_is_held_for),
         cmocka_unit_test(a_show_can_be_stopped_at_any_time_and_leaves_nothing_running),
     };
     if (!sl_monitor_open(&gate)) return 1;
