@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* realpath(), O_TMPFILE */
+#define _GNU_SOURCE /* realpath() */
 #include "image/output_file.h"
 
 #include "base/error.h"
@@ -26,53 +26,9 @@ static void release(sl_output_file *file) {
     file->descriptor = -1;
 }
 
-/* ---- files that have no name yet ------------------------------------------------------------- */
-
-enum { PROC_NAME = 40 };
-
-/* By which one can be given to it: where the system tells of itself. */
-static void name_in_proc(int descriptor, char name[PROC_NAME]) {
-    snprintf(name, PROC_NAME, "/proc/self/fd/%d", descriptor);
-}
-
-/* Of such a file nothing is left if the process is killed. Not every file system has them (ext4, XFS, Btrfs
- * and tmpfs do, NFS and FAT do not); false where it cannot be had. */
-static bool create_unnamed(sl_output_file *file) {
-#ifdef O_TMPFILE
-    const char *slash = strrchr(file->target, '/');
-    char proc[PROC_NAME],
-        *folder = slash ? strndup(file->target, slash > file->target ? (size_t)(slash - file->target) : 1)
-                        : strdup(".");
-    if (!folder) return false;
-    file->descriptor = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
-    free(folder);
-    if (file->descriptor < 0) return false;
-    name_in_proc(file->descriptor, proc);
-    if (access(proc, F_OK) == 0) return true;
-    close(file->descriptor);
-    file->descriptor = -1;
-#else
-    (void)file;
-#endif
-    return false;
-}
-
-static int link_to(const sl_output_file *file, const char *name) {
-    char proc[PROC_NAME];
-    name_in_proc(file->descriptor, proc);
-    return linkat(AT_FDCWD, proc, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
-}
-
-/* ---- files with a name of their own ---------------------------------------------------------- */
-
-/* Not mkstemp(), whose files nobody else may read whatever the umask says. */
-static int create_named(sl_output_file *file) {
-    file->descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    return file->descriptor >= 0 ? 0 : errno;
-}
-
-/* Makes the file, or gives it a name, under a name beside the target that nobody has. */
-static int put_beside(sl_output_file *file) {
+/* Makes the file under a name beside the target that nobody has. Not by mkstemp(), whose files nobody else
+ * may read whatever the umask says. */
+static int create_beside(sl_output_file *file) {
     enum { ATTEMPTS = 1000 };
     size_t room = strlen(file->target) + 64;
     int reason = EEXIST;
@@ -80,7 +36,8 @@ static int put_beside(sl_output_file *file) {
     if (!file->temporary) return ENOMEM;
     for (int attempt = 0; attempt < ATTEMPTS && reason == EEXIST; attempt++) {
         snprintf(file->temporary, room, "%s.%ld-%d.part", file->target, (long)getpid(), attempt);
-        reason = file->unnamed ? link_to(file, file->temporary) : create_named(file);
+        file->descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        reason = file->descriptor >= 0 ? 0 : errno;
     }
     if (reason) {
         free(file->temporary);
@@ -97,8 +54,7 @@ static int open_target(sl_output_file *file, const char *path) {
     struct stat status;
     bool exists = stat(file->target, &status) == 0;
     if (!exists || S_ISREG(status.st_mode)) {
-        file->unnamed = create_unnamed(file);
-        int reason = file->unnamed ? 0 : put_beside(file);
+        int reason = create_beside(file);
         if (reason == 0 && exists) (void)fchmod(file->descriptor, status.st_mode & 07777);
         return reason;
     }
@@ -170,16 +126,8 @@ sl_status sl_output_write_at(sl_output_file *file, const void *data, size_t byte
     return write_all(file, data, bytes, &offset, error);
 }
 
-/* A name that is taken cannot be given: then by way of another. */
-static int give_name(sl_output_file *file) {
-    int reason = link_to(file, file->target);
-    return reason == EEXIST ? put_beside(file) : reason;
-}
-
 static sl_status commit(sl_output_file *file, sl_error *error) {
-    bool whole_or_nothing = file->unnamed || file->temporary;
-    int reason = whole_or_nothing && fsync(file->descriptor) != 0 ? errno : 0;
-    if (reason == 0 && file->unnamed) reason = give_name(file);
+    int reason = file->temporary && fsync(file->descriptor) != 0 ? errno : 0;
     if (close(file->descriptor) != 0 && reason == 0) reason = errno;
     file->descriptor = -1;
     if (reason == 0 && file->temporary && rename(file->temporary, file->target) != 0) reason = errno;

@@ -1,8 +1,6 @@
-/* Files that appear whole or not at all: the bytes go to a file without a name in the target's folder, which
- * takes the target's name only when everything is on the disk. A failure, at any point, leaves what was there
- * before, and so does the end of the process, however it is killed. Where the file system knows no such files
- * it is one beside the target, NAME.PROCESS-NUMBER.part: that one a killed process leaves, and it is in
- * nobody's way. */
+/* Files that appear whole or not at all: the bytes go to a file beside the target, NAME.PROCESS-NUMBER.part,
+ * which takes the target's name only when everything is on the disk. A failure, at any point, leaves what was
+ * there before and nothing else; a process that is killed leaves the part too, in nobody's way. */
 #ifndef SL_IMAGE_OUTPUT_FILE_H
 #define SL_IMAGE_OUTPUT_FILE_H
 
@@ -12,7 +10,6 @@ typedef struct sl_output_file {
     int descriptor;
     char *name;       /* as the caller wrote it, for messages */
     char *target;     /* with symbolic links resolved */
-    bool unnamed;     /* it has no name yet */
     /* the name it has until it takes the target's, or NULL; devices and pipes are written directly */
     char *temporary;
     bool in_memory;   /* no file at all: the bytes stay here */
