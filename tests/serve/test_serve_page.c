@@ -299,6 +299,9 @@ static void reference_difference_and_error_stand_beside(void **state) {
     run(f->browser, "window.before = seen('right'); choose('method-b', 'error'); press('estimate')");
     wait_until(f->browser, "!document.querySelector('#right.empty') && seen('right') !== before");
     wait_until(f->browser, "document.getElementById('told-a').textContent.includes('%')");
+    run(f->browser, "window.state = softlux.states.a; choose('method-b', 'difference')");
+    wait_until(f->browser, "softlux.states.a !== state"); /* the newest news of the side do not hide it */
+    assert_holds(f->browser, "document.getElementById('told-a').textContent.includes('%')");
     run(f->browser, "press('estimate'); choose('method-b', '')");
     assert_nothing_is_wrong(f);
 }

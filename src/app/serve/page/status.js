@@ -61,18 +61,18 @@ function plot() {
 
 /* ---- the numbers of a side ---- */
 
-const states = {};
+const states = {}, errors = {}; /* of each side; errors of the picture that stands there */
 
 const seconds = s => s === undefined || s === null ? "–" : s < 10 ? s.toFixed(1) + " s" : s.toFixed(0) + " s";
 
 function show_side(side) {
-  const s = states[side], box = find("told-" + side);
+  const s = states[side], error = errors[side], box = find("told-" + side);
   if (!s) {
     box.replaceChildren();
     return;
   }
-  const parts = [make("span", {class: "big"}, s.error == null ? seconds(s.seconds) : "±" + percent(s.error))];
-  if (s.error != null) parts.push(make("span", {}, seconds(s.seconds)));
+  const parts = [make("span", {class: "big"}, error == null ? seconds(s.seconds) : "±" + percent(error))];
+  if (error != null) parts.push(make("span", {}, seconds(s.seconds)));
   parts.push(make("span", {}, (s.batches || 0) + (s.batches === 1 ? " batch" : " batches")));
   if (s.done) parts.push(make("span", {class: "done"}, "done"));
   box.replaceChildren(...parts);
@@ -111,25 +111,21 @@ function show_work() {
 }
 
 on("state", s => {
-  const side = s.side || "a";
-  states[side] = s;
-  note_error(side, s.seconds, s.error);
-  show_side(side);
-  plot();
+  if (s.seconds < states[s.side]?.seconds) delete errors[s.side]; /* it began anew */
+  states[s.side] = s;
+  show_side(s.side);
   show_work();
 });
 on("error", e => {
-  const s = states[e.side];
-  if (!s) return;
-  s.error = e.error;
-  s.bound = e.bound;
-  note_error(e.side, e.seconds ?? s.seconds, e.error);
+  errors[e.side] = e.error;
+  note_error(e.side, e.seconds, e.error);
   show_side(e.side);
   plot();
 });
 on("method", ({side, name}) => {
   runs[side] = [...runs[side].slice(-1), []];
   if (!name) delete states[side];
+  delete errors[side];
   show_side(side);
   plot();
 });
@@ -141,7 +137,7 @@ on("reference", r => {
 
 /* ---- pictures a second, and from the hand to the eye ---- */
 
-const second = [], waiting = [], latencies = [];
+const second = [], waiting = [], latencies = [], events = {};
 
 const median = sorted => sorted.length ? sorted[Math.floor(sorted.length / 2)] : NaN;
 
@@ -151,6 +147,10 @@ on("numbered", n => {
 on("drawn", f => {
   const now = performance.now();
   second.push({now, bytes: f.bytes, first: f.kind === kinds.a});
+  if (f.kind <= kinds.b && f.event !== events[f.kind]) {
+    events[f.kind] = f.event;
+    delete errors[f.kind === kinds.a ? "a" : "b"];
+  }
   if (f.kind !== kinds.a) return;
   while (waiting.length && waiting[0].event <= f.event) latencies.push(now - waiting.shift().since);
   if (latencies.length > 300) latencies.splice(0, latencies.length - 300);
@@ -181,6 +181,9 @@ function show_speed() {
 
 export function begin_status() {
   setInterval(show_speed, 500);
-  find("estimate").addEventListener("change", event => send({do: "error", on: event.target.checked}));
+  find("estimate").addEventListener("change", event => {
+    send({do: "error", on: event.target.checked});
+    if (!event.target.checked) delete errors.a, delete errors.b;
+  });
   window.softlux = {speed, states, world}; /* for measurements */
 }
