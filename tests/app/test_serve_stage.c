@@ -352,7 +352,6 @@ static void what_cannot_be_is_refused_and_changes_nothing(void **state) {
         "}",
         "{\"do\":\"edit\",\"edits\":[{\"kind\":\"material\",\"material\":2,\"diffuse\":[2,0,0]}]}",
         "{\"do\":\"edit\",\"edits\":[{\"kind\":\"sun\",\"direction\":[0,-1,0]}]}",
-        "{\"do\":\"view\",\"name\":\"of another\"}",
         "{\"do\":\"play\",\"on\":true}",
         "{\"do\":\"undo\"}"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

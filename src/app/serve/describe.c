@@ -28,7 +28,8 @@ static void add_colour(cJSON *to, const char *name, sl_rgb c) {
 /* ---- the camera ---- */
 
 /* It looks at the middle of the scene as far as that lies ahead. */
-static void add_camera(cJSON *to, const sl_scene *s, const sl_camera *c) {
+static void add_camera(cJSON *to, const sl_scene *s) {
+    const sl_camera *c = &s->camera;
     const sl_vec3 middle = sl_scale(sl_add(s->central_min, s->central_max), 0.5f);
     float ahead = -sl_dot(sl_sub(middle, c->eye), c->back);
     if (!(ahead > 0.05f * s->scale)) ahead = 0.25f * s->scale;
@@ -40,7 +41,7 @@ static void add_camera(cJSON *to, const sl_scene *s, const sl_camera *c) {
 
 cJSON *sl_describe_camera(const sl_stage *stage) {
     cJSON *m = sl_message("camera");
-    add_camera(m, stage->world.scene, &stage->world.scene->camera);
+    add_camera(m, stage->world.scene);
     cJSON_AddNumberToObject(m, "time", stage->world.time);
     return m;
 }
@@ -137,11 +138,7 @@ static void add_scene(cJSON *m, const sl_stage *stage) {
     const char *slash = strrchr(w->path, '/');
     cJSON_AddStringToObject(m, "name", slash ? slash + 1 : w->path);
     cJSON_AddNumberToObject(m, "triangles", (double)s->triangle_count);
-    cJSON *cameras = cJSON_AddArrayToObject(m, "cameras"), *first = cJSON_CreateObject();
-    cJSON_AddStringToObject(first, "name", "scene");
-    add_camera(first, s, &w->first_camera);
-    cJSON_AddItemToArray(cameras, first);
-    add_camera(cJSON_AddObjectToObject(m, "camera"), s, &s->camera);
+    add_camera(cJSON_AddObjectToObject(m, "camera"), s);
     cJSON_AddNumberToObject(m, "time", w->time);
     cJSON_AddNumberToObject(m, "duration", w->duration);
     cJSON_AddBoolToObject(m, "plays", stage->plays);

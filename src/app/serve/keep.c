@@ -7,7 +7,6 @@
 #include "app/serve/parse.h"
 #include "base/error.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -210,8 +209,6 @@ static void tell_error(sl_stage *s, int side, const sl_work_done *done) {
     cJSON_AddStringToObject(m, "side", sl_side_name(side));
     cJSON_AddNumberToObject(m, "seconds", sl_seconds_now() - s->side[side].began);
     cJSON_AddNumberToObject(m, "error", done->error[side]);
-    if (isfinite(done->bound[side])) cJSON_AddNumberToObject(m, "bound", done->bound[side]);
-    cJSON_AddStringToObject(m, "by", done->by_reference[side] ? "reference" : "probes");
     sl_say(s, 0, m);
 }
 

@@ -11,7 +11,6 @@
  * ---- to the server
  *
  *   {"do":"camera","eye":[3],"target":[3],"up":[3],"fov":40}       up and fov may be left out: as they are
- *   {"do":"view","name":"..."}                                     one of hello.scene.cameras
  *   {"do":"reset"}                                                 the camera, and the scene's own time
  *   {"do":"time","at":1.5}      {"do":"play","on":true}
  *   {"do":"size","width":w,"height":h}                             16 to 2048 a side
@@ -42,32 +41,30 @@
  *   {"do":"got","frame":n}                                         two frames without it are the most sent;
  *                                                                  n: the greatest number got
  *
- * Messages that change the scene (camera, view, reset, time, edit, undo, redo) are events, numbered from 1
+ * Messages that change the scene (camera, reset, time, edit, undo, redo) are events, numbered from 1
  * for the whole server: the newest one that a frame shows stands in its header. {"is":"did","event":n,
  * "do":".."} answers every message but "got", "pick" and "story", n being the newest event by then.
  *
  * ---- to the page
  *
  *   {"is":"hello","version","event","size":[w,h],"methods":[..],"settings":[{name,methods,unit,symbol,help,
- *       minimum,maximum,default,everyday}],"scene":{...},"sides":{"a":"splatting","b":""},"tone":{...},
- *       "duration"}
- *   {"is":"scene",name,triangles,cameras:[{name,eye,target,up,fov}],camera:{eye,target,up,fov},time,duration,
+ *       minimum,maximum,default,everyday}],"scene":{...},"sides":{"a":"splatting","b":""},"tone":{...}}
+ *   {"is":"scene",name,triangles,camera:{eye,target,up,fov},time,duration,plays,
  *       objects:[{object,name,material,centre,bounds:[6],matrix:[12]}],
  *       materials:[{material,name,diffuse,specular,exponent,mirror,emission,textured}],
  *       lights:[{light,type,position,direction,power}],sky:{present,stops},undo:n,redo:n}
  *                                                                  after edits, too, and as keyframes move
  *                                                                  things
  *   {"is":"camera",eye,target,up,fov,time}                         somebody moved it (also to that one)
- *   {"is":"state","side":"a","method","seconds","batches","done","error":share|null,"levels":..|null,
+ *   {"is":"state","side":"a","method","seconds","batches","done",
  *       "counters":{..},"kept":{"event":n,"changes":[..],"counters":{"before":{..},"since":{..}}},
  *       "latency":ms,"drawing":ms,"encoding":ms,"frame":n,"reduced":"..","settings":{..}}
  *                                                                  twice a second while something changes;
- *                                                                  levels of 255 by which it seems wrong;
  *                                                                  kept: by the newest edit
  *   {"is":"picked","what":"object"|"light"|"sky","object","name","material","light","at":[3],"normal":[3],
  *       x,y}
- *   {"is":"story","side","x","y","pixel":[3],"terms":[{layer,kind,index,weight,value,contribution,position,
- *       at:[column,row]}],"count","rounding":[3],"paper":[html lines],
+ *   {"is":"story","side","x","y","pixel":[3],"terms":[{layer,kind,index,weight,value,contribution,
+ *       at:[column,row]}],"rounding":[3],"paper":[html lines],
  *       "passes":[{pass,layer,title,text:[html lines],equation,function,source:{file,first,text}}]}
  *       contributions and rounding add up to the pixel; beyond 24 terms the rest are one, of layer "several"
  *   {"is":"pass","side","index","place","name","source","times","counters","width","height","marks",title,
@@ -77,10 +74,8 @@
  *   {"is":"overlay","side","kind","pass","width","height","svg":"<path .../><circle .../>..."}
  *   {"is":"method","side","name","settings":{..}}                  somebody chose it
  *   {"is":"reference","samples","done"}
- *   {"is":"error","side","seconds","error","bound","by":"reference"|"probes"}    shares; by probes that reach
- *                                                                  it with 95 % confidence; what the
- *                                                                  reference's own noise adds is in its
- *                                                                  error
+ *   {"is":"error","side","seconds","error"}                        a share; what a reference's own noise adds
+ *                                                                  is in it
  *   {"is":"exact","side","fraction","done","command","png","exr"}  png, exr: addresses, once it is done;
  *                                                                  what a frame of kind 6 shows
  *   {"is":"kept","what","name","href","bytes"}                     also of png and exr, once they are made

@@ -174,8 +174,6 @@ static void tell_state(sl_stage *s, int index) {
     cJSON_AddNumberToObject(state, "seconds", sl_seconds_now() - d->began);
     cJSON_AddNumberToObject(state, "batches", (double)d->last.updates);
     cJSON_AddBoolToObject(state, "done", d->last.done);
-    if (d->last.error_levels >= 0.0) cJSON_AddNumberToObject(state, "levels", d->last.error_levels);
-    else cJSON_AddNullToObject(state, "levels");
     cJSON_AddNumberToObject(state, "latency", 1e3 * d->latency);
     cJSON_AddNumberToObject(state, "drawing", 1e3 * d->drawing);
     cJSON_AddNumberToObject(state, "encoding", 1e3 * d->encoding);

@@ -60,14 +60,6 @@ static sl_status look_first(sl_stage *s, sl_error *error) {
     return status;
 }
 
-static sl_status take_view(sl_stage *s, const cJSON *message, sl_error *error) {
-    const char *name = "";
-    sl_status status = sl_take_text(message, "name", &name, error);
-    if (status != SL_OK) return status;
-    return strcmp(name, "scene") == 0 ? look_first(s, error)
-                                      : sl_fail(error, SL_ERROR_USAGE, "view: the scene has no such camera");
-}
-
 static sl_status go_to(sl_stage *s, double seconds, sl_error *error) {
     unsigned changes;
     sl_status status = sl_world_go_to(&s->world, seconds, &changes, error);
@@ -281,7 +273,6 @@ static const struct {
     const char *name;
     sl_status (*take)(sl_stage *stage, const cJSON *message, sl_error *error);
 } requests[] = {{"camera", take_camera},
-                {"view", take_view},
                 {"reset", take_reset},
                 {"time", take_time},
                 {"play", take_play},

@@ -39,7 +39,6 @@ static void add_term(cJSON *list, const sl_mark_view *view, const sl_explanation
     cJSON_AddNumberToObject(o, "weight", t->weight);
     sl_add_floats(o, "value", t->value, 3);
     sl_add_numbers(o, "contribution", t->contribution, 3);
-    if (t->placed) sl_add_floats(o, "position", t->position, 3);
     if (t->placed && sl_mark_project(view, t->position, &at[0], &at[1])) sl_add_numbers(o, "at", at, 2);
     cJSON_AddItemToArray(list, o);
 }
@@ -55,7 +54,6 @@ static void add_terms(cJSON *m, const sl_mark_view *view, sl_explanation *e) {
         for (int c = 0; c < 3 && i >= TOLD; c++) rest.contribution[c] += t->contribution[c];
     }
     if (e->count > TOLD) add_term(list, view, &rest);
-    cJSON_AddNumberToObject(m, "count", (double)e->count);
 }
 
 /* ---- what is told of passes ---- */

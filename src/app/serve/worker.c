@@ -148,16 +148,13 @@ static sl_image *map_of(const sl_image *picture, const sl_image *reference) {
     return map;
 }
 
-static void publish(sl_worker *w, int side, bool by_reference, double error, double bound,
-                    sl_image *difference, sl_image *map) {
+static void publish(sl_worker *w, int side, double error, sl_image *difference, sl_image *map) {
     sl_work_done *d = &w->done;
     sl_monitor_enter(&w->meeting);
     if (difference) renew(&d->difference[side], difference);
     if (map) renew(&d->map[side], map);
     d->judged[side] = true;
-    d->by_reference[side] = by_reference;
     d->error[side] = error;
-    d->bound[side] = bound;
     w->news = true;
     sl_monitor_leave(&w->meeting);
 }
@@ -166,8 +163,7 @@ static sl_status judge_by_reference(sl_worker *w, int side, const seen *s, sl_er
     sl_comparison c;
     sl_image *difference = NULL;
     sl_status status = sl_image_compare(s->picture, w->path_picture, NULL, &c, &difference, error);
-    if (status == SL_OK)
-        publish(w, side, true, c.rel_rmse, INFINITY, difference, map_of(s->picture, w->path_picture));
+    if (status == SL_OK) publish(w, side, c.rel_rmse, difference, map_of(s->picture, w->path_picture));
     return status;
 }
 
@@ -189,7 +185,7 @@ static sl_status judge_by_probes(sl_worker *w, int side, const seen *s, sl_error
     sl_status status = w->probe ? SL_OK : sl_error_probe_create(w->scene, &settings, &w->probe, error);
     if (status == SL_OK)
         status = sl_error_probe_estimate(w->probe, s->picture, PROBES, PROBE_SAMPLES, &e, error);
-    if (status == SL_OK) publish(w, side, false, e.rel_rmse, e.bound, NULL, NULL);
+    if (status == SL_OK) publish(w, side, e.rel_rmse, NULL, NULL);
     return status;
 }
 

@@ -29,9 +29,8 @@ typedef struct sl_work_done {
     uint64_t samples;
     bool reference_done;
     sl_image *difference[SL_WORKER_SIDES], *map[SL_WORKER_SIDES];
-    bool judged[SL_WORKER_SIDES], by_reference[SL_WORKER_SIDES];
-    double error[SL_WORKER_SIDES],
-        bound[SL_WORKER_SIDES]; /* relative RMSE; bound: infinite, nothing is promised */
+    bool judged[SL_WORKER_SIDES];
+    double error[SL_WORKER_SIDES]; /* relative RMSE */
 } sl_work_done;
 
 /* The world must outlive it. */

@@ -75,10 +75,9 @@ typedef struct sl_world {
     bool edited;
     sl_event **events;
     size_t count, room;
-    uint64_t changed; /* the number of the newest event that changed anything */
     sl_undo *undo;
-    size_t undone, undo_count, undo_room; /* of undo_count steps so many are undone */
-    bool drags;                           /* what comes next may belong to the newest of them */
+    size_t undone, undo_count; /* of undo_count steps so many are undone */
+    bool drags;                /* what comes next may belong to the newest of them */
 } sl_world;
 
 /* The scene at a time. */

@@ -1,4 +1,4 @@
-/* The scene's cameras, its time, the picture's size and tone. */
+/* The scene's time, the picture's size and tone. */
 import {send, send_last, send_smoothly} from "./connection.js";
 import {find, options} from "./make.js";
 import {on, world} from "./world.js";
@@ -17,9 +17,6 @@ function play(is_on) {
 }
 
 function take_scene(scene) {
-  const cameras = scene.cameras || [];
-  find("camera").hidden = cameras.length < 2;
-  options(find("camera"), [["", "Cameras …"], ...cameras.map(c => [c.name, c.name])], "");
   duration = scene.duration || 0;
   find("time-group").hidden = duration <= 0;
   find("time").max = duration;
@@ -55,7 +52,7 @@ function show_tone(tone) {
 }
 
 on("hello", h => {
-  take_scene({...h.scene, duration: h.duration || h.scene.duration});
+  take_scene(h.scene);
   show_tone(h.tone);
 });
 on("scene", take_scene);
@@ -66,10 +63,6 @@ on("resized", show_size);
 on("connection", () => play(false));
 
 export function begin_time() {
-  find("camera").addEventListener("change", event => {
-    if (event.target.value) send({do: "view", name: event.target.value});
-    event.target.value = "";
-  });
   find("time").addEventListener(
       "input", event => send_smoothly("time", {do: "time", at: Number(event.target.value)}, event.timeStamp));
   find("play").addEventListener("click", () => {
