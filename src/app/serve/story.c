@@ -3,10 +3,10 @@
 #include "app/serve/stage_parts.h"
 
 #include "app/serve/parse.h"
+#include "app/steps/explanations.h"
 #include "app/steps/narrative.h"
 #include "base/error.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,15 +20,6 @@ typedef struct story {
 } story;
 
 /* ---- terms ---- */
-
-static double size_of(const sl_explanation_term *t) {
-    return fabs(t->contribution[0]) + fabs(t->contribution[1]) + fabs(t->contribution[2]);
-}
-
-static int by_size(const void *a, const void *b) {
-    const double x = size_of(a), y = size_of(b);
-    return x > y ? -1 : x < y;
-}
 
 static void add_term(cJSON *list, const sl_mark_view *view, const sl_explanation_term *t) {
     cJSON *o = cJSON_CreateObject();
@@ -45,15 +36,8 @@ static void add_term(cJSON *list, const sl_mark_view *view, const sl_explanation
 
 static void add_terms(cJSON *m, const sl_mark_view *view, sl_explanation *e) {
     cJSON *list = cJSON_AddArrayToObject(m, "terms");
-    sl_explanation_term rest = {.layer = "several", .kind = "smaller ones, together"};
-    qsort(e->terms, e->count, sizeof *e->terms, by_size);
-    for (size_t i = 0; i < e->count; i++) {
-        const sl_explanation_term *t = &e->terms[i];
-        if (i < TOLD) add_term(list, view, t);
-        else rest.weight += t->weight;
-        for (int c = 0; c < 3 && i >= TOLD; c++) rest.contribution[c] += t->contribution[c];
-    }
-    if (e->count > TOLD) add_term(list, view, &rest);
+    sl_explanation_fold(e, TOLD);
+    for (size_t i = 0; i < e->count; i++) add_term(list, view, &e->terms[i]);
 }
 
 /* ---- what is told of passes ---- */

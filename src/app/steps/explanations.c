@@ -39,23 +39,35 @@ static int kind_of(const telling *t, const sl_explanation_term *term) {
     return number;
 }
 
+/* ---- the largest terms ---- */
+
 static double size_of(const sl_explanation_term *t) {
     return fabs(t->contribution[0]) + fabs(t->contribution[1]) + fabs(t->contribution[2]);
 }
 
-/* Finds the size from which on terms are shown: that of the last of the largest. */
-static double least_shown(const sl_explanation *e) {
-    double sizes[TERMS_SHOWN + 1];
-    size_t count = 0;
-    for (size_t i = 0; i < e->count; i++) {
-        double size = size_of(&e->terms[i]);
-        size_t at = count;
-        for (; at > 0 && size > sizes[at - 1]; at--) sizes[at] = sizes[at - 1];
-        sizes[at] = size;
-        if (count < TERMS_SHOWN) count++;
-    }
-    return count ? sizes[count - 1] : 0.0;
+/* Largest first; of equal ones by their names, so that the order is one. */
+static int by_size(const void *a, const void *b) {
+    const sl_explanation_term *x = a, *y = b;
+    const double of_x = size_of(x), of_y = size_of(y);
+    if (of_x != of_y) return of_x > of_y ? -1 : 1;
+    if (x->index != y->index) return x->index < y->index ? -1 : 1;
+    const int layers = strcmp(x->layer, y->layer);
+    return layers ? layers : strcmp(x->kind, y->kind);
 }
+
+void sl_explanation_fold(sl_explanation *e, size_t most) {
+    sl_explanation_term rest = {.layer = "several", .kind = "smaller ones, together"};
+    qsort(e->terms, e->count, sizeof *e->terms, by_size);
+    if (e->count <= most) return;
+    for (size_t i = most; i < e->count; i++) {
+        rest.weight += e->terms[i].weight;
+        for (int c = 0; c < 3; c++) rest.contribution[c] += e->terms[i].contribution[c];
+    }
+    e->terms[most] = rest;
+    e->count = most + 1;
+}
+
+/* ---- terms as the page has them ---- */
 
 static void add_term(telling *t, const sl_explanation_term *term, double left[3]) {
     told_term told = {.index = (double)term->index,
@@ -74,24 +86,11 @@ static void add_term(telling *t, const sl_explanation_term *term, double left[3]
     t->term_count += (uint32_t)fwrite(&told, sizeof told, 1, t->terms);
 }
 
-/* Makes what is shown add up to the pixel, too: what the page leaves out, or rounds to float, goes to the
- * rest. */
-static void add_explanation(telling *t, const sl_explanation *e, double left[3]) {
-    sl_explanation_term smaller = {.layer = "several", .kind = "smaller ones, together"};
-    double least = least_shown(e);
-    size_t shown = 0;
+/* Makes what is shown add up to the pixel, too: what is rounded to float goes to the rest. */
+static void add_explanation(telling *t, sl_explanation *e, double left[3]) {
+    sl_explanation_fold(e, TERMS_SHOWN);
     for (int c = 0; c < 3; c++) left[c] = (double)e->pixel[c];
-    for (size_t i = 0; i < e->count; i++) {
-        const sl_explanation_term *term = &e->terms[i];
-        if (size_of(term) >= least && shown < TERMS_SHOWN) {
-            add_term(t, term, left);
-            shown++;
-            continue;
-        }
-        smaller.weight += term->weight;
-        for (int c = 0; c < 3; c++) smaller.contribution[c] += term->contribution[c];
-    }
-    if (shown < e->count) add_term(t, &smaller, left);
+    for (size_t i = 0; i < e->count; i++) add_term(t, &e->terms[i], left);
 }
 
 static void add_bytes(cJSON *to, const char *name, const void *bytes, size_t count) {

@@ -12,5 +12,7 @@
  * each pixel's terms begin; "terms"; and "rounding", what they leave of the pixel's exact value. */
 sl_status sl_explanations_collect(sl_method *method, const sl_image *picture, const sl_mark_view *view,
                                   cJSON **explanations, sl_error *error);
+/* Orders the terms, largest first, and makes one of those beyond `most`, of layer "several". */
+void sl_explanation_fold(sl_explanation *explanation, size_t most);
 
 #endif

@@ -1,40 +1,21 @@
-/* The observer behind a page: keeps every pass that a method announces, and what it looked like at each
- * snapshot. */
+/* The observer behind a page: keeps what every pass of a method looked like at each snapshot. */
 #ifndef SL_APP_STEPS_RECORD_H
 #define SL_APP_STEPS_RECORD_H
 
 #include "app/steps/marks.h"
-#include "app/steps/narrative.h"
-
-/* ---- what passes announce ---- */
-
-enum { SL_STEPS_MAX = 64 };
-
-typedef struct sl_step {
-    char name[96], source[160];
-    const cJSON *told;   /* of the narrative; NULL: the page says only what the method announces */
-    size_t place;        /* in the paper's order */
-    uint64_t times;      /* announced */
-    sl_counters cost;    /* of all of them */
-    int width, height;   /* of its picture; 0: none */
-    sl_image *latest;    /* since the last snapshot; NULL: nothing new */
-    char *latest_marks;  /* SVG, likewise */
-    cJSON *frames;       /* of each snapshot [picture, marks]: null where there is none or nothing new */
-} sl_step;
+#include "app/steps/watched.h"
 
 typedef struct sl_recording {
-    const cJSON *narrative;
     sl_mark_view view;
-    sl_step steps[SL_STEPS_MAX]; /* in the order of their first announcement */
-    size_t count;
+    sl_watched watched; /* whose pictures and marks are those since the last snapshot */
+    /* of each pass and snapshot [picture, marks], PNG in base 64 and SVG: null where there is none or nothing
+     * new */
+    cJSON *frames[SL_WATCHED_MAX];
     int snapshots;
-    sl_counters told;     /* all costs that passes have announced */
-    /* what an unfinished pass has cost when a snapshot comes in between: the snapshot's first pass announces
-     * it ... */
-    sl_counters early;
-    sl_counters owed;     /* ... and the next one gets it back */
-    bool resolving;       /* between the two functions below */
-    bool failed;          /* for want of memory or room */
+    sl_counters told; /* all costs that passes have announced */
+    /* What is added to the next pass's cost, modulo 2^64, and to that of the first behind a snapshot: the
+     * snapshot's first pass announces also what an unfinished one has cost so far, which gets it back. */
+    sl_counters next, later;
 } sl_recording;
 
 sl_observer sl_recording_observer(sl_recording *recording);

@@ -140,7 +140,7 @@ static sl_status snap(cJSON *snapshots, sl_recording *recording, sl_method *meth
     cJSON_AddNumberToObject(snapshot, "batches", (double)progress->batches);
     add_error(snapshot, "error", error_of(*picture, reference));
     add_text(snapshot, "picture", sl_picture_text(*picture, true));
-    return cJSON_GetObjectItem(snapshot, "picture") && !recording->failed
+    return cJSON_GetObjectItem(snapshot, "picture") && !recording->watched.failed
                ? SL_OK
                : sl_fail_memory(error, "the page's pictures");
 }
@@ -204,8 +204,8 @@ sl_status sl_steps_run(const sl_scene *scene, const sl_steps_options *o, cJSON *
     sl_image *reference = NULL; /* NULL: there is none */
     char *plan = NULL;
     sl_status status = sl_tracer_create(scene, o->settings.threads, NULL, &tracer, error);
-    recording = (sl_recording){.narrative = narrative,
-                               .view = {scene->camera, width, height, tracer, scene->scale}};
+    recording = (sl_recording){.view = {scene->camera, width, height, tracer, scene->scale},
+                               .watched = {.narrative = narrative}};
     if (status == SL_OK) status = sl_method_plan(scene, &o->settings, &plan, error);
     if (status == SL_OK && o->reference_samples) status = trace_reference(scene, o, &reference, error);
     if (status == SL_OK) status = watch(scene, o, run, &recording, reference, error);
