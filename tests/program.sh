@@ -167,7 +167,7 @@ expect 3 'nothing to compare' compare "$folder/nan.pfm" "$folder/nan.pfm" --max-
 expect 3 'nothing to compare' compare "$folder/one.pfm" "$folder/one.pfm" --mask "$folder/black.pfm"
 expect 0 'values +3' compare "$folder/one.pfm" "$folder/one.pfm" --mask "$folder/one.pfm" --difference "$folder/difference.png"
 [ -s "$folder/difference.png" ] || { echo 'compare --difference wrote nothing'; bad=1; }
-expect 3 'different sizes' compare "$folder/one.pfm" "$folder/a.exr"
+expect 3 'the image has 1 x 1 pixels, the reference has' compare "$folder/one.pfm" "$folder/a.exr"
 expect 4 'cannot write .*nowhere' compare "$folder/one.pfm" "$folder/one.pfm" --difference "$folder/nowhere/d.png"
 expect 2 'did you mean --max-rmse' compare "$folder/one.pfm" "$folder/one.pfm" --max-rsme 1
 { printf 'PF\n2 1\n-1.0\n'; tail -c 12 "$folder/nan.pfm"; tail -c 12 "$folder/one.pfm"; } >"$folder/half.pfm"

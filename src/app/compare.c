@@ -17,63 +17,36 @@
 /* ---- the tone of 8-bit pictures ---- */
 
 typedef struct shown {
-    bool is_shown;   /* an 8-bit picture; else the other fields mean nothing */
-    bool known;      /* it tells its tone; else those below mean nothing */
-    sl_tone_curve curve;
+    const char *curve; /* of an 8-bit picture; NULL: radiance, and the other fields mean nothing */
+    bool known;        /* it tells its tone; else those below mean nothing */
     double stops;
-    bool automatic;  /* the exposure was made for that picture: its brightness cannot be seen */
+    bool automatic;    /* the exposure was made for that picture: its brightness cannot be seen */
 } shown;
 
-static bool find_curve(const char *name, sl_tone_curve *curve) {
-    for (size_t i = 0; sl_tone_curve_name(i); i++) {
-        if (strcmp(sl_tone_curve_name(i), name) != 0) continue;
-        *curve = (sl_tone_curve)i;
-        return true;
-    }
-    return false;
-}
-
 static shown shown_of(const sl_image *image) {
-    const char *curve = sl_image_metadata(image, SL_TONE_KEY),
-               *stops = sl_image_metadata(image, SL_TONE_EXPOSURE_KEY);
-    shown s = {.is_shown = curve != NULL,
-                  .automatic = sl_image_metadata(image, SL_TONE_AUTOMATIC_KEY) != NULL};
+    const char *stops = sl_image_metadata(image, SL_TONE_EXPOSURE_KEY);
+    shown s = {.curve = sl_image_metadata(image, SL_TONE_KEY),
+               .automatic = sl_image_metadata(image, SL_TONE_AUTOMATIC_KEY) != NULL};
     char *end = NULL;
-    if (!curve || !stops) return s;
+    if (!s.curve || !stops) return s;
     s.stops = strtod(stops, &end);
-    s.known = end != stops && !*end && isfinite(s.stops) && find_curve(curve, &s.curve);
+    s.known = end != stops && !*end && isfinite(s.stops);
     return s;
 }
 
-static sl_status show(sl_image **radiance, const char *path, const shown *other, const char *other_path,
-                      sl_error *error) {
-    sl_image *displayed;
-    if (!other->known)
-        return sl_fail(
-            error, SL_ERROR_INPUT,
-            "%.400s does not tell the tone that it was made with, so that it cannot be compared with the "
-            "radiance of %.400s; expected two EXR files, or a PNG by softlux",
-            other_path, path);
-    sl_status status = sl_tone_display(*radiance, other->curve, other->stops, &displayed, error);
-    if (status != SL_OK) return status;
-    sl_image_destroy(*radiance);
-    *radiance = displayed;
-    return SL_OK;
+/* Refuses light beside what a screen shows of it. */
+static sl_status check_alike(const shown tones[2], const char *const paths[2], sl_error *error) {
+    const int radiance = tones[0].curve ? 1 : 0;
+    if (tones[radiance].curve || !tones[1 - radiance].curve) return SL_OK;
+    return sl_fail(error, SL_ERROR_INPUT,
+                   "%.400s is radiance, %.400s is not: compare EXR with EXR, PNG with PNG", paths[radiance],
+                   paths[1 - radiance]);
 }
 
-/* Puts radiance through the tone of the other picture, if that is one of 8 bits. INPUT:
- * the tone is not known. */
-static sl_status show_alike(sl_image **a, const char *a_path, sl_image **b, const char *b_path,
-                         sl_error *error) {
-    const shown of_a = shown_of(*a), of_b = shown_of(*b);
-    if (of_a.is_shown == of_b.is_shown) return SL_OK;
-    return of_a.is_shown ? show(b, b_path, &of_a, a_path, error) : show(a, a_path, &of_b, b_path, error);
-}
-
-/* Warns where both are shown and a difference in brightness may be hidden. */
+/* Warns where both tell their tones and a difference in brightness may be hidden. */
 static void warn_of_tones(const shown *a, const char *a_path, const shown *b, const char *b_path) {
-    if (!a->is_shown || !b->is_shown || !a->known || !b->known) return;
-    const bool differ = a->curve != b->curve || a->stops != b->stops,
+    if (!a->known || !b->known) return;
+    const bool differ = strcmp(a->curve, b->curve) != 0 || a->stops != b->stops,
                automatic = a->automatic || b->automatic;
     if (!differ && !automatic) return;
     fprintf(stderr,
@@ -85,7 +58,7 @@ static void warn_of_tones(const shown *a, const char *a_path, const shown *b, co
 
 /* Adds a tone; for programs also of radiance, as null. */
 static void add_tone(cJSON *to, const char *name, const shown *s, bool json) {
-    if (!s->is_shown) {
+    if (!s->curve) {
         if (json) cJSON_AddNullToObject(to, name);
         return;
     }
@@ -94,7 +67,7 @@ static void add_tone(cJSON *to, const char *name, const shown *s, bool json) {
         cJSON_AddNullToObject(tone, "curve");
         return;
     }
-    cJSON_AddStringToObject(tone, "curve", sl_tone_curve_name((size_t)s->curve));
+    cJSON_AddStringToObject(tone, "curve", s->curve);
     cJSON_AddNumberToObject(tone, "exposure", s->stops);
     cJSON_AddBoolToObject(tone, "automatic", s->automatic);
 }
@@ -133,9 +106,8 @@ static const char details[] =
     "automatic, as render's\n"
     "is by default, shows a scene with its lamps doubled alike: a warning says so, and also where two "
     "exposures differ.\n"
-    "Radiance (EXR, PFM, HDR) is put through the PNG's own tone before they are compared; a picture of 8 "
-    "bits that does\n"
-    "not tell its tone is refused then. For golden images take EXR, or PNG by a fixed render --exposure.\n"
+    "Radiance (EXR, PFM, HDR) beside a picture of 8 bits is refused. For golden images take EXR, or PNG by\n"
+    "a fixed render --exposure.\n"
     "\n"
     "Exit status: 0 if all bounds hold or there are none, 1 if one does not (said on stderr), 2 usage, 3 "
     "input (also: no\n"
@@ -199,28 +171,11 @@ typedef struct compare_pictures {
     sl_image *image, *reference, *mask, *difference;
 } compare_pictures;
 
-static sl_status check_picture(const sl_image *image, const char *path, sl_error *error) {
-    const float *planes[3];
-    if (sl_layer_planes(image, NULL, planes)) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "%s: no R, G, B channels to compare", path);
-}
-
-static sl_status check_size(const sl_image *image, const char *path, const sl_image *other,
-                            const char *other_path, sl_error *error) {
-    if (image->width == other->width && image->height == other->height) return SL_OK;
-    return sl_fail(error, SL_ERROR_INPUT, "pictures of different sizes: %s has %d x %d pixels, %s %d x %d",
-                   path, image->width, image->height, other_path, other->width, other->height);
-}
-
 static sl_status read_pictures(const compare_request *q, compare_pictures *p, sl_error *error) {
     const char *const *path = q->paths;
     sl_status status = sl_image_read(path[0], &p->image, error);
     if (status == SL_OK) status = sl_image_read(path[1], &p->reference, error);
     if (status == SL_OK && q->mask) status = sl_image_read(q->mask, &p->mask, error);
-    if (status == SL_OK) status = check_picture(p->image, path[0], error);
-    if (status == SL_OK) status = check_picture(p->reference, path[1], error);
-    if (status == SL_OK) status = check_size(p->image, path[0], p->reference, path[1], error);
-    if (status == SL_OK && p->mask) status = check_size(p->image, path[0], p->mask, q->mask, error);
     return status;
 }
 
@@ -238,8 +193,8 @@ static double rel_rmse_of_surfaces(const compare_pictures *p) {
     size_t pixels = (size_t)p->image->width * (size_t)p->image->height, count = 0;
     double squares = 0.0, sum = 0.0;
     if (!told[0] && !told[1]) return (double)NAN;
-    sl_layer_planes(p->image, NULL, x);
-    sl_layer_planes(p->reference, NULL, r);
+    sl_picture_planes(p->image, x);
+    sl_picture_planes(p->reference, r);
     for (size_t i = 0; i < pixels; i++) {
         bool finite = true;
         for (int k = 0; k < 3; k++) finite = finite && isfinite(x[k][i]) && isfinite(r[k][i]);
@@ -316,7 +271,7 @@ static int compare(const compare_request *q, compare_pictures *p) {
     sl_comparison result;
     const shown tones[2] = {shown_of(p->image), shown_of(p->reference)};
     sl_compare_options options = {.mask = p->mask, .exposure_stops = (float)q->exposure};
-    sl_status status = show_alike(&p->image, q->paths[0], &p->reference, q->paths[1], &error);
+    sl_status status = check_alike(tones, q->paths, &error);
     if (status == SL_OK)
         status = sl_image_compare(p->image, p->reference, &options, &result,
                                   q->difference ? &p->difference : NULL, &error);

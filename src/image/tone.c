@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 #include "base/math.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -162,24 +161,4 @@ sl_status sl_image_srgb(const sl_image *image, sl_tone *tone, uint8_t *bytes, sl
     if (tone->automatic) *tone = (sl_tone){tone->curve, (float)stops_of(exposure), false};
     map_planes(planes, (size_t)image->width * (size_t)image->height, exposure, tone->curve, bytes);
     return SL_OK;
-}
-
-static void show(const sl_image *image, const float *const planes[3], double exposure, sl_tone_curve curve,
-                 uint8_t *codes, float *linear) {
-    const size_t pixels = (size_t)image->width * (size_t)image->height;
-    map_planes(planes, pixels, exposure, curve, codes);
-    for (size_t i = 0; i < 3 * pixels; i++) linear[i % 3 * pixels + i / 3] = sl_srgb_to_linear[codes[i]];
-}
-
-sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double stops, sl_image **displayed,
-                          sl_error *error) {
-    const float *planes[3];
-    *displayed = NULL;
-    if (!sl_picture_planes(image, planes)) return sl_fail(error, SL_ERROR_USAGE, "no R, G, B or Y to show");
-    uint8_t *codes = sl_allocate((size_t)image->width * (size_t)image->height, 3);
-    if (!codes) return sl_fail_memory(error, "a tone-mapped picture");
-    sl_status status = sl_image_create(image->width, image->height, 3, NULL, displayed, error);
-    if (status == SL_OK) show(image, planes, sl_pow(2.0, stops), curve, codes, (*displayed)->planes);
-    sl_free(codes);
-    return status;
 }

@@ -13,10 +13,6 @@ bool sl_picture_planes(const sl_image *image, const float *planes[3]);
  * log2 of 0.18 / (log-average luminance) more. The average is over the pixels with finite positive luminance;
  * without any it is taken as 0.18. */
 double sl_tone_stops(const sl_image *image, sl_tone tone);
-/* The picture that a PNG of the image shows, read back: R, G, B in linear light, after 2^stops and the curve.
- */
-sl_status sl_tone_display(const sl_image *image, sl_tone_curve curve, double stops, sl_image **displayed,
-                          sl_error *error);
 /* The tone of 8-bit pictures, as metadata: the curve's name, or "unknown" where the file does not tell; the
  * exposure in stops; "true" where that was automatic. */
 #define SL_TONE_KEY "softlux.tone"
