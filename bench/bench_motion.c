@@ -197,7 +197,7 @@ static void smooth(contestant *c, sl_image *image) {
     if (!class || class->any_transport) return;
     const uint32_t *id = c->window ? class->window->ids(c->window) : NULL;
     if (!c->edges) check(sl_antialias_create(image->width, image->height, &c->edges, &error), &error);
-    check(sl_antialias_edges(c->edges, c->scene, class->raster(c->method->state), id, 1, image, &c->drawing,
+    check(sl_antialias_edges(c->edges, c->scene, sl_method_raster(c->method), id, 1, image, &c->drawing,
                              &error),
           &error);
 }

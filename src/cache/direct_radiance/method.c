@@ -194,10 +194,6 @@ static sl_status radiance_edit(void *state, unsigned changes, sl_error *error) {
     return SL_OK;
 }
 
-static const sl_counters *radiance_counters(const void *state) {
-    return &((const sl_radiance_state *)state)->counters;
-}
-
 static size_t radiance_memory_bytes(const void *state) {
     const sl_radiance_state *s = state;
     const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
@@ -214,10 +210,6 @@ static size_t radiance_memory_bytes(const void *state) {
 
 static const uint32_t *radiance_ids(const void *state) { return ((const sl_radiance_state *)state)->id; }
 
-static const sl_raster *radiance_raster(const void *state) {
-    return ((const sl_radiance_state *)state)->raster;
-}
-
 const sl_method_class sl_direct_radiance_method = {
     .name = "direct-radiance",
     .complete = sl_radiance_complete,
@@ -227,12 +219,12 @@ const sl_method_class sl_direct_radiance_method = {
     .resolve = radiance_resolve,
     .ids = radiance_ids,
     .edit = radiance_edit,
-    .counters = radiance_counters,
+    .counters_at = offsetof(sl_radiance_state, counters),
     .memory_bytes = radiance_memory_bytes,
     .need = sl_radiance_need,
     .explanation = radiance_explanation,
     .transport = sl_radiance_transport,
     .plan = sl_radiance_plan_write,
-    .raster = radiance_raster,
+    .raster_at = offsetof(sl_radiance_state, raster),
     .draws_anew = true,
 };

@@ -58,7 +58,7 @@ static sl_status expose_one(sl_method *m, sl_progress *now, sl_error *error) {
     if (status != SL_OK || !drawn) return status;
     if (shows) status = show(m, error);
     if (status == SL_OK)
-        status = sl_film_add(m->film, m->class->raster(m->state), shows ? m->sub_frame : NULL, error);
+        status = sl_film_add(m->film, sl_method_raster(m), shows ? m->sub_frame : NULL, error);
     if (status == SL_OK) go_on(m, &now->done);
     return status;
 }
@@ -90,11 +90,11 @@ static void draw_item(void *context, size_t index, unsigned worker, void *result
     (void)worker;
     exposure *x = context;
     sl_method *m = x->method;
-    const sl_counters before = *m->class->counters(m->state);
+    const sl_counters before = *sl_method_own_counters(m);
     look(m, sl_film_at(m->film, (unsigned)index));
     if (draw(m, &x->updates[index], &x->errors[index]) != SL_OK) return;
     sl_film_pack(m->film, x->first, m->sub_frame, result);
-    sl_counters counted = *m->class->counters(m->state);
+    sl_counters counted = *sl_method_own_counters(m);
     sl_counters_subtract(&counted, &before);
     sl_counters_add(&x->own, &counted);
     sl_counters_add(counters, &counted);
@@ -115,7 +115,7 @@ static sl_status add_all(exposure *x, sl_progress *now, sl_error *error) {
         now->batches += x->updates[i] - (i == 0);
         sl_film_unpack(m->film, x->first, packed, picture);
         look(m, sl_film_at(m->film, 0));
-        status = sl_film_add(m->film, m->class->raster(m->state), picture, error);
+        status = sl_film_add(m->film, sl_method_raster(m), picture, error);
     }
     sl_image_destroy(picture);
     return status;

@@ -260,7 +260,7 @@ static sl_status smooth(sl_live *l, const sl_scene *scene, unsigned threads, sl_
                         sl_counters *counters, sl_error *error) {
     const sl_method *m = l->method;
     if (!l->smooths || !has_edges(m)) return SL_OK;
-    const sl_raster *raster = l->window ? NULL : m->class->raster(m->state);
+    const sl_raster *raster = l->window ? NULL : sl_method_raster(m);
     const uint32_t *id = l->window ? m->class->window->ids(l->window)
                          : m->class->ids ? m->class->ids(m->state)
                                          : NULL;

@@ -406,7 +406,7 @@ sl_status sl_method_load(sl_method *method, const char *path, sl_error *error) {
 
 const sl_counters *sl_method_counters(const sl_method *method) {
     static const sl_counters none;
-    const sl_counters *own = method->state ? method->class->counters(method->state) : &none;
+    const sl_counters *own = method->state ? sl_method_own_counters(method) : &none;
     if (method->before) {
         method->before[1] = method->before[0];
         sl_counters_add(&method->before[1], own);

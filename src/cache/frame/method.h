@@ -84,7 +84,7 @@ typedef struct sl_method_class {
      * nothing. */
     sl_status (*save)(const void *state, const char *path, sl_error *error);
     sl_status (*load)(void *state, const char *path, sl_error *error);
-    const sl_counters *(*counters)(const void *state);
+    size_t counters_at; /* the offset of an sl_counters in the state */
     size_t (*memory_bytes)(const void *state);
     /* settings are complete. Independent of the number of threads but for what each thread has of its own. */
     sl_memory_need (*need)(const sl_scene *scene, const sl_settings *settings);
@@ -97,7 +97,7 @@ typedef struct sl_method_class {
     /* Explains what made a pixel, column x and row y of the target (bottom row first), from the state as it
      * was last resolved, which may keep what it wants for other explanations; NULL: no explanation. */
     sl_status (*explanation)(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
-    const sl_raster *(*raster)(const void *state); /* of the scene */
+    size_t raster_at; /* likewise, of an sl_raster * of the scene; 0: there is none */
     bool asks; /* the cache grows by what sub-frames see (scene/scene.h), and is asked before any is shown */
     bool any_transport; /* takes --transport: a reference tracer */
     bool draws_anew; /* a picture does not depend on those before it: ranks may draw one each */
@@ -140,6 +140,14 @@ struct sl_method {
     float scale;            /* the scene's, and its central region, by which what the method holds was made */
     sl_vec3 central_min, central_max;
 };
+
+static inline const sl_counters *sl_method_own_counters(const sl_method *method) {
+    return (const void *)((const char *)method->state + method->class->counters_at);
+}
+
+static inline const sl_raster *sl_method_raster(const sl_method *method) {
+    return *(const sl_raster *const *)(const void *)((const char *)method->state + method->class->raster_at);
+}
 
 extern const sl_method_class sl_splatting_method; /* cache/splatting */
 extern const sl_method_class sl_direct_radiance_method; /* cache/direct_radiance */

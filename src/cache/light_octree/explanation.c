@@ -92,17 +92,20 @@ static const char *other_light(const sl_octree_state *s, const sl_material *mate
     return s->lit ? NULL : "lights of voxels that made way for smaller ones";
 }
 
-void sl_octree_explain(const sl_octree_state *s, size_t pixel, sl_explanation_writer *writer) {
-    if (s->phase == SL_OCTREE_PHASE_GBUFFER) return; /* nothing is drawn yet */
+sl_status sl_octree_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error) {
+    const sl_octree_state *s = state;
+    const size_t pixel = (size_t)y * (size_t)s->settings.width + (size_t)x;
+    (void)error;
+    if (s->phase == SL_OCTREE_PHASE_GBUFFER) return SL_OK; /* nothing is drawn yet */
     sl_explanation_add_layer(writer, "emission", "emitted light");
     sl_explanation_add_layer(writer, "direct", "direct light");
     const uint32_t number = s->gbuffer->material[pixel];
     const sl_material *material = number != SL_NO_INDEX ? &s->scene->materials[number] : NULL;
-    if (!material || sl_material_is_mirror(material)) return;
+    if (!material || sl_material_is_mirror(material)) return SL_OK;
     const char *other = other_light(s, material);
     if (other) {
         sl_explanation_add_layer(writer, "indirect", other);
-        return;
+        return SL_OK;
     }
     const sl_octree_shading shading = sl_octree_state_shading(s);
     const sl_rgb left = sl_reflections_throughput(s->reflections, pixel);
@@ -113,6 +116,7 @@ void sl_octree_explain(const sl_octree_state *s, size_t pixel, sl_explanation_wr
         .point = sl_octree_point_of_pixel(s->scene, s->gbuffer, s->scene->camera.eye, pixel),
         .throughput = {left.r, left.g, left.b}};
     if (sl_octree_see(&shading, &e.point, &e.seen)) explain_voxels(&e);
+    return SL_OK;
 }
 
 /* ---- marks ---- */

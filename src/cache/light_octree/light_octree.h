@@ -169,8 +169,8 @@ size_t sl_octree_state_bytes(const sl_octree_state *s);
 
 /* ---- what made a pixel, and what can be seen of photons and voxels (explanation.c) ---- */
 
-/* Adds the terms of a pixel, row 0 at the bottom. */
-void sl_octree_explain(const sl_octree_state *state, size_t pixel, sl_explanation_writer *writer);
+/* The class's explanation. */
+sl_status sl_octree_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
 
 /* These do nothing without an observer. */
 

@@ -181,8 +181,6 @@ static double fraction_done(const sl_octree_state *s) {
 
 static sl_status octree_update(void *state, sl_progress *progress, sl_error *error) {
     sl_octree_state *s = state;
-    if (!s->raster)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     const bool moves = s->motion.asked;
     s->fresh = s->motion.asked = false;
     sl_status status = moves ? sl_octree_draw_frame(s, error) : sl_octree_step(s, error);
@@ -239,25 +237,9 @@ static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
     return status;
 }
 
-static sl_status octree_explanation(void *state, int x, int y, sl_explanation_writer *writer,
-                                    sl_error *error) {
-    (void)error;
-    const sl_octree_state *s = state;
-    sl_octree_explain(s, (size_t)y * (size_t)s->settings.width + (size_t)x, writer);
-    return SL_OK;
-}
-
 static bool octree_shows(const void *state) { return ((const sl_octree_state *)state)->fresh; }
 
-static const sl_counters *octree_counters(const void *state) {
-    return &((const sl_octree_state *)state)->counters;
-}
-
 static size_t octree_memory_bytes(const void *state) { return sl_octree_state_bytes(state); }
-
-static const sl_raster *octree_raster(const void *state) {
-    return ((const sl_octree_state *)state)->raster;
-}
 
 const sl_method_class sl_light_octree_method = {
     .name = "light-octree",
@@ -269,13 +251,13 @@ const sl_method_class sl_light_octree_method = {
     .resolve_colours = octree_resolve_colours,
     .ids = octree_ids,
     .edit = octree_edit,
-    .counters = octree_counters,
+    .counters_at = offsetof(sl_octree_state, counters),
     .memory_bytes = octree_memory_bytes,
     .need = sl_octree_need,
     .transport = sl_octree_transport,
     .plan = sl_octree_plan_write,
-    .explanation = octree_explanation,
-    .raster = octree_raster,
+    .explanation = sl_octree_explanation,
+    .raster_at = offsetof(sl_octree_state, raster),
     .shows = octree_shows,
     .any_transport = false,
 };

@@ -213,10 +213,6 @@ const char *sl_multi_mesh_filled(const void *state) {
 
 /* ---- the method ---- */
 
-static const sl_counters *multi_mesh_counters(const void *state) {
-    return &((const sl_multi_mesh_state *)state)->counters;
-}
-
 static size_t bytes_of_rounds(const sl_coarse_rounds *r, size_t lights) {
     if (!r->coarse) return 0;
     size_t of_vertex = (r->direct ? sizeof *r->direct : 0) + (r->indirect ? sizeof *r->indirect : 0) +
@@ -243,10 +239,6 @@ static size_t multi_mesh_bytes(const void *state) {
     return bytes + sl_mesh_exchange_bytes(s->exchange);
 }
 
-static const sl_raster *multi_mesh_raster(const void *state) {
-    return ((const sl_multi_mesh_state *)state)->raster;
-}
-
 const sl_method_class sl_multi_mesh_method = {
     .name = "multi-mesh",
     .complete = sl_multi_mesh_complete,
@@ -256,13 +248,13 @@ const sl_method_class sl_multi_mesh_method = {
     .resolve = sl_multi_mesh_resolve,
     .edit = sl_multi_mesh_edit,
     .tells_apart = SL_CHANGED_POWER | SL_CHANGED_MATERIALS,
-    .counters = multi_mesh_counters,
+    .counters_at = offsetof(sl_multi_mesh_state, counters),
     .memory_bytes = multi_mesh_bytes,
     .need = sl_multi_mesh_need,
     .filled = sl_multi_mesh_filled,
     .transport = sl_multi_mesh_transport,
     .plan = sl_multi_mesh_plan_write,
-    .raster = multi_mesh_raster,
+    .raster_at = offsetof(sl_multi_mesh_state, raster),
     .window = &sl_multi_mesh_window,
     .explanation = sl_multi_mesh_explanation,
 };

@@ -74,8 +74,6 @@ static sl_status update_shares(sl_multi_mesh_state *s, sl_error *error) {
 
 sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error) {
     sl_multi_mesh_state *s = state;
-    if (!s->raster)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = SL_OK;
     if (s->is_edited) status = update_shares(s, error);
     else status = update_phase(s, error);

@@ -78,8 +78,6 @@ static sl_status sampled_create(const sl_scene *scene, const sl_settings *settin
 
 static sl_status sampled_update(void *state, sl_progress *progress, sl_error *error) {
     sampled_state *s = state;
-    if (!s->film)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     if (s->samples < s->samples_wanted) {
         sl_status status = sl_path_tracer_sample(s->film, s->samples, &s->counters, error);
         if (status != SL_OK) return status;
@@ -95,8 +93,6 @@ static sl_status sampled_resolve(void *state, sl_image **image, sl_error *error)
     static const char *const names[] = {"R",        "G",        "B",       "even.R", "even.G",
                                         "even.B",   "odd.R",    "odd.G",   "odd.B"};
     sampled_state *s = state;
-    if (!s->film)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = sl_image_create(s->settings.width, s->settings.height, 9, names, image, error);
     if (status != SL_OK) return status;
     size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
@@ -124,10 +120,6 @@ static sl_status sampled_edit(void *state, unsigned changes, sl_error *error) {
 }
 
 static bool sampled_shows(const void *state) { return ((const sampled_state *)state)->samples > 0; }
-
-static const sl_counters *sampled_counters(const void *state) {
-    return &((const sampled_state *)state)->counters;
-}
 
 static size_t sampled_memory_bytes(const void *state) {
     const sampled_state *s = state;
@@ -172,7 +164,7 @@ static void sampled_plan(const sl_scene *scene, const sl_settings *settings, sl_
 #define SAMPLED_METHOD(method_name) \
     {.name = method_name, .complete = sampled_complete, .create = sampled_create, \
      .destroy = sampled_destroy, .update = sampled_update, .resolve = sampled_resolve, \
-     .edit = sampled_edit, .shows = sampled_shows, .counters = sampled_counters, .memory_bytes = sampled_memory_bytes, \
+     .edit = sampled_edit, .shows = sampled_shows, .counters_at = offsetof(sampled_state, counters), .memory_bytes = sampled_memory_bytes, \
      .need = sampled_need, .transport = sampled_transport, .plan = sampled_plan, .any_transport = true, \
      .draws_anew = true}
 

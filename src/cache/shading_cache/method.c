@@ -106,6 +106,7 @@ static sl_status make_cache(sl_shading_state *s, sl_error *error) {
         status = sl_patches_create(s->primitives, &kept, &s->patches, error);
     if (status == SL_OK) status = make_renderers(s, error);
     if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
+    if (status == SL_OK) s->raster = sl_display_raster(s->display);
     if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
     return status == SL_OK ? sl_light_places_take(s->scene, &s->lights, error) : status;
 }
@@ -166,8 +167,6 @@ static sl_status take_view(sl_shading_state *s, sl_error *error) {
 
 static sl_status shading_update(void *state, sl_progress *progress, sl_error *error) {
     sl_shading_state *s = state;
-    if (!s->tracer)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = take_view(s, error);
     if (status == SL_OK && !s->done && !s->shows_only) status = sl_shading_update(s, error);
     s->shows_only = false;
@@ -308,10 +307,6 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     return status;
 }
 
-static const sl_counters *shading_counters(const void *state) {
-    return &((const sl_shading_state *)state)->counters;
-}
-
 static double shading_error_levels(const void *state) {
     return ((const sl_shading_state *)state)->error_levels;
 }
@@ -351,10 +346,6 @@ static const sl_window_class shading_window_class = {.create = window_create,
                                                      .ids = sl_window_ids,
                                                      .draw = sl_window_picture};
 
-static const sl_raster *shading_raster(const void *state) {
-    return sl_display_raster(((const sl_shading_state *)state)->display);
-}
-
 const sl_method_class sl_shading_cache_method = {
     .name = "shading-cache",
     .complete = sl_shading_complete,
@@ -364,12 +355,12 @@ const sl_method_class sl_shading_cache_method = {
     .update = shading_update,
     .resolve = shading_resolve,
     .edit = shading_edit,
-    .counters = shading_counters,
+    .counters_at = offsetof(sl_shading_state, counters),
     .memory_bytes = shading_bytes,
     .need = sl_shading_need,
     .transport = sl_shading_transport,
     .plan = sl_shading_plan_write,
-    .raster = shading_raster,
+    .raster_at = offsetof(sl_shading_state, raster),
     .asks = true,
     .explanation = sl_shading_explanation,
     .window = &shading_window_class,

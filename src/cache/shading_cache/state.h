@@ -27,6 +27,7 @@ typedef struct sl_shading_state {
     sl_sample_renderer renderer[SL_SHADING_RENDERERS];
     int renderer_count;
     sl_display *display;
+    const sl_raster *raster; /* the display's */
     sl_changes changes;
     sl_object_places *places;
     sl_sampled_lights *lights;     /* where they are, and of what colour */

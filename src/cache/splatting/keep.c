@@ -110,8 +110,6 @@ sl_status sl_splat_load(void *state, const char *path, sl_error *error) {
     const sl_cache_header header = header_of(s, settings);
     sl_cache_content content;
     loaded classes[SL_RECEIVER_CLASSES] = {{{0}, 0}};
-    if (!s->raster)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = sl_cache_file_read(path, &header, &content, error);
     if (status != SL_OK) return status;
     status = read_all(&content, s, path, classes, error);

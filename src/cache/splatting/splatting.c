@@ -230,8 +230,6 @@ static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
 
 static sl_status splat_update(void *state, sl_progress *progress, sl_error *error) {
     sl_splat_state *s = state;
-    if (!s->raster)
-        return sl_fail(error, SL_ERROR_RESOURCES, "an earlier edit of the scene failed; edit it again");
     sl_status status = SL_OK;
     if (!is_on_film(s) && is_budget_spent(s)) s->frame_records = 0;
     switch (s->phase) {
@@ -285,17 +283,9 @@ static sl_status splat_load(void *state, const char *path, sl_error *error) {
     return status == SL_OK ? splat_edit(state, SL_CHANGED_CAMERA, error) : status;
 }
 
-static const sl_counters *splat_counters(const void *state) {
-    return &((const sl_splat_state *)state)->counters;
-}
-
 static const uint32_t *splat_ids(const void *state) {
     const sl_splat_state *s = state;
     return s->reflections ? NULL : s->gbuffer->id;
-}
-
-static const sl_raster *splat_raster(const void *state) {
-    return ((const sl_splat_state *)state)->raster;
 }
 
 const sl_method_class sl_splatting_method = {
@@ -310,14 +300,14 @@ const sl_method_class sl_splatting_method = {
     .edit = splat_edit,
     .save = sl_splat_save,
     .load = splat_load,
-    .counters = splat_counters,
+    .counters_at = offsetof(sl_splat_state, counters),
     .memory_bytes = sl_splat_memory_bytes,
     .need = sl_splat_need,
     .filled = sl_splat_filled,
     .explanation = sl_splat_explanation,
     .transport = sl_splat_transport,
     .plan = sl_splat_plan_write,
-    .raster = splat_raster,
+    .raster_at = offsetof(sl_splat_state, raster),
     .asks = true,
     .any_transport = false,
 };
