@@ -165,6 +165,8 @@ void sl_octree_compose(const sl_octree_state *s, sl_image *image); /* that, or o
 /* Into a picture's metadata: softlux.octree.*, what it was made from, and softlux.warning, what is to be said
  * against that (picture.c). */
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error);
+/* Returns the environment that direct light samples: all, what was split off as a sun, or none. */
+const sl_environment *sl_octree_sampled_sky(const sl_octree_state *s);
 size_t sl_octree_state_bytes(const sl_octree_state *s);
 
 /* ---- what made a pixel, and what can be seen of photons and voxels (explanation.c) ---- */

@@ -63,19 +63,21 @@ static sl_status make_geometry(sl_octree_state *s, sl_error *error) {
     return status;
 }
 
+const sl_environment *sl_octree_sampled_sky(const sl_octree_state *s) {
+    if (!s->plan.sky) return s->plan.environment ? &s->scene->environment : NULL;
+    return s->sun.present ? &s->sun : NULL;
+}
+
 static sl_status make_light(sl_octree_state *s, sl_error *error) {
     sl_status status = SL_OK;
     if (!s->plan.direct) return status;
-    const sl_environment *sampled = s->plan.environment ? &s->scene->environment : NULL;
-    if (s->plan.sky) {
+    if (s->plan.sky)
         status = sl_environment_split(&s->scene->environment, sky_contrast, &s->sky, &s->sun, error);
-        sampled = s->sun.present ? &s->sun : NULL;
-    }
     if (status != SL_OK) return status;
     sl_direct_settings direct = {.light_samples = s->settings.spp,
                                  .seed = s->settings.seed,
                                  .threads = s->settings.threads,
-                                 .sun = sampled};
+                                 .sun = sl_octree_sampled_sky(s)};
     return sl_direct_create(s->scene, s->tracer, &direct, &s->direct, error);
 }
 

@@ -22,16 +22,11 @@ static void forget_direct(sl_octree_motion *m) {
     m->direct = NULL;
 }
 
-static const sl_environment *sampled_sky(const sl_octree_state *s) {
-    if (!s->plan.sky) return s->plan.environment ? &s->scene->environment : NULL;
-    return s->sun.present ? &s->sun : NULL;
-}
-
 static sl_status make_direct(sl_octree_state *s, sl_error *error) {
     const sl_direct_settings direct = {.light_samples = RAYS,
                                        .seed = s->settings.seed,
                                        .threads = s->settings.threads,
-                                       .sun = sampled_sky(s)};
+                                       .sun = sl_octree_sampled_sky(s)};
     if (s->motion.direct || !s->plan.direct) return SL_OK;
     return sl_direct_create_quick(s->scene, s->raster, s->tracer, &direct, !s->settings.memory_bytes,
                                   &s->motion.direct, &s->counters, error);

@@ -149,10 +149,10 @@ static uint32_t rounds_of(const sl_multi_mesh_state *s) {
 static sl_status begin_shares(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_rounds *r = &s->next;
     if (!s->plan.lights || s->light.few_rays || r->rolls || r->hasty) return SL_OK;
-    r->shares = sl_allocate(r->coarse->vertex_count * s->lights->count, sizeof *r->shares);
+    r->shares = sl_allocate(r->coarse->vertex_count * s->now.lights->count, sizeof *r->shares);
     if (!r->shares) return sl_fail_memory(error, "the coarse mesh's light");
     if (!s->kept.count) return SL_OK;
-    return sl_coarse_shares_that_hold(&s->kept, &s->light, s->places, r->coarse, r->shares, error);
+    return sl_coarse_shares_that_hold(&s->kept, &s->light, s->now.places, r->coarse, r->shares, error);
 }
 
 sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error) {
@@ -181,7 +181,7 @@ static bool is_quick_round(const sl_multi_mesh_state *s) { return s->next.gather
 
 static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
     if (!s->plan.lights) return SL_OK;
-    size_t lights = s->lights->count;
+    size_t lights = s->now.lights->count;
     sl_coarse_rounds *r = &s->next;
     sl_root_place place[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) place[i] = sl_coarse_lit_place(r->coarse, r->done + i);

@@ -142,25 +142,17 @@ void sl_multi_mesh_announce_lights(sl_multi_mesh_state *s) {
     static const char *const names[] = {"edges of the first light's irradiance mesh",
                                         "edges of the second light's irradiance mesh"};
     if (!sl_announcing(&s->announcer) || !s->irradiance) return;
-    for (size_t l = 0; l < s->lights->count && l < sizeof names / sizeof names[0]; l++)
-        announce_mesh(s, sl_irradiance_mesh(s->irradiance, l), s->lights->light[l].colour, names[l]);
+    for (size_t l = 0; l < s->now.lights->count && l < sizeof names / sizeof names[0]; l++)
+        announce_mesh(s, sl_irradiance_mesh(s->irradiance, l), s->now.lights->light[l].colour, names[l]);
 }
 
 /* ---- pictures ---- */
 
-static float *plane_for_observer(const sl_multi_mesh_state *s) {
-    return sl_announcing(&s->announcer) ? sl_allocate(sl_multi_mesh_pixels(s), sizeof(float)) : NULL;
-}
-
-static void announce_plane(sl_multi_mesh_state *s, const char *name, const char *source, float *plane) {
-    sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, 1, plane, true);
-    sl_free(plane);
-}
-
 void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
     int part = 0;
     while (part < SL_COMPONENTS && !s->part[part]) part++;
-    float *plane = part < SL_COMPONENTS ? plane_for_observer(s) : NULL;
+    const bool announced = part < SL_COMPONENTS && sl_announcing(&s->announcer);
+    float *plane = announced ? sl_allocate(sl_multi_mesh_pixels(s), sizeof *plane) : NULL;
     if (!plane) return;
     const sl_displayed *d = s->part[part];
     const sl_visible_pixels *pixels = s->visible;
@@ -169,7 +161,9 @@ void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
         for (uint32_t i = 0; i < pixels->face[e].count; i++)
             plane[pixels->pixel[pixels->face[e].first + i]] = priority;
     }
-    announce_plane(s, "priorities of the roots", "progressive sampling", plane);
+    sl_announce(&s->announcer, "priorities of the roots", "progressive sampling", s->settings.width,
+                s->settings.height, 1, plane, true);
+    sl_free(plane);
 }
 
 void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
@@ -194,7 +188,7 @@ static double half_seen(const sl_multi_mesh_state *s, size_t light, uint32_t ver
     const sl_patches *mesh = sl_irradiance_mesh(s->irradiance, light);
     if (sl_mesh_state(mesh, vertex) != SL_VERTEX_KNOWN) return 0.0;
     *point = sl_mesh_point_of(mesh, vertex).lit;
-    double all = sl_light_unoccluded(&s->lights->light[light], point),
+    double all = sl_light_unoccluded(&s->now.lights->light[light], point),
            share = all > 0.0 ? (double)*sl_vertex_value(mesh, vertex) / all : 0.0;
     return share < 0.5 ? share : 1.0 - share;
 }
@@ -203,7 +197,7 @@ static void announce_sample(sl_multi_mesh_state *s, size_t light, const sl_lit_p
                             sl_light_sample_scratch *scratch) {
     enum { REDUCED = 16 };
     sl_counters nobodys = {{0}};
-    sl_light_sample_take(s->sampling, light, point, scratch, &nobodys);
+    sl_light_sample_take(s->now.sampling, light, point, scratch, &nobodys);
     sl_light_picture picture = sl_light_last_picture(scratch);
     if (!picture.weight) return;
     sl_announce(&s->announcer, "one light sample", "equation (3)", picture.size, picture.size, 1,
@@ -220,7 +214,7 @@ static void announce_sample(sl_multi_mesh_state *s, size_t light, const sl_lit_p
 }
 
 void sl_multi_mesh_announce_light_sample(sl_multi_mesh_state *s) {
-    if (!sl_announcing(&s->announcer) || !s->irradiance || !s->lights->count) return;
+    if (!sl_announcing(&s->announcer) || !s->irradiance || !s->now.lights->count) return;
     sl_light_sample_scratch *scratch;
     sl_lit_point point, chosen = {.triangle = SL_NO_INDEX};
     double most = 0.0;
@@ -231,7 +225,7 @@ void sl_multi_mesh_announce_light_sample(sl_multi_mesh_state *s) {
         most = near;
         chosen = point;
     }
-    if (!(most > 0.0) || sl_light_sample_scratch_create(s->sampling, &scratch, NULL) != SL_OK) return;
+    if (!(most > 0.0) || sl_light_sample_scratch_create(s->now.sampling, &scratch, NULL) != SL_OK) return;
     announce_sample(s, 0, &chosen, scratch);
     sl_light_sample_scratch_destroy(scratch);
 }

@@ -25,21 +25,6 @@ enum {
 
 /* ---- the world as it is now, beside what is left of the old one ---- */
 
-typedef struct old_world {
-    sl_sampled_lights *lights;
-    sl_light_sampling *sampling;
-    sl_tracer *tracer;
-    sl_object_places *places;
-    double step;
-} old_world;
-
-static void forget_old_world(old_world *old) {
-    sl_light_sampling_destroy(old->sampling);
-    sl_sampled_lights_destroy(old->lights);
-    sl_object_places_destroy(old->places);
-    sl_tracer_destroy(old->tracer);
-}
-
 static bool same_numbers(const uint32_t *a, const uint32_t *b, size_t count) {
     return memcmp(a, b, count * sizeof *a) == 0;
 }
@@ -59,30 +44,18 @@ static sl_status check_structure(const sl_multi_mesh_state *s, bool *same, sl_er
     return SL_OK;
 }
 
-static sl_status renew_lights(sl_multi_mesh_state *s, old_world *old, sl_error *error) {
-    old->lights = s->lights;
-    old->sampling = s->sampling;
-    old->step = s->sampling ? sl_light_sampling_step(s->sampling) : 0.0;
-    s->lights = NULL;
-    s->sampling = NULL;
-    return s->plan.lights ? sl_multi_mesh_make_sampling(s, error) : SL_OK;
-}
-
-static sl_status move_objects(sl_multi_mesh_state *s, old_world *old, sl_error *error) {
-    unsigned threads = s->settings.threads;
-    sl_status status = sl_raster_move(s->raster, threads, error);
-    if (status != SL_OK || !s->plan.lights) return status;
-    old->tracer = s->tracer;
-    s->tracer = NULL;
-    return sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
-}
-
-static sl_status renew_world(sl_multi_mesh_state *s, unsigned changes, old_world *old, sl_error *error) {
-    sl_status status = changes & SL_CHANGED_OBJECTS ? move_objects(s, old, error) : SL_OK;
-    old->places = s->places;
-    s->places = NULL;
-    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
-    if (status == SL_OK) status = renew_lights(s, old, error);
+/* Raster and rays stay where nothing has moved. */
+static sl_status renew_world(sl_multi_mesh_state *s, unsigned changes, sl_mesh_world *old, sl_error *error) {
+    const unsigned threads = s->settings.threads;
+    const bool moved = changes & SL_CHANGED_OBJECTS;
+    *old = s->now;
+    s->now = (sl_mesh_world){.tracer = moved ? NULL : old->tracer};
+    if (!moved) old->tracer = NULL;
+    sl_status status = moved ? sl_raster_move(s->raster, threads, error) : SL_OK;
+    if (status == SL_OK && moved && s->plan.lights)
+        status = sl_tracer_create(s->scene, threads, NULL, &s->now.tracer, error);
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->now.places, error);
+    if (status == SL_OK && s->plan.lights) status = sl_multi_mesh_make_sampling(s, error);
     sl_solids_edit(s->primitives->solids);
     sl_multi_mesh_set_perception(s);
     for (int i = 0; i < SL_COMPONENTS; i++)
@@ -94,28 +67,9 @@ static sl_status renew_world(sl_multi_mesh_state *s, unsigned changes, old_world
 
 /* ---- what still holds ---- */
 
-typedef struct holding {
-    const sl_light_moves *moves;
-    double reach;              /* how far off a point its samples are taken */
-} holding;
-
-static bool may_differ(const holding *h, sl_vec3 point, double reach) {
-    for (size_t l = 0; l < h->moves->lights->count; l++)
-        if (sl_light_may_differ(h->moves, l, point, reach)) return true;
-    return false;
-}
-
-/* Asks again for vertices inside other geometry. */
-static bool value_holds(const void *context, const sl_patches *mesh, uint32_t vertex) {
-    const holding *h = context;
-    return sl_mesh_state(mesh, vertex) == SL_VERTEX_KNOWN &&
-           !sl_has_triangle_moved(h->moves, mesh->vertex[vertex].root / 2) &&
-           !may_differ(h, sl_vertex_position(mesh, vertex), h->reach);
-}
-
 /* Probes may see what has come between a leaf's corners. */
 static bool leaf_holds(const void *context, const sl_patches *mesh, const sl_patch_place *leaf) {
-    const holding *h = context;
+    const sl_changed_lights *h = context;
     if (sl_has_triangle_moved(h->moves, leaf->root / 2)) return false;
     sl_vec3 corner[3], middle = sl_v3(0.0f, 0.0f, 0.0f);
     double reach = 0.0;
@@ -124,20 +78,20 @@ static bool leaf_holds(const void *context, const sl_patches *mesh, const sl_pat
         middle = sl_mad(middle, 1.0f / 3.0f, corner[c]);
     }
     for (int c = 0; c < 3; c++) reach = fmax(reach, (double)sl_length(sl_sub(corner[c], middle)));
-    return !may_differ(h, middle, reach + h->reach);
+    return !sl_lights_may_differ(h, middle, reach + h->reach);
 }
 
 /* moves NULL: nothing holds. */
 static void age_direct(sl_displayed *d, const sl_light_moves *moves, double reach) {
-    const holding h = {moves, reach};
+    const sl_changed_lights h = {moves, 0, moves ? moves->lights->count : 0, reach};
     /* of lights of another colour each sample holds, and no sum of them */
-    const sl_mesh_check check = {value_holds, &h};
+    const sl_mesh_check check = {sl_mesh_value_holds, &h};
     sl_displayed_age(d, SL_WORLDS_AN_EDIT, moves && !moves->recoloured ? &check : NULL);
     if (moves) sl_displayed_doubt(d, &(sl_leaf_check){leaf_holds, &h});
 }
 
 static sl_status age(sl_multi_mesh_state *s, const sl_light_moves *moves, sl_error *error) {
-    const double reach = s->sampling ? 10.0 * sl_light_sampling_step(s->sampling) : 0.0;
+    const double reach = s->now.sampling ? 10.0 * sl_light_sampling_step(s->now.sampling) : 0.0;
     for (int i = 0; i < SL_INDIRECT; i++)
         if (s->part[i]) age_direct(s->part[i], moves, reach);
     if (s->part[SL_INDIRECT]) sl_displayed_age(s->part[SL_INDIRECT], SL_WORLDS_AN_EDIT, NULL);
@@ -147,15 +101,17 @@ static sl_status age(sl_multi_mesh_state *s, const sl_light_moves *moves, sl_err
 }
 
 /* Other tolerances, other samples. */
-static bool same_tolerances(const sl_multi_mesh_state *s, const old_world *old) {
-    return s->scale == s->scene->scale && (!s->sampling || old->step == sl_light_sampling_step(s->sampling));
+static bool same_tolerances(const sl_multi_mesh_state *s, const sl_mesh_world *old) {
+    return s->scale == s->scene->scale &&
+           (!s->now.sampling ||
+            sl_light_sampling_step(old->sampling) == sl_light_sampling_step(s->now.sampling));
 }
 
-static sl_status compare(sl_multi_mesh_state *s, const old_world *old, bool *followed, sl_error *error) {
+static sl_status compare(sl_multi_mesh_state *s, const sl_mesh_world *old, bool *followed, sl_error *error) {
     sl_light_moves *moves = NULL;
     sl_status status = SL_OK;
     if (s->plan.lights) {
-        status = sl_light_moves_find(s->scene, old->places, s->places, old->lights, s->lights, &moves, error);
+        status = sl_light_moves_find(s->scene, old->places, s->now.places, old->lights, s->now.lights, &moves, error);
         *followed = moves;
     }
     if (status == SL_OK && *followed) status = age(s, same_tolerances(s, old) ? moves : NULL, error);
@@ -171,7 +127,7 @@ static bool is_planned_so(const sl_multi_mesh_state *s) {
 }
 
 sl_status sl_multi_mesh_follow(sl_multi_mesh_state *s, unsigned changes, bool *followed, sl_error *error) {
-    old_world old = {.lights = NULL};
+    sl_mesh_world old;
     sl_status status = SL_OK;
     *followed = is_planned_so(s);
     if (*followed && changes & SL_CHANGED_OBJECTS) status = check_structure(s, followed, error);
@@ -182,7 +138,7 @@ sl_status sl_multi_mesh_follow(sl_multi_mesh_state *s, unsigned changes, bool *f
         sl_irradiance_meshes_destroy(s->irradiance);
         s->irradiance = NULL;
     }
-    forget_old_world(&old);
+    sl_mesh_world_forget(&old);
     return status;
 }
 

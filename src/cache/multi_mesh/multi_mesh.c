@@ -50,14 +50,12 @@ sl_status sl_multi_mesh_draw_view(sl_multi_mesh_state *s, sl_error *error) {
 
 /* ---- multiple meshes: samples of vertices ---- */
 
-/* Returns radiance of one vertex from its lights' shares. */
-static sl_rgb direct_value(const sl_multi_mesh_state *s, sl_component part, uint32_t vertex,
-                           const float *share) {
-    if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(s->lights, share); /* equation (4) */
-    sl_mesh_point point = sl_mesh_point_of(s->part[part]->mesh, vertex);
-    float exponent = sl_face_material(s->scene, point.face)->exponent;
+sl_rgb sl_multi_mesh_direct(const sl_multi_mesh_state *s, sl_component part, const sl_sampled_lights *lights,
+                            const float *share, const sl_mesh_point *point) {
+    if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(lights, share); /* equation (4) */
+    float exponent = sl_face_material(s->scene, point->face)->exponent;
     /* equation (6) */
-    return sl_direct_specular(s->lights, share, &point.lit, exponent, s->scene->camera.eye);
+    return sl_direct_specular(lights, share, &point->lit, exponent, s->scene->camera.eye);
 }
 
 /* While things move: the closed form times the share that a few rays see. */
@@ -83,7 +81,7 @@ static sl_status sample_direct_quickly(sl_multi_mesh_state *s, size_t count, con
 static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t count,
                                const sl_wanted_vertex *wanted, sl_error *error) {
     if (s->part[part]->put_as < s->part[part]->world) return sample_direct_quickly(s, count, wanted, error);
-    size_t lights = s->lights->count;
+    size_t lights = s->now.lights->count;
     sl_face_point *points = sl_allocate(count, sizeof *points);
     float *share = sl_allocate(count * lights, sizeof *share);
     bool *valid = sl_allocate(count, sizeof *valid);
@@ -95,10 +93,11 @@ static sl_status sample_direct(sl_multi_mesh_state *s, sl_component part, size_t
     /* equation (3) */
     if (status == SL_OK)
         status = sl_irradiance_at(s->irradiance, count, points, share, valid, &s->counters, error);
-    for (size_t i = 0; i < count && status == SL_OK; i++)
-        sl_displayed_put(s->part[part], wanted[i].vertex,
-                         direct_value(s, part, wanted[i].vertex, &share[i * lights]), valid[i],
-                         &s->counters);
+    for (size_t i = 0; i < count && status == SL_OK; i++) {
+        sl_mesh_point point = sl_mesh_point_of(s->part[part]->mesh, wanted[i].vertex);
+        sl_rgb value = sl_multi_mesh_direct(s, part, s->now.lights, &share[i * lights], &point);
+        sl_displayed_put(s->part[part], wanted[i].vertex, value, valid[i], &s->counters);
+    }
     SL_FREE_ALL(valid, share, points);
     return status;
 }
@@ -113,7 +112,7 @@ static sl_status sample_indirect(sl_multi_mesh_state *s, size_t count, const sl_
     for (size_t i = 0; i < count && status == SL_OK; i++) {
         bool moved;
         points[i] = sl_mesh_point_of(part->mesh, wanted[i].vertex);
-        valid[i] = !s->tracer || sl_leave_solid(part->mesh, s->tracer, NULL, wanted[i].vertex,
+        valid[i] = !s->now.tracer || sl_leave_solid(part->mesh, s->now.tracer, NULL, wanted[i].vertex,
                                                 &points[i].lit, &moved, &s->counters);
     }
     sl_gather_detail detail = part->put_as < part->world ? SL_GATHER_HALF : SL_GATHER_ALL;
@@ -137,7 +136,7 @@ sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t
 /* Returns how many vertices an update takes at most: with many lights fewer while things move, so that what
  * it brings is soon seen. */
 static size_t most_first_vertices(const sl_multi_mesh_state *s) {
-    const size_t lights = s->lights ? s->lights->count : 0;
+    const size_t lights = s->now.lights ? s->now.lights->count : 0;
     const bool few = s->is_edited && lights * FIRST_VERTICES > QUICK_SAMPLES;
     return few ? QUICK_SAMPLES / lights + 1 : FIRST_VERTICES;
 }

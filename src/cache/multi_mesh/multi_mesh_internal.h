@@ -65,6 +65,14 @@ typedef struct sl_coarse_rounds {
     sl_coarse_eye eye[SL_GATHER_DETAILS];
 } sl_coarse_rounds;
 
+/* What samples of lights are taken with, made anew where lights or objects have moved. */
+typedef struct sl_mesh_world {
+    sl_tracer *tracer;
+    sl_sampled_lights *lights;
+    sl_light_sampling *sampling;
+    sl_object_places *places;       /* where objects are in it */
+} sl_mesh_world;
+
 typedef struct sl_multi_mesh_state {
     const sl_scene *scene;
     sl_settings settings;
@@ -75,10 +83,8 @@ typedef struct sl_multi_mesh_state {
 
     /* what depends on geometry and lights */
     sl_raster *raster;
-    sl_tracer *tracer;
     sl_primitives *primitives;      /* triangles, each by itself */
-    sl_sampled_lights *lights;
-    sl_light_sampling *sampling;
+    sl_mesh_world now;
     sl_irradiance_settings light;   /* of these and of the coarse mesh */
     sl_irradiance_meshes *irradiance;
     sl_displayed *part[SL_COMPONENTS]; /* NULL: the scene does not need it */
@@ -86,7 +92,6 @@ typedef struct sl_multi_mesh_state {
     sl_coarse_kept kept;            /* light samples of the last that was whole */
     bool gathers_wait;              /* for a coarse mesh of now: an edit came to one that was */
     bool hastens;                   /* something has changed before there was a coarse mesh */
-    sl_object_places *places;       /* where objects are in it */
     float scale;                    /* the scene's: tolerances follow it */
     uint32_t world;                 /* 1, and one more with each edit of what is lit or lights it */
     uint32_t lit;                   /* the last of them that was not of colours and powers alone */
@@ -180,6 +185,7 @@ const char *sl_multi_mesh_filled(const void *state);
 
 sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error);
 void sl_multi_mesh_forget_world(sl_multi_mesh_state *s);
+void sl_mesh_world_forget(sl_mesh_world *world);
 /* Parts of it that follow.c makes again: lights and their sampling; what irradiance meshes are made from; the
  * levels of the display. */
 sl_status sl_multi_mesh_make_sampling(sl_multi_mesh_state *s, sl_error *error);
@@ -191,6 +197,9 @@ typedef struct sl_wanted_vertex {
     uint32_t vertex;
     int wanted_depth;
 } sl_wanted_vertex;
+/* Returns radiance at a point from its lights' shares: equations (4) and (6). */
+sl_rgb sl_multi_mesh_direct(const sl_multi_mesh_state *s, sl_component part, const sl_sampled_lights *lights,
+                            const float *share, const sl_mesh_point *point);
 /* Takes samples and puts them. */
 sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t count,
                                const sl_wanted_vertex *wanted, sl_error *error);

@@ -36,10 +36,8 @@ static sl_mesh_point point_at(const probed_leaf *leaf, float p, float q) {
 
 /* Returns the mesh's value from so much of one light alone. */
 static sl_rgb value_of_light(const probed_leaf *leaf, size_t light, float share, const sl_mesh_point *point) {
-    const sl_sampled_lights one = {.count = 1, .light = &leaf->s->lights->light[light]};
-    if (leaf->part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(&one, &share);
-    float exponent = sl_face_material(leaf->s->scene, point->face)->exponent;
-    return sl_direct_specular(&one, &share, &point->lit, exponent, leaf->s->scene->camera.eye);
+    const sl_sampled_lights one = {.count = 1, .light = &leaf->s->now.lights->light[light]};
+    return sl_multi_mesh_direct(leaf->s, leaf->part, &one, &share, point);
 }
 
 /* Tells whether an eye could tell the mesh's value at a point from that. */
@@ -72,7 +70,7 @@ static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, f
     bool all = true, nothing = true;
     for (int i = 0; i < 3; i++) {
         sl_root_place at = mesh->vertex[sl_patch_corner(mesh, leaf->place->patch, i)].place;
-        float most = (float)sl_light_unoccluded(&leaf->s->lights->light[light], &leaf->corner[i].lit);
+        float most = (float)sl_light_unoccluded(&leaf->s->now.lights->light[light], &leaf->corner[i].lit);
         if (!sl_irradiance_known(irradiance, at, &share[i])) return CORNERS_DIFFER;
         all = all && most > 0.0f && share[i] >= ALL * most;
         nothing = nothing && share[i] <= NOTHING * most;
@@ -88,11 +86,11 @@ static bool differs(const probed_leaf *leaf, size_t light, const float share[3],
     float w1 = pixels->w1[pixel], w2 = pixels->w2[pixel], own_w1, own_w2;
     sl_mesh_point point = point_at(leaf, w1 * (float)SL_PATCH_DYADIC, w2 * (float)SL_PATCH_DYADIC);
     sl_rgb value;
-    bool is_lit = sl_light_probe(leaf->s->sampling, light, &point.lit, 1, leaf->counters) > 0.0f;
+    bool is_lit = sl_light_probe(leaf->s->now.sampling, light, &point.lit, 1, leaf->counters) > 0.0f;
     if (is_lit == lit_corners || !value_at(leaf, w1, w2, &value)) return false;
     sl_mesh_weights_within(leaf->place, w1, w2, &own_w1, &own_w2);
     float interpolated = share[0] + own_w1 * (share[1] - share[0]) + own_w2 * (share[2] - share[0]);
-    float seen = sl_light_probe(leaf->s->sampling, light, &point.lit, CLOSER_RAYS, leaf->counters);
+    float seen = sl_light_probe(leaf->s->now.sampling, light, &point.lit, CLOSER_RAYS, leaf->counters);
     return shows(leaf, w1, w2, value,
                  changed_by(value, value_of_light(leaf, light, seen, &point),
                             value_of_light(leaf, light, interpolated, &point)));
@@ -135,7 +133,7 @@ static bool is_contradicted(probed_leaf *leaf) {
         if (sl_mesh_state(mesh, vertex) != SL_VERTEX_KNOWN) return false;
         leaf->corner[i] = sl_mesh_point_of(mesh, vertex);
     }
-    for (size_t l = 0; l < leaf->s->lights->count; l++)
+    for (size_t l = 0; l < leaf->s->now.lights->count; l++)
         if (is_contradicted_by(leaf, l)) return true;
     return false;
 }

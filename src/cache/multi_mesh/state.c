@@ -120,7 +120,7 @@ bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part) {
 
 int sl_multi_mesh_light_depth(const sl_multi_mesh_state *s, int wanted) {
     if (s->settings.multi_mesh.joint_mesh) return SL_MESH_DEPTH_MAX;
-    return s->lights->count > 1 ? wanted - 1 : wanted;
+    return s->now.lights->count > 1 ? wanted - 1 : wanted;
 }
 
 /* Returns the share that is done, roughly, for the progress bar alone: how far the highest priority has come
@@ -225,12 +225,12 @@ static size_t bytes_of_rounds(const sl_coarse_rounds *r, size_t lights) {
 
 static size_t multi_mesh_bytes(const void *state) {
     const sl_multi_mesh_state *s = state;
-    const size_t lights = s->lights ? s->lights->count : 0;
+    const size_t lights = s->now.lights ? s->now.lights->count : 0;
     size_t bytes = sizeof *s + sl_multi_mesh_pixels(s) * (sizeof *s->id + 3 * SL_COMPONENTS * sizeof(float));
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
-    if (s->tracer) bytes += sl_tracer_memory_bytes(s->tracer);
+    if (s->now.tracer) bytes += sl_tracer_memory_bytes(s->now.tracer);
     if (s->primitives) bytes += sl_primitives_memory_bytes(s->primitives);
-    if (s->sampling) bytes += sl_light_sampling_memory_bytes(s->sampling);
+    if (s->now.sampling) bytes += sl_light_sampling_memory_bytes(s->now.sampling);
     if (s->irradiance) bytes += sl_irradiance_meshes_bytes(s->irradiance);
     bytes += bytes_of_rounds(&s->whole, lights) + bytes_of_rounds(&s->next, lights) +
              sl_coarse_kept_bytes(&s->kept);

@@ -44,6 +44,14 @@ static sl_rgb shown_radiance(const void *context, sl_component part, uint32_t fa
 
 /* ---- what there is, and its end ---- */
 
+void sl_mesh_world_forget(sl_mesh_world *w) {
+    sl_light_sampling_destroy(w->sampling);
+    sl_sampled_lights_destroy(w->lights);
+    sl_object_places_destroy(w->places);
+    sl_tracer_destroy(w->tracer);
+    *w = (sl_mesh_world){NULL, NULL, NULL, NULL};
+}
+
 void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     for (int i = 0; i < SL_COMPONENTS; i++) {
         sl_displayed_destroy(s->part[i]);
@@ -54,18 +62,11 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
     sl_coarse_forget_kept(&s->kept);
     s->gathers_wait = s->hastens = false;
     sl_irradiance_meshes_destroy(s->irradiance);
-    sl_light_sampling_destroy(s->sampling);
-    sl_sampled_lights_destroy(s->lights);
-    sl_object_places_destroy(s->places);
+    sl_mesh_world_forget(&s->now);
     sl_primitives_destroy(s->primitives);
-    sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
-    s->places = NULL;
     s->irradiance = NULL;
-    s->sampling = NULL;
-    s->lights = NULL;
     s->primitives = NULL;
-    s->tracer = NULL;
     s->raster = NULL;
 }
 
@@ -76,9 +77,9 @@ sl_status sl_multi_mesh_make_sampling(sl_multi_mesh_state *s, sl_error *error) {
     sampling.size = m->light_size;
     sampling.rays = m->light_rays;
     sampling.threads = s->settings.threads;
-    sl_status status = sl_sampled_lights_find(s->scene, &s->lights, error);
+    sl_status status = sl_sampled_lights_find(s->scene, &s->now.lights, error);
     if (status == SL_OK)
-        status = sl_light_sampling_create(s->scene, s->raster, s->tracer, s->lights, &sampling, &s->sampling,
+        status = sl_light_sampling_create(s->scene, s->raster, s->now.tracer, s->now.lights, &sampling, &s->now.sampling,
                                           error);
     return status;
 }
@@ -86,13 +87,13 @@ sl_status sl_multi_mesh_make_sampling(sl_multi_mesh_state *s, sl_error *error) {
 sl_irradiance_settings sl_multi_mesh_irradiance_settings(const sl_multi_mesh_state *s) {
     return (sl_irradiance_settings){.scene = s->scene,
                                     .primitives = s->primitives,
-                                    .tracer = s->tracer,
-                                    .lights = s->lights,
-                                    .sampling = s->sampling,
+                                    .tracer = s->now.tracer,
+                                    .lights = s->now.lights,
+                                    .sampling = s->now.sampling,
                                     .perception = s->perception,
                                     .ambient = s->ambient,
                                     .few_rays = s->settings.multi_mesh.estimator == SL_LIGHT_RATIO &&
-                                                s->lights->count >= MANY_LIGHTS,
+                                                s->now.lights->count >= MANY_LIGHTS,
                                     .max_depth = s->settings.multi_mesh.max_depth,
                                     .threads = s->settings.threads};
 }
@@ -172,10 +173,10 @@ sl_status sl_multi_mesh_make_world(sl_multi_mesh_state *s, sl_error *error) {
     sl_multi_mesh_set_perception(s);
     sl_status status = sl_raster_create(s->scene, threads, &s->raster, error);
     if (status == SL_OK && s->plan.lights)
-        status = sl_tracer_create(s->scene, threads, NULL, &s->tracer, error);
+        status = sl_tracer_create(s->scene, threads, NULL, &s->now.tracer, error);
     if (status == SL_OK) status = sl_primitives_of_triangles(s->scene, &s->primitives, error);
     if (status == SL_OK && s->plan.lights) status = make_lights(s, error);
-    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
+    if (status == SL_OK) status = sl_object_places_take(s->scene, &s->now.places, error);
     s->scale = s->scene->scale;
     return status == SL_OK ? make_pictures(s, error) : status;
 }

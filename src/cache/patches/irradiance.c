@@ -317,18 +317,17 @@ void sl_irradiance_meshes_spare(sl_irradiance_meshes *m, bool sparing) { m->spar
 
 /* ---- what moves ---- */
 
-typedef struct checked_light {
-    const sl_light_moves *moves;
-    uint32_t light;
-    double reach;
-} checked_light;
+bool sl_lights_may_differ(const sl_changed_lights *l, sl_vec3 point, double reach) {
+    for (size_t i = l->first; i < l->end; i++)
+        if (sl_light_may_differ(l->moves, i, point, reach)) return true;
+    return false;
+}
 
-/* Asks again for vertices inside other geometry: solids and their lights have moved. */
-static bool holds(const void *context, const sl_patches *mesh, uint32_t vertex) {
-    const checked_light *c = context;
+bool sl_mesh_value_holds(const void *context, const sl_patches *mesh, uint32_t vertex) {
+    const sl_changed_lights *l = context;
     return sl_mesh_state(mesh, vertex) == SL_VERTEX_KNOWN &&
-           !sl_has_triangle_moved(c->moves, mesh->vertex[vertex].root / 2) &&
-           !sl_light_may_differ(c->moves, c->light, sl_vertex_position(mesh, vertex), c->reach);
+           !sl_has_triangle_moved(l->moves, mesh->vertex[vertex].root / 2) &&
+           !sl_lights_may_differ(l, sl_vertex_position(mesh, vertex), l->reach);
 }
 
 /* A closed edge's halves were closed with it; where it differs now they are to be tested themselves. */
@@ -369,8 +368,8 @@ static void follow_light(sl_irradiance_meshes *m, uint32_t light, const sl_light
         sl_patches_clear(m->mesh[light]);
         return;
     }
-    const checked_light checked = {moves, light, 2.0 * m->inwards};
-    if (moves->box_count) sl_mesh_forget(m->mesh[light], &(sl_mesh_check){holds, &checked});
+    const sl_changed_lights checked = {moves, light, light + 1, 2.0 * m->inwards};
+    if (moves->box_count) sl_mesh_forget(m->mesh[light], &(sl_mesh_check){sl_mesh_value_holds, &checked});
     if (anew) judge_all(m, light);
 }
 

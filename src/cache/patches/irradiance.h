@@ -53,6 +53,16 @@ sl_status sl_irradiance_at(sl_irradiance_meshes *meshes, size_t count, const sl_
 /* Gives the sample at a place of a light's mesh, or what is interpolated there, however coarsely. False:
  * there is neither. */
 bool sl_irradiance_known(const sl_patches *mesh, sl_root_place at, float *share);
+/* Lights whose samples are asked whether they hold. */
+typedef struct sl_changed_lights {
+    const sl_light_moves *moves;
+    size_t first, end;
+    double reach;              /* how far off a point its samples are taken */
+} sl_changed_lights;
+bool sl_lights_may_differ(const sl_changed_lights *lights, sl_vec3 point, double reach);
+/* An sl_mesh_check. Asks again for vertices inside other geometry: solids and their lights have moved. */
+bool sl_mesh_value_holds(const void *context, const sl_patches *mesh, uint32_t vertex);
+
 /* Takes the world as it is now: settings with as many lights of the same kinds, over the same primitives.
  * Keeps samples that still hold; moves NULL: none does. After a failure the meshes can be destroyed, no
  * more. */

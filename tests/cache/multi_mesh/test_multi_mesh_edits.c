@@ -33,7 +33,7 @@ static void light_in_other_colours_is_not_sampled_again(void **state) {
     good(build_room(&r, &scene, &error), &error);
     sl_method *method = finished(scene, "multi-mesh");
     const sl_irradiance_meshes *meshes = meshes_of(method)->irradiance;
-    const size_t lights = meshes_of(method)->lights->count;
+    const size_t lights = meshes_of(method)->now.lights->count;
     size_t first = 0, last = 0, both = 0;
     for (size_t l = 0; l < lights; l++) first += sampled(sl_irradiance_mesh(meshes, l));
     for (int i = 0; i < 6; i++) {

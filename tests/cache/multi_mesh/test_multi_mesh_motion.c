@@ -182,7 +182,7 @@ static size_t known_alike(const sl_patches *ours, const sl_patches *fresh) {
 static void assert_same_coarse(const sl_multi_mesh_state *s, const sl_multi_mesh_state *fresh) {
     const sl_patches *a = s->whole.coarse->vertices, *b = fresh->whole.coarse->vertices;
     assert_int_equal(s->kept.count, fresh->kept.count);
-    for (size_t i = 0; i < s->kept.count * s->lights->count; i++) {
+    for (size_t i = 0; i < s->kept.count * s->now.lights->count; i++) {
         const sl_coarse_share mine = s->kept.share[i], its = fresh->kept.share[i];
         if (its.by) assert_true(mine.by == its.by && sl_float_bits(mine.share) == sl_float_bits(its.share));
     }
@@ -218,7 +218,7 @@ static void samples_that_survive_a_move_are_those_of_a_fresh_method(void **state
 
 static size_t known_samples(const sl_multi_mesh_state *s) {
     size_t known = 0;
-    for (size_t l = 0; l < s->lights->count; l++) {
+    for (size_t l = 0; l < s->now.lights->count; l++) {
         const sl_patches *mesh = sl_irradiance_mesh(s->irradiance, l);
         for (uint32_t v = 0; v < mesh->vertex_count; v++) known += sl_mesh_state(mesh, v) == SL_VERTEX_KNOWN;
     }
