@@ -25,25 +25,6 @@ enum {
 
 /* ---- the world as it is now, beside what is left of the old one ---- */
 
-static bool same_numbers(const uint32_t *a, const uint32_t *b, size_t count) {
-    return memcmp(a, b, count * sizeof *a) == 0;
-}
-
-/* Tells whether faces share the same corners and edges as before: vertices are keys of both. */
-static sl_status check_structure(const sl_multi_mesh_state *s, bool *same, sl_error *error) {
-    sl_primitives *now;
-    const sl_primitives *was = s->primitives;
-    *same = s->scene->triangle_count == was->count;
-    if (!*same) return SL_OK;
-    sl_status status = sl_primitives_of_triangles(s->scene, &now, error);
-    if (status != SL_OK) return status;
-    *same = same_numbers(now->edge_next, was->edge_next, 4 * was->count) &&
-            same_numbers(now->corner_next, was->corner_next, 4 * was->count) &&
-            same_numbers(now->corner_first, was->corner_first, 4 * was->count);
-    sl_primitives_destroy(now);
-    return SL_OK;
-}
-
 /* Raster and rays stay where nothing has moved. */
 static sl_status renew_world(sl_multi_mesh_state *s, unsigned changes, sl_mesh_world *old, sl_error *error) {
     const unsigned threads = s->settings.threads;
@@ -128,11 +109,9 @@ static bool is_planned_so(const sl_multi_mesh_state *s) {
 
 sl_status sl_multi_mesh_follow(sl_multi_mesh_state *s, unsigned changes, bool *followed, sl_error *error) {
     sl_mesh_world old;
-    sl_status status = SL_OK;
     *followed = is_planned_so(s);
-    if (*followed && changes & SL_CHANGED_OBJECTS) status = check_structure(s, followed, error);
-    if (status != SL_OK || !*followed) return status;
-    status = renew_world(s, changes, &old, error);
+    if (!*followed) return SL_OK;
+    sl_status status = renew_world(s, changes, &old, error);
     if (status == SL_OK) status = compare(s, &old, followed, error);
     if (status != SL_OK || !*followed) { /* they may hold the old lights still */
         sl_irradiance_meshes_destroy(s->irradiance);
