@@ -67,10 +67,9 @@ static sl_status trace_photons(sl_octree_state *s, sl_error *error) {
     }
     const sl_photon_options options = sl_octree_photon_options(s);
     bool done = false;
-    sl_status status = sl_octree_take_slices(s, error);
-    if (status == SL_OK)
-        status = sl_photons_trace(s->scene, s->tracer, &options, sl_octree_photon_chunks(&s->settings),
-                                  &s->photons, &done, &s->counters, error);
+    sl_status status =
+        sl_photons_trace(s->scene, s->tracer, &options, sl_octree_photon_chunks(&s->settings), &s->photons,
+                         &done, &s->counters, error);
     return status == SL_OK && done ? finish_photons(s, error) : status;
 }
 

@@ -152,8 +152,6 @@ sl_status sl_octree_light_picture(sl_octree_state *s, bool moves, sl_error *erro
 /* A whole frame: G-buffer, direct light, octree where light has changed, pixels (motion.c). */
 sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error);
 void sl_octree_age_light(sl_octree_motion *motion);
-/* Begins the photons of a picture at rest with those slices that are of the scene as it is. */
-sl_status sl_octree_take_slices(sl_octree_state *s, sl_error *error);
 /* The octree that is shown is none of slices any more. */
 void sl_octree_forget_slices(sl_octree_motion *motion);
 void sl_octree_forget_motion(sl_octree_motion *motion);

@@ -2,8 +2,7 @@
  * light. Direct light is by shadow maps, and pixels share points of the octree four by four; rays, and a
  * point for each pixel, are for what stands still. Where light has changed, photons are traced again in
  * slices, one an edit, and the older a slice is the less it counts. A slice's paths are the same each
- * time: where nothing has moved its photons keep their places, and light does not flash. They are the
- * first of a picture at rest, which goes on from slices that are all of the scene as it is. */
+ * time: where nothing has moved its photons keep their places, and light does not flash. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/light_octree/light_octree.h"
@@ -85,19 +84,6 @@ static sl_status trace_slice(sl_octree_state *s, int k, sl_error *error) {
         s->motion.age[k] = 0;
     } else {
         sl_photon_list_destroy(slice);
-    }
-    return status;
-}
-
-sl_status sl_octree_take_slices(sl_octree_state *s, sl_error *error) {
-    const uint64_t paths = chunks_of_slice(s) * SL_PHOTON_CHUNK, most = s->settings.light_octree.photons;
-    sl_status status = SL_OK;
-    for (int k = 0; k < SL_OCTREE_SLICES && status == SL_OK; k++) {
-        const sl_photon_list *slice = s->motion.slice[k], *all = s->photons;
-        if (!slice || s->motion.age[k] > 0 || (all ? all->emitted : 0) != (uint64_t)k * paths ||
-            (all ? all->count : 0) + slice->count >= most)
-            return SL_OK;
-        status = sl_photons_append(&s->photons, slice, error);
     }
     return status;
 }

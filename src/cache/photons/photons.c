@@ -329,28 +329,16 @@ static bool resize(sl_photon_list *list, size_t capacity) {
     return true;
 }
 
-static sl_status add(sl_photon_list *list, size_t photons, const sl_photon *photon, uint64_t emitted,
-                     double cut_flux, sl_error *error) {
-    size_t count = list->count + photons;
+static sl_status commit(sl_photon_list *list, const chunk_result *r, const sl_photon *ordered,
+                        sl_counters *counters, sl_error *error) {
+    size_t count = list->count + r->count;
     if (count >= UINT32_MAX)
         return sl_fail(error, SL_ERROR_RESOURCES, "at most %u photons can be stored", UINT32_MAX - 1);
     if (count > list->capacity && !resize(list, count + count / 2)) return sl_fail_memory(error, "photons");
-    if (photons > 0) memcpy(list->photon + list->count, photon, photons * sizeof *photon);
+    if (r->count > 0) memcpy(list->photon + list->count, ordered, r->count * sizeof *ordered);
     list->count = count;
-    list->emitted += emitted;
-    list->cut_flux += cut_flux;
-    return SL_OK;
-}
-
-sl_status sl_photons_append(sl_photon_list **list, const sl_photon_list *more, sl_error *error) {
-    if (!*list && !(*list = sl_allocate(1, sizeof **list))) return sl_fail_memory(error, "photons");
-    return add(*list, more->count, more->photon, more->emitted, more->cut_flux, error);
-}
-
-static sl_status commit(sl_photon_list *list, const chunk_result *r, const sl_photon *ordered,
-                        sl_counters *counters, sl_error *error) {
-    sl_status status = add(list, r->count, ordered, SL_PHOTON_CHUNK, r->cut_flux, error);
-    if (status != SL_OK) return status;
+    list->emitted += SL_PHOTON_CHUNK;
+    list->cut_flux += r->cut_flux;
     sl_counters_add(counters, &r->counters);
     sl_count(counters, SL_COUNT_PHOTONS_EMITTED, SL_PHOTON_CHUNK);
     sl_count(counters, SL_COUNT_PHOTONS_STORED, r->count);

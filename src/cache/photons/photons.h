@@ -68,9 +68,6 @@ enum { SL_PHOTON_CHUNK = 4096 };
 sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const sl_photon_options *options,
                            size_t chunks, sl_photon_list **list, bool *done, sl_counters *counters,
                            sl_error *error);
-/* Appends paths that were traced elsewhere, by the same options but for `first`, which was what `*list` (NULL
- * at first) has emitted. Neither list may be done. */
-sl_status sl_photons_append(sl_photon_list **list, const sl_photon_list *more, sl_error *error);
 void sl_photon_list_destroy(sl_photon_list *list);
 
 #endif

@@ -144,30 +144,6 @@ static void shading_since_the_last_edit_is_what_a_fresh_cache_computes(void **st
     destroy_method(method, scene);
 }
 
-/* Of few photons the slices of motion, whole chunks of paths, are more than a picture at rest has. */
-static void a_light_octree_at_rest_emits_no_photon_twice(void **state) {
-    sl_error error;
-    sl_scene *scene;
-    sl_method *method[2];
-    sl_settings settings = small_settings("light-octree", 24, 24);
-    settings.light_octree.depth = 4;
-    settings.light_octree.photons = 70000;
-    edited_room r = room_at_first(6);
-    good(build_room(&r, &scene, &error), &error);
-    good(sl_method_create(scene, &settings, &method[0], &error), &error);
-    finish(method[0]);
-    const uint64_t before = sl_method_counters(method[0])->value[SL_COUNT_PHOTONS_EMITTED];
-    change(scene, &r, EDIT_TRANSFORM);
-    follow(method[0]);
-    const uint64_t more = sl_method_counters(method[0])->value[SL_COUNT_PHOTONS_EMITTED] - before;
-    good(sl_method_create(scene, &settings, &method[1], &error), &error);
-    finish(method[1]);
-    print_message("%u photons\n", (unsigned)more);
-    assert_int_equal(more, sl_method_counters(method[1])->value[SL_COUNT_PHOTONS_EMITTED]);
-    for (int k = 0; k < 2; k++) sl_method_destroy(method[k]);
-    sl_scene_destroy(scene);
-}
-
 static sl_scene *box_of_light(void) {
     sl_error error;
     sl_scene *scene;
@@ -236,7 +212,6 @@ int main(void) {
         cmocka_unit_test(what_the_table_says_is_kept_is_not_computed_again),
         cmocka_unit_test(every_record_is_its_gather_done_anew),
         cmocka_unit_test(shading_since_the_last_edit_is_what_a_fresh_cache_computes),
-        cmocka_unit_test(a_light_octree_at_rest_emits_no_photon_twice),
         cmocka_unit_test(when_a_lamp_alone_has_another_power_nothing_is_sampled_and_values_are_within_rounding),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
