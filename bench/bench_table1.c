@@ -64,16 +64,14 @@ static double gather_points(const world *w, const instrument *m, bool jitter, ui
     sl_gather_settings s = sl_gather_defaults();
     gather_task t = {.w = w, .key = key, .values = values};
     sl_gather *gather;
-    sl_counters counters = {{0}};
     sl_error error;
     s.kind = m->kind;
     s.size = m->size;
     s.border = m->border;
     s.jitter = jitter;
     s.hit_samples = m->samples;
-    s.direct = SL_DIRECT_RAYS;
     if (m->fov_deg > 0.0) s.plane_fov = (float)(m->fov_deg * SL_PI / 180.0);
-    if (sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &counters, &error) != SL_OK)
+    if (sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &error) != SL_OK)
         bench_fail("gather", &error);
     for (unsigned i = 0; i < threads; i++) {
         if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) bench_fail("scratch", &error);

@@ -159,7 +159,6 @@ sl_gather_settings gather_settings(sl_gather_kind kind, int size) {
     s.kind = kind;
     s.size = size;
     s.emission = true;
-    s.direct = SL_DIRECT_RAYS;
     return s;
 }
 
@@ -171,10 +170,8 @@ void assert_within(double value, double expected, double most_apart) {
 gatherer gatherer_new(world *w, const sl_gather_settings *settings) {
     gatherer g = {.counters = &w->counters};
     sl_error error;
-    if (sl_gather_create(w->scene, w->raster, w->tracer, settings, 1, &g.gather, &w->counters, &error) !=
-        SL_OK) {
+    if (sl_gather_create(w->scene, w->raster, w->tracer, settings, 1, &g.gather, &error) != SL_OK)
         fail_msg("%s", error.message);
-    }
     assert_int_equal(sl_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
     return g;
 }

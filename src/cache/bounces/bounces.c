@@ -115,9 +115,8 @@ static sl_status check_points(const sl_second_cache *cache, float *missed, sl_co
 /* ---- its life ---- */
 
 /* Gathers live as long as light bounces. */
-static sl_status make_records(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
-                              sl_error *error) {
-    sl_status status = sl_second_open_gathers(cache, raster, counters, error);
+static sl_status make_records(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
+    sl_status status = sl_second_open_gathers(cache, error);
     if (status == SL_OK) status = find_places(cache, ORIGINS, SIZE_MAX, counters, error);
     if (status == SL_OK) status = sl_let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
@@ -139,44 +138,41 @@ static sl_status bounce_anew(sl_second_cache *cache, sl_counters *counters, sl_e
 
 /* Has those from `first` on gather the light of all bounces, each other's included: as they were made, each
  * had that of those before. */
-static sl_status settle(sl_second_cache *cache, size_t first, const sl_raster *raster, sl_counters *counters,
-                        sl_error *error) {
+static sl_status settle(sl_second_cache *cache, size_t first, sl_counters *counters, sl_error *error) {
     enum { TIMES = 2 };
     const size_t next = cache->next;
     sl_status status = SL_OK;
     for (int i = 0; status == SL_OK && i < TIMES; i++) {
         cache->next = first;
-        status = sl_second_cache_renew(cache, raster, cache->list.count - first, counters, error);
+        status = sl_second_cache_renew(cache, cache->list.count - first, counters, error);
     }
     cache->next = next;
     return status;
 }
 
 /* Has some more of those that wait for it gather again. */
-static sl_status take_turns(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
-                            sl_error *error) {
+static sl_status take_turns(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
     const size_t count = cache->waiting < AGAIN ? cache->waiting : AGAIN;
     cache->waiting -= count;
-    return sl_second_cache_renew(cache, raster, count, counters, error);
+    return sl_second_cache_renew(cache, count, counters, error);
 }
 
 /* Makes records where there are none. Once those of before lack the light of many they gather again, at once
  * or with the views that follow. */
-static sl_status add_places(sl_second_cache *cache, const sl_raster *raster, float missed,
-                            sl_counters *counters, sl_error *error) {
+static sl_status add_places(sl_second_cache *cache, float missed, sl_counters *counters, sl_error *error) {
     const bool elsewhere = missed > MOST_MISSED, quick = !elsewhere && cache->settings.quick;
     const size_t most = elsewhere ? SIZE_MAX : quick ? QUICK_MORE : MORE;
     const size_t first = cache->list.count;
-    sl_status status = sl_second_open_gathers(cache, raster, counters, error);
+    sl_status status = sl_second_open_gathers(cache, error);
     if (status == SL_OK) status = find_places(cache, quick ? QUICK_ORIGINS : ORIGINS, most, counters, error);
     if (cache->list.count == first) cache->report.missed = missed; /* as few as can be */
     if (status != SL_OK || cache->moved) return status;
     if (elsewhere && is_grown(cache)) return bounce_anew(cache, counters, error);
     if (is_grown(cache)) cache->waiting = cache->bounced = cache->list.count;
-    return elsewhere ? settle(cache, first, raster, counters, error) : SL_OK;
+    return elsewhere ? settle(cache, first, counters, error) : SL_OK;
 }
 
-sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+sl_status sl_second_cache_create(const sl_scene *scene, const sl_tracer *tracer,
                                  const sl_second_settings *settings, sl_second_cache **out,
                                  sl_counters *counters, sl_error *error) {
     const float a = (float)settings->accuracy;
@@ -191,19 +187,18 @@ sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster,
     cache->rules = (sl_weight_rules){a, 1.0f / a, 1e-5f * scene->scale};
     cache->settings.gather.second = &cache->light;
     cache->radii = radii_of(settings, scene);
-    sl_status status = make_records(cache, raster, counters, error);
+    sl_status status = make_records(cache, counters, error);
     if (status == SL_OK) *out = cache;
     else sl_second_cache_destroy(cache);
     return status;
 }
 
-sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
-                                 sl_error *error) {
+sl_status sl_second_cache_follow(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
     float missed = 0.0f;
     sl_status status = check_points(cache, &missed, counters, error);
     if (status == SL_OK && missed > cache->report.missed + MANY_MISSED)
-        status = add_places(cache, raster, missed, counters, error);
-    if (status == SL_OK) status = take_turns(cache, raster, counters, error);
+        status = add_places(cache, missed, counters, error);
+    if (status == SL_OK) status = take_turns(cache, counters, error);
     if (!cache->moved) sl_record_gathers_destroy(&cache->gathers);
     cache->report.records = cache->list.count;
     return status;

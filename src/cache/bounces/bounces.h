@@ -41,24 +41,22 @@ sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, dou
                                           uint32_t bounces);
 
 typedef struct sl_second_cache sl_second_cache;
-/* Finds the places, gathers at them, and lets the light bounce. Scene, raster (NULL but for shadow maps) and
- * tracer must outlive it. */
-sl_status sl_second_cache_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+/* Finds the places, gathers at them, and lets the light bounce. Scene and tracer must outlive it. */
+sl_status sl_second_cache_create(const sl_scene *scene, const sl_tracer *tracer,
                                  const sl_second_settings *settings, sl_second_cache **cache,
                                  sl_counters *counters, sl_error *error);
 /* The camera has moved: if gathers will now look where there are no records, such are made, few for each view
  * but where it has gone elsewhere. They gather the light of all bounces from the others; once there are an
  * eighth more than when light last bounced it does so again: at once elsewhere, else in turns, some with each
  * view. Where things have moved all light is renewed in turns. */
-sl_status sl_second_cache_follow(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
-                                 sl_error *error);
+sl_status sl_second_cache_follow(sl_second_cache *cache, sl_counters *counters, sl_error *error);
 /* Objects or lights have changed, and transport was made anew: records go along with what they lie on, and
  * keep the light that they had until it is renewed. motion: by object. */
 sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, const sl_shadow_maps *maps,
                                const sl_object_motion *motion, sl_error *error);
 /* The next so many records, in turns, gather all bounces anew from the others as they are. */
-sl_status sl_second_cache_renew(sl_second_cache *cache, const sl_raster *raster, size_t count,
-                                sl_counters *counters, sl_error *error);
+sl_status sl_second_cache_renew(sl_second_cache *cache, size_t count, sl_counters *counters,
+                                sl_error *error);
 /* Tells whether all have done so since things last moved. */
 bool sl_second_cache_is_renewed(const sl_second_cache *cache);
 void sl_second_cache_destroy(sl_second_cache *cache);

@@ -3,11 +3,10 @@
  * moves over some turns of all. */
 #include "cache/bounces/second_level.h"
 
-sl_status sl_second_open_gathers(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
-                                 sl_error *error) {
+sl_status sl_second_open_gathers(sl_second_cache *cache, sl_error *error) {
     if (cache->gathers.gather) return SL_OK;
-    return sl_record_gathers_create(cache->scene, raster, cache->tracer, &cache->settings.gather,
-                                    cache->settings.threads, &cache->gathers, counters, error);
+    return sl_record_gathers_create(cache->scene, NULL, cache->tracer, &cache->settings.gather,
+                                    cache->settings.threads, &cache->gathers, error);
 }
 
 /* ---- along with what moves ---- */
@@ -36,11 +35,11 @@ sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, 
 
 /* ---- in turns ---- */
 
-sl_status sl_second_cache_renew(sl_second_cache *cache, const sl_raster *raster, size_t count,
-                                sl_counters *counters, sl_error *error) {
+sl_status sl_second_cache_renew(sl_second_cache *cache, size_t count, sl_counters *counters,
+                                sl_error *error) {
     if (count > cache->list.count) count = cache->list.count;
     if (!count) return SL_OK;
-    sl_status status = sl_second_open_gathers(cache, raster, counters, error);
+    sl_status status = sl_second_open_gathers(cache, error);
     if (status == SL_OK) status = sl_second_gather(cache, count, counters, error);
     if (status == SL_OK) cache->renewed += count;
     return status;

@@ -134,8 +134,7 @@ struct sl_second_cache {
 };
 
 /* Makes gathers ready, if they are not. */
-sl_status sl_second_open_gathers(sl_second_cache *cache, const sl_raster *raster, sl_counters *counters,
-                                 sl_error *error);
+sl_status sl_second_open_gathers(sl_second_cache *cache, sl_error *error);
 
 /* ---- places (probe.c, cover.c) ---- */
 

@@ -10,24 +10,13 @@
 enum { EVERY_LIGHT_MAX = 8 };
 
 sl_gather_settings sl_gather_defaults(void) {
-    return (sl_gather_settings){.kind = SL_GATHER_AUTO,
+    return (sl_gather_settings){.kind = SL_GATHER_RAYS,
                                 .size = 64,
                                 .plane_fov = (float)(140.0 / 180.0 * SL_PI),
                                 .border = SL_BORDER_RADIAL,
                                 .jitter = true,
                                 .more_rays = 0.5f,
-                                .direct = SL_DIRECT_AUTO,
                                 .hit_samples = 1};
-}
-
-/* ---- decisions ------------------------------------------------------------------------------- */
-
-/* Rays wherever there is a tracer. A raster gather sees as much for less, but as good as N x N rays it has
- * two to seven times their cells to light; a shadow map lets light through walls and corners that are thinner
- * than its bias. */
-static void decide(const sl_tracer *tracer, sl_gather_settings *s) {
-    if (s->kind == SL_GATHER_AUTO) s->kind = tracer ? SL_GATHER_RAYS : SL_GATHER_PLANE;
-    if (s->direct == SL_DIRECT_AUTO) s->direct = tracer ? SL_DIRECT_RAYS : SL_DIRECT_SHADOW_MAPS;
 }
 
 /* ---- creation -------------------------------------------------------------------------------- */
@@ -47,31 +36,13 @@ static sl_status make_sources(sl_gather *gather, sl_error *error) {
     return status == SL_OK ? sl_light_sampler_plant_tree(gather->sampler, error) : status;
 }
 
-static sl_status make_maps(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
-    const sl_environment *environment = &gather->scene->environment;
-    sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, NULL, environment->present ? environment : NULL,
-                                   threads};
-    gather->maps = gather->settings.maps;
-    if (gather->maps) return SL_OK;
-    sl_status status =
-        sl_shadow_maps_create(gather->scene, gather->raster, &maps, &gather->own_maps, counters, error);
-    gather->maps = gather->own_maps;
-    return status;
-}
-
-static sl_status make_light(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
-    if (gather->settings.direct == SL_DIRECT_SHADOW_MAPS)
-        return make_maps(gather, threads, counters, error);
-    return make_sources(gather, error);
-}
-
-static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *counters, sl_error *error) {
+static sl_status make_parts(sl_gather *gather, unsigned threads, sl_error *error) {
     sl_gather_settings *s = &gather->settings;
     double pixel = 2.0 * (double)gather->half_tangent / s->size;
     if (s->colours) gather->colours = *s->colours;
-    sl_status status = s->colours
-                           ? sl_gather_sky_create(&gather->scene->environment, pixel, &gather->sky, error)
-                           : make_light(gather, threads, counters, error);
+    sl_status status = SL_OK;
+    if (s->colours) status = sl_gather_sky_create(&gather->scene->environment, pixel, &gather->sky, error);
+    else if (!s->maps) status = make_sources(gather, error);
     if (status != SL_OK) return status;
     status = sl_gather_tables_create(s->kind, s->size, (double)gather->half_tangent, s->border,
                                      !s->colours, &gather->tables, error);
@@ -81,7 +52,7 @@ static sl_status make_parts(sl_gather *gather, unsigned threads, sl_counters *co
 
 sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
                            const sl_gather_settings *settings, unsigned threads, sl_gather **out,
-                           sl_counters *counters, sl_error *error) {
+                           sl_error *error) {
     *out = NULL;
     sl_gather *gather = sl_allocate(1, sizeof *gather);
     if (!gather) return sl_fail_memory(error, "the gather");
@@ -89,14 +60,13 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->raster = raster;
     gather->tracer = tracer;
     gather->settings = *settings;
-    decide(tracer, &gather->settings);
     if (gather->settings.hit_samples < 1) gather->settings.hit_samples = 1;
     if (!(gather->settings.more_rays >= 0.0f)) gather->settings.more_rays = 0.0f;
     if (gather->settings.more_rays > 4.0f) gather->settings.more_rays = 4.0f;
     gather->offset = 1e-5f * scene->scale;
     gather->isa = sl_isa_best();
     gather->half_tangent = (float)sl_tan(0.5 * (double)settings->plane_fov);
-    sl_status status = make_parts(gather, threads, counters, error);
+    sl_status status = make_parts(gather, threads, error);
     if (status == SL_OK) *out = gather;
     else sl_gather_destroy(gather);
     return status;
@@ -106,7 +76,6 @@ void sl_gather_destroy(sl_gather *gather) {
     if (!gather) return;
     sl_gather_tables_destroy(gather->tables);
     sl_projection_destroy(gather->projection);
-    sl_shadow_maps_destroy(gather->own_maps);
     sl_texture_image_destroy(gather->sky);
     sl_light_sides_release(&gather->sides);
     sl_free(gather->strength);
@@ -114,11 +83,8 @@ void sl_gather_destroy(sl_gather *gather) {
     sl_free(gather);
 }
 
-sl_gather_kind sl_gather_kind_used(const sl_gather *gather) { return gather->settings.kind; }
-
 size_t sl_gather_memory_bytes(const sl_gather *gather) {
     return sizeof *gather + sl_gather_tables_bytes(gather->tables) +
-           (gather->own_maps ? sl_shadow_maps_bytes(gather->own_maps) : 0) +
            (gather->projection ? sl_projection_bytes(gather->projection) : 0) +
            sl_gather_sky_memory_bytes(gather->sky) +
            gather->sides.count * (sizeof *gather->sides.polygon + (SL_SIDE_VALUES + 3) * sizeof(float));

@@ -38,7 +38,7 @@ typedef struct sl_second_light {
 } sl_second_light;
 
 typedef struct sl_gather_settings {
-    sl_gather_kind kind;      /* AUTO: rays where there is a tracer, else the plane */
+    sl_gather_kind kind;      /* not AUTO */
     int size;                 /* N */
     float plane_fov;          /* radians; 140 degrees by default */
     sl_border border;         /* plane only; RADIAL by default */
@@ -49,10 +49,8 @@ typedef struct sl_gather_settings {
     bool emission;
     const sl_environment *background; /* seen even where emission is off, the sky whose light the cache
                                          carries; or NULL. It must outlive the gather */
-    sl_direct_kind direct;    /* how what is seen is lit: shadow rays or shadow maps */
     uint32_t hit_samples;     /* shadow rays: light samples a hit; 0 counts as 1, the default */
-    /* by shadow maps: these, which must outlive the gather; NULL: it makes its own */
-    const sl_shadow_maps *maps;
+    const sl_shadow_maps *maps; /* that light what is seen, and must outlive the gather; NULL: shadow rays */
     const sl_second_light *second; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
     /* plane, N a power of two from SL_GATHER_COLOURED_LEAST on: the colours of all surfaces, to be summed as
@@ -80,15 +78,14 @@ typedef struct sl_irradiance {
     float back_share;
 } sl_irradiance;
 
-/* Everything that many gathers share: weight tables, shadow cubes, light sampler. Immutable after creation.
+/* Everything that many gathers share: weight tables, light sampler. Immutable after creation.
  */
 typedef struct sl_gather sl_gather;
-/* raster may be NULL for rays with shadow rays; tracer may be NULL for raster gathers with shadow cubes. */
+/* raster may be NULL for rays; tracer may be NULL for raster gathers by maps or of known colours. */
 sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
                            const sl_gather_settings *settings, unsigned threads, sl_gather **gather,
-                           sl_counters *counters, sl_error *error);
+                           sl_error *error);
 void sl_gather_destroy(sl_gather *gather);
-sl_gather_kind sl_gather_kind_used(const sl_gather *gather);
 size_t sl_gather_memory_bytes(const sl_gather *gather);
 
 /* One worker's buffers. */

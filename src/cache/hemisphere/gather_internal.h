@@ -37,7 +37,7 @@ struct sl_gather {
     const sl_scene *scene;
     const sl_raster *raster;
     const sl_tracer *tracer;
-    sl_gather_settings settings; /* kind and direct decided */
+    sl_gather_settings settings;
     sl_gather_tables *tables;
     float half_tangent;
     /* eps: of the eye along the geometric normal; hits nearer than twice that do not count */
@@ -47,8 +47,6 @@ struct sl_gather {
     sl_lattice_colours colours;  /* known colours, in place of all that follows, or NULL */
     sl_texture_image *sky;       /* beside them: an environment that is a picture, or NULL */
 
-    const sl_shadow_maps *maps;  /* direct light by shadow maps, or NULL */
-    sl_shadow_maps *own_maps;    /* the same, where nobody gave them; or NULL */
     /* the scene without its lights without extent: what samples are drawn from */
     sl_scene extended;
     sl_light_sides sides;        /* emitters, where they are few: hits are weighed by what each gives */

@@ -91,7 +91,7 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
     for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK) {
         size_t rest = first + count - k;
         sl_light_points block = sl_hit_points(h, k, rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK);
-        sl_shadow_maps_irradiance(view->gather->maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
+        sl_shadow_maps_irradiance(view->gather->settings.maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
                                   h->irradiance_b + k, counters);
     }
 }
@@ -181,7 +181,7 @@ static void begin_slots(const sl_gather_view *view, size_t first, size_t count, 
     drop_below_horizon(view, first, count);
     make_surfaces(view, first, count);
     if (view->second_alone) return;
-    if (view->gather->maps) light_by_maps(view, first, count, counters);
+    if (view->gather->settings.maps) light_by_maps(view, first, count, counters);
     else sl_gather_light_first(view, first, count, counters);
 }
 
@@ -189,7 +189,7 @@ static void light_directly(const sl_gather_view *view, sl_counters *counters) {
     const size_t used = view->gather->tables->used;
     sl_gather_add_rays(view, counters);
     begin_slots(view, used, view->scratch->slots - used, counters);
-    if (!view->gather->maps) sl_gather_light_sampled(view, counters);
+    if (!view->gather->settings.maps) sl_gather_light_sampled(view, counters);
 }
 
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters) {

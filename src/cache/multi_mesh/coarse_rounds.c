@@ -91,8 +91,8 @@ static sl_status make_eye(sl_multi_mesh_state *s, const sl_coarse *coarse, sl_co
                                  .plane_fov = (float)s->settings.multi_mesh.gather_fov,
                                  .border = SL_BORDER_LC04,
                                  .colours = &colours};
-    sl_status status = sl_gather_create(s->scene, s->raster, NULL, &gather, s->settings.threads, &eye->gather,
-                                        &s->counters, error);
+    sl_status status =
+        sl_gather_create(s->scene, s->raster, NULL, &gather, s->settings.threads, &eye->gather, error);
     eye->scratch = sl_allocate(s->settings.threads, sizeof *eye->scratch);
     if (status == SL_OK && !eye->scratch) status = sl_fail_memory(error, "gathers");
     for (unsigned t = 0; t < s->settings.threads && status == SL_OK; t++)

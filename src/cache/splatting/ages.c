@@ -263,7 +263,7 @@ static sl_status renew_class(sl_splat_state *s, sl_record_cache *cache, size_t b
 sl_status sl_splat_renew_records(sl_splat_state *s, sl_error *error) {
     const size_t budget = s->settings.records_per_frame, second = (budget + 1) / 2;
     sl_status status =
-        s->second ? sl_second_cache_renew(s->second, s->raster, second, &s->counters, error) : SL_OK;
+        s->second ? sl_second_cache_renew(s->second, second, &s->counters, error) : SL_OK;
     for (int c = 0; c < SL_RECEIVER_CLASSES && status == SL_OK; c++)
         if (s->cache[c].list.count) status = renew_class(s, &s->cache[c], budget, error);
     s->phase = SL_PHASE_GBUFFER;

@@ -38,8 +38,8 @@ static sl_status open_second(sl_splat_state *s, sl_error *error) {
     settings.aspect = (float)s->settings.width / (float)s->settings.height;
     settings.threads = s->settings.threads;
     settings.quick = s->settings.records_per_frame > 0;
-    sl_status status = sl_second_cache_create(s->scene, s->raster, s->tracer, &settings, &s->second,
-                                              &s->counters, error);
+    sl_status status =
+        sl_second_cache_create(s->scene, s->tracer, &settings, &s->second, &s->counters, error);
     if (status == SL_OK) sl_splat_announce_second_level(s);
     return status;
 }
@@ -84,8 +84,7 @@ static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
                   .minimum_reach = minimum_reach(s, footprint_per_depth),
                   .maximum_radius = 0.1 * (double)s->scene->diagonal,
                   .guard = true,
-                  .gather = cache->gathers.gather ? sl_gather_kind_used(cache->gathers.gather)
-                                                  : SL_GATHER_RAYS,
+                  .gather = s->plan.gather.kind,
                   .plane_tangent = sl_tan(0.5 * (double)s->plan.gather.plane_fov),
                   .metric = cache->glossy ? SL_METRIC_HARMONIC : s->plan.metric},
         .coefficient_count = sl_splat_coefficients(s, cache->class),
@@ -119,7 +118,7 @@ sl_status sl_splat_open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_er
     settings.second = s->second ? sl_second_cache_light(s->second) : NULL;
     if (status == SL_OK)
         status = sl_record_gathers_create(s->scene, s->raster, s->tracer, &settings, s->settings.threads,
-                                          &cache->gathers, &s->counters, error);
+                                          &cache->gathers, error);
     if (status == SL_OK) prepare_pass(s, cache);
     return status;
 }

@@ -27,8 +27,7 @@ static double record_bytes(const sl_settings *settings, bool radiance) {
 sl_memory_need sl_splat_need(const sl_scene *scene, const sl_settings *settings) {
     const sl_splat_plan plan = sl_splat_plan_make(scene, settings);
     const double n = settings->gather_size, lights = sl_need_lights(scene);
-    const double maps = settings->direct == SL_DIRECT_SHADOW_MAPS || settings->gather == SL_GATHER_PLANE ||
-                                settings->gather == SL_GATHER_HEMICUBE
+    const double maps = settings->direct == SL_DIRECT_SHADOW_MAPS
                             ? 6.0 * (lights + 64.0) * SL_SHADOW_MAP_SIZE * SL_SHADOW_MAP_SIZE * sizeof(float)
                             : 0.0;
     const double sky = 20.0 * (double)scene->environment.width * (double)scene->environment.height;

@@ -6,10 +6,9 @@
 
 sl_status sl_record_gathers_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
                                    const sl_gather_settings *settings, unsigned threads,
-                                   sl_record_gathers *g, sl_counters *counters, sl_error *error) {
+                                   sl_record_gathers *g, sl_error *error) {
     *g = (sl_record_gathers){.threads = threads};
-    sl_status status =
-        sl_gather_create(scene, raster, tracer, settings, threads, &g->gather, counters, error);
+    sl_status status = sl_gather_create(scene, raster, tracer, settings, threads, &g->gather, error);
     if (status == SL_OK) {
         g->scratch = sl_allocate(threads, sizeof *g->scratch);
         if (!g->scratch) status = sl_fail_memory(error, "gathers");

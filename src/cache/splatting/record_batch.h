@@ -20,7 +20,7 @@ typedef struct sl_record_gathers {
 /* Where it fails there are none. */
 sl_status sl_record_gathers_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
                                    const sl_gather_settings *settings, unsigned threads,
-                                   sl_record_gathers *gathers, sl_counters *counters, sl_error *error);
+                                   sl_record_gathers *gathers, sl_error *error);
 void sl_record_gathers_destroy(sl_record_gathers *gathers);
 
 enum { SL_BATCH_MIN = 4, SL_BATCH_MAX = 128 };

@@ -44,7 +44,7 @@ static sl_status cover_by_old_records(sl_splat_state *s, sl_error *error) {
     const bool grows = !is_for(s, SL_SUB_FRAME_SHOWS);
     sl_status status = SL_OK;
     if (s->second && grows)
-        status = sl_second_cache_follow(s->second, s->raster, &s->counters, error);
+        status = sl_second_cache_follow(s->second, &s->counters, error);
     for (int c = 0; status == SL_OK && c < SL_RECEIVER_CLASSES; c++) {
         sl_record_cache *cache = &s->cache[c];
         if (cache->receivers) status = sl_splat_open_cache(s, cache, error);

@@ -11,7 +11,6 @@ static sl_gather_settings settings_of(sl_gather_kind kind) {
     sl_gather_settings s = sl_gather_defaults();
     s.kind = kind;
     s.size = kind == SL_GATHER_HEMICUBE ? 30 : 37; /* not whole lanes, tiles or packets */
-    s.direct = SL_DIRECT_RAYS;
     return s;
 }
 

@@ -175,7 +175,10 @@ static void shadow_maps_and_rays_light_alike(void **state) {
                                              .cos_outer = 0.3f};
         sl_gather_settings rays = gather_settings(SL_GATHER_RAYS, 64), maps = rays;
         rays.emission = maps.emission = false;
-        maps.direct = SL_DIRECT_SHADOW_MAPS;
+        sl_shadow_maps *made;
+        const sl_shadow_map_settings of = {SL_SHADOW_MAP_SIZE, NULL, NULL, 1};
+        assert_int_equal(sl_shadow_maps_create(w->scene, w->raster, &of, &made, &w->counters, NULL), SL_OK);
+        maps.maps = made;
         gatherer a = gatherer_new(w, &rays), b = gatherer_new(w, &maps);
         double sum = 0;
         for (uint64_t i = 0; i < 24; i++) {
@@ -191,6 +194,7 @@ static void shadow_maps_and_rays_light_alike(void **state) {
         assert_true(sqrt(sum / 24) < 0.05);
         assert_true(w->counters.value[SL_COUNT_SHADOW_LOOKUPS] > 1000);
         gatherer_free(&a), gatherer_free(&b);
+        sl_shadow_maps_destroy(made);
         world_free(w);
     }
 }

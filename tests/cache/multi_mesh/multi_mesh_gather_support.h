@@ -39,8 +39,7 @@ static inline gathering gathering_of(sl_scene *scene, float edge, int depth,
     assert_int_equal(sl_coarse_create(scene, g.primitives, &coarse, &g.coarse, NULL), SL_OK);
     sl_lattice_colours colours = {g.coarse->face, g.coarse->colour};
     settings->colours = &colours;
-    assert_int_equal(sl_gather_create(scene, g.raster, NULL, settings, 1, &g.gather, &g.counters, NULL),
-                     SL_OK);
+    assert_int_equal(sl_gather_create(scene, g.raster, NULL, settings, 1, &g.gather, NULL), SL_OK);
     assert_int_equal(sl_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
     return g;
 }

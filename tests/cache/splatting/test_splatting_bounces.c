@@ -35,8 +35,7 @@ static bouncer bouncer_new(world *w, uint32_t bounces, unsigned threads) {
     sl_gather_settings visible = ray_gather(40);
     sl_second_settings settings = sl_second_settings_for(&visible, 0.3, bounces);
     settings.threads = threads;
-    if (sl_second_cache_create(w->scene, w->raster, w->tracer, &settings, &b.cache, &w->counters, &error) !=
-        SL_OK)
+    if (sl_second_cache_create(w->scene, w->tracer, &settings, &b.cache, &w->counters, &error) != SL_OK)
         fail_msg("%s", error.message);
     b.report = sl_second_cache_report(b.cache);
     visible.second = sl_second_cache_light(b.cache);
@@ -303,10 +302,10 @@ static void a_camera_that_goes_elsewhere_brings_second_level_records_there(void 
     sl_irradiance first = irradiance_at(&b, &here);
     assert_true(irradiance_at(&b, &far_off).value.g < 0.8f * first.value.g); /* one bounce alone */
     look_from(w, sl_v3(1.0f, 1.1f, 1.8f), sl_v3(0.5f, 1, 1)); /* the same room: nothing changes */
-    assert_int_equal(sl_second_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
+    assert_int_equal(sl_second_cache_follow(b.cache, &w->counters, &error), SL_OK);
     assert_int_equal(sl_second_cache_report(b.cache).records, b.report.records);
     look_from(w, sl_v3(6.9f, 1.2f, 1.9f), sl_v3(6, 1, 1));
-    assert_int_equal(sl_second_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
+    assert_int_equal(sl_second_cache_follow(b.cache, &w->counters, &error), SL_OK);
     assert_true(sl_second_cache_report(b.cache).records > b.report.records + b.report.records / 2);
     sl_irradiance again = irradiance_at(&b, &here);
     assert_memory_equal(&again.value, &first.value, sizeof again.value); /* the rooms do not see each other */
@@ -332,7 +331,7 @@ static void a_camera_that_sees_a_little_more_has_that_gathered_and_no_more(void 
     bouncer b = bouncer_new(w, 8, 2);
     const uint64_t before = w->counters.value[SL_COUNT_GATHERS];
     look_from(w, sl_v3(5.47f, 0.3f, 0.47f), sl_v3(5.25f, 0.25f, 0.25f));
-    assert_int_equal(sl_second_cache_follow(b.cache, w->raster, &w->counters, &error), SL_OK);
+    assert_int_equal(sl_second_cache_follow(b.cache, &w->counters, &error), SL_OK);
     const size_t more = sl_second_cache_report(b.cache).records - b.report.records;
     assert_true(more > 0 && 8 * more <= b.report.records);
     assert_true(w->counters.value[SL_COUNT_GATHERS] - before < b.report.records);

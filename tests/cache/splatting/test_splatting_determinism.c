@@ -44,8 +44,7 @@ static void stage_open(stage *s) {
     sl_gather_settings gather = sl_gather_defaults();
     gather.kind = SL_GATHER_RAYS;
     gather.size = 8;
-    assert_int_equal(sl_record_gathers_create(s->scene, s->raster, s->tracer, &gather, 1, &s->gathers,
-                                              &counters, NULL),
+    assert_int_equal(sl_record_gathers_create(s->scene, s->raster, s->tracer, &gather, 1, &s->gathers, NULL),
                      SL_OK);
     assert_int_equal(sl_gbuffer_create(SIDE, SIDE, &s->gbuffer, NULL), SL_OK);
     const sl_camera *c = &s->scene->camera;

@@ -214,8 +214,7 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
     settings.kind = SL_GATHER_RAYS;
     settings.size = 32;
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
-    assert_int_equal(
-        sl_record_gathers_create(scene, NULL, tracer, &settings, 1, &gathers, &counters, NULL), SL_OK);
+    assert_int_equal(sl_record_gathers_create(scene, NULL, tracer, &settings, 1, &gathers, NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(1, 1, &g, NULL), SL_OK);
     g->position_x[0] = p.x, g->position_y[0] = p.y, g->position_z[0] = p.z;
     g->normal_x[0] = g->geometric_x[0] = up.x, g->normal_y[0] = g->geometric_y[0] = up.y,
