@@ -120,7 +120,7 @@ static sl_status make_records(sl_second_cache *cache, sl_counters *counters, sl_
     if (status == SL_OK) status = find_places(cache, ORIGINS, SIZE_MAX, counters, error);
     if (status == SL_OK) status = sl_let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
-    sl_record_gathers_destroy(&cache->gathers);
+    sl_gathers_destroy(&cache->gathers);
     return status;
 }
 
@@ -199,14 +199,14 @@ sl_status sl_second_cache_follow(sl_second_cache *cache, sl_counters *counters, 
     if (status == SL_OK && missed > cache->report.missed + MANY_MISSED)
         status = add_places(cache, missed, counters, error);
     if (status == SL_OK) status = take_turns(cache, counters, error);
-    if (!cache->moved) sl_record_gathers_destroy(&cache->gathers);
+    if (!cache->moved) sl_gathers_destroy(&cache->gathers);
     cache->report.records = cache->list.count;
     return status;
 }
 
 void sl_second_cache_destroy(sl_second_cache *cache) {
     if (!cache) return;
-    sl_record_gathers_destroy(&cache->gathers);
+    sl_gathers_destroy(&cache->gathers);
     sl_second_list_free(&cache->list);
     sl_record_octree_free(&cache->octree);
     sl_free(cache);

@@ -32,7 +32,7 @@ static size_t in_turn(const sl_second_cache *cache, size_t index) {
 /* result: the record with the light that it receives now. */
 static void gather_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     const sl_second_cache *cache = context;
-    const sl_record_gathers *g = &cache->gathers;
+    const sl_gathers *g = &cache->gathers;
     const size_t i = in_turn(cache, index);
     sl_irradiance e;
     sl_record *r = result;
@@ -126,7 +126,7 @@ static void write_row(sl_link_sums *sums, row *r) {
 static void gather_second(void *context, size_t index, unsigned worker, void *result,
                           sl_counters *counters) {
     const bouncing *b = context;
-    const sl_record_gathers *g = &b->cache->gathers;
+    const sl_gathers *g = &b->cache->gathers;
     gathered *r = result;
     sl_gather_second_irradiance(g->gather, &b->cache->list.points[index], g->scratch[worker], &r->light,
                                 counters);

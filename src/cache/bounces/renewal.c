@@ -5,8 +5,8 @@
 
 sl_status sl_second_open_gathers(sl_second_cache *cache, sl_error *error) {
     if (cache->gathers.gather) return SL_OK;
-    return sl_record_gathers_create(cache->scene, NULL, cache->tracer, &cache->settings.gather,
-                                    cache->settings.threads, &cache->gathers, error);
+    return sl_gathers_create(cache->scene, NULL, cache->tracer, &cache->settings.gather,
+                             cache->settings.threads, &cache->gathers, error);
 }
 
 /* ---- along with what moves ---- */
@@ -19,7 +19,7 @@ sl_status sl_second_cache_move(sl_second_cache *cache, const sl_tracer *tracer, 
     cache->settings.gather.maps = maps;
     cache->moved = true;
     cache->renewed = cache->waiting = 0;
-    sl_record_gathers_destroy(&cache->gathers);
+    sl_gathers_destroy(&cache->gathers);
     sl_record_octree_free(&cache->octree);
     for (size_t i = 0; i < list->count && status == SL_OK; i++) {
         const sl_object_motion *m = &motion[cache->scene->object_index[list->points[i].triangle]];

@@ -118,7 +118,7 @@ struct sl_second_cache {
     sl_second_settings settings;
     const sl_scene *scene;
     const sl_tracer *tracer;
-    sl_record_gathers gathers; /* only while light bounces */
+    sl_gathers gathers; /* only while light bounces */
     sl_radius_rules radii;     /* of the records */
     sl_second_list list;
     sl_record_octree octree;

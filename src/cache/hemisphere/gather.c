@@ -167,6 +167,28 @@ void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
     SL_FREE_ALL(scratch->block, scratch->ids, scratch->pixels, scratch->texel, scratch);
 }
 
+sl_status sl_gathers_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                            const sl_gather_settings *settings, unsigned threads, sl_gathers *g,
+                            sl_error *error) {
+    *g = (sl_gathers){.threads = threads};
+    sl_status status = sl_gather_create(scene, raster, tracer, settings, threads, &g->gather, error);
+    if (status == SL_OK) {
+        g->scratch = sl_allocate(threads, sizeof *g->scratch);
+        if (!g->scratch) status = sl_fail_memory(error, "gathers");
+    }
+    for (unsigned i = 0; status == SL_OK && i < threads; i++)
+        status = sl_gather_scratch_create(g->gather, &g->scratch[i], error);
+    if (status != SL_OK) sl_gathers_destroy(g);
+    return status;
+}
+
+void sl_gathers_destroy(sl_gathers *g) {
+    for (unsigned i = 0; g->scratch && i < g->threads; i++) sl_gather_scratch_destroy(g->scratch[i]);
+    sl_free(g->scratch);
+    sl_gather_destroy(g->gather);
+    *g = (sl_gathers){0};
+}
+
 sl_gather_picture sl_gather_last_picture(const sl_gather_scratch *s) {
     const sl_gather_tables *t = s->gather->tables;
     return (sl_gather_picture){t->width,    t->height,   s->planes.r,

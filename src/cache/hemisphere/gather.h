@@ -93,6 +93,17 @@ typedef struct sl_gather_scratch sl_gather_scratch;
 sl_status sl_gather_scratch_create(const sl_gather *gather, sl_gather_scratch **scratch, sl_error *error);
 void sl_gather_scratch_destroy(sl_gather_scratch *scratch);
 
+/* A gather with what each worker needs for it; {0}: none. Where it cannot be created there is none. */
+typedef struct sl_gathers {
+    sl_gather *gather;
+    sl_gather_scratch **scratch;
+    unsigned threads;
+} sl_gathers;
+sl_status sl_gathers_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
+                            const sl_gather_settings *settings, unsigned threads, sl_gathers *gathers,
+                            sl_error *error);
+void sl_gathers_destroy(sl_gathers *gathers);
+
 /* point: position, geometric normal on the side that is lit, shading normal, own triangle (SL_NO_INDEX:
  * none); key: a hash of seed and pixel that jitter and light samples are drawn from. Thread-safe with a
  * scratch for each thread. */

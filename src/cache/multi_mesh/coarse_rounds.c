@@ -61,7 +61,7 @@ sl_rgb sl_coarse_gather(const sl_scene *scene, const sl_gather *gather, const sl
 
 typedef struct gathering {
     const sl_multi_mesh_state *s;
-    const sl_coarse_eye *eye;
+    const sl_gathers *eye;
     const sl_mesh_point *point;
 } gathering;
 
@@ -72,32 +72,8 @@ static void gather_one(void *context, size_t i, unsigned worker, void *result, s
         sl_coarse_gather(g->s->scene, g->eye->gather, &g->point[i], g->eye->scratch[worker], counters);
 }
 
-static void forget_eye(sl_coarse_eye *eye, unsigned threads) {
-    for (unsigned t = 0; eye->scratch && t < threads; t++) sl_gather_scratch_destroy(eye->scratch[t]);
-    sl_free(eye->scratch);
-    sl_gather_destroy(eye->gather);
-    *eye = (sl_coarse_eye){.gather = NULL};
-}
-
-void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds, unsigned threads) {
-    for (int i = 0; i < SL_GATHER_DETAILS; i++) forget_eye(&rounds->eye[i], threads);
-}
-
-static sl_status make_eye(sl_multi_mesh_state *s, const sl_coarse *coarse, sl_coarse_eye *eye,
-                          sl_error *error) {
-    sl_lattice_colours colours = {coarse->face, coarse->colour};
-    sl_gather_settings gather = {.kind = SL_GATHER_PLANE,
-                                 .size = eye->pixels,
-                                 .plane_fov = (float)s->settings.multi_mesh.gather_fov,
-                                 .border = SL_BORDER_LC04,
-                                 .colours = &colours};
-    sl_status status =
-        sl_gather_create(s->scene, s->raster, NULL, &gather, s->settings.threads, &eye->gather, error);
-    eye->scratch = sl_allocate(s->settings.threads, sizeof *eye->scratch);
-    if (status == SL_OK && !eye->scratch) status = sl_fail_memory(error, "gathers");
-    for (unsigned t = 0; t < s->settings.threads && status == SL_OK; t++)
-        status = sl_gather_scratch_create(eye->gather, &eye->scratch[t], error);
-    return status;
+void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds) {
+    for (int i = 0; i < SL_GATHER_DETAILS; i++) sl_gathers_destroy(&rounds->eye[i]);
 }
 
 /* Fewer pixels a side, unless a quarter of them is too few to be drawn. */
@@ -111,17 +87,21 @@ bool sl_multi_mesh_has_quick(const sl_multi_mesh_state *s) {
 
 sl_status sl_multi_mesh_ready_eye(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, sl_gather_detail detail,
                                   sl_error *error) {
-    sl_coarse_eye *eye = &rounds->eye[detail];
-    eye->pixels = pixels_of(s, detail);
-    sl_status status = eye->gather ? SL_OK : make_eye(s, rounds->coarse, eye, error);
-    if (status != SL_OK) forget_eye(eye, s->settings.threads);
-    return status;
+    const sl_lattice_colours colours = {rounds->coarse->face, rounds->coarse->colour};
+    const sl_gather_settings gather = {.kind = SL_GATHER_PLANE,
+                                       .size = pixels_of(s, detail),
+                                       .plane_fov = (float)s->settings.multi_mesh.gather_fov,
+                                       .border = SL_BORDER_LC04,
+                                       .colours = &colours};
+    if (rounds->eye[detail].gather) return SL_OK;
+    return sl_gathers_create(s->scene, s->raster, NULL, &gather, s->settings.threads, &rounds->eye[detail],
+                             error);
 }
 
 sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds, sl_gather_detail detail,
                                size_t count, const sl_mesh_point *points, sl_rgb *irradiance,
                                sl_error *error) {
-    sl_coarse_eye *eye = &rounds->eye[detail];
+    const sl_gathers *eye = &rounds->eye[detail];
     sl_status status = sl_multi_mesh_ready_eye(s, rounds, detail, error);
     if (status != SL_OK) return status;
     gathering g = {s, eye, points};
@@ -133,8 +113,8 @@ sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds,
 
 /* ---- rounds ---- */
 
-void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds, unsigned threads) {
-    sl_multi_mesh_forget_eyes(rounds, threads);
+void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds) {
+    sl_multi_mesh_forget_eyes(rounds);
     SL_FREE_ALL(rounds->shares, rounds->direct, rounds->indirect);
     sl_coarse_destroy(rounds->coarse);
     *rounds = (sl_coarse_rounds){.coarse = NULL};
@@ -218,7 +198,7 @@ static void leave_out_indirect(sl_multi_mesh_state *s) {
 /* It takes the place of the one before. */
 static void end_coarse(sl_multi_mesh_state *s) {
     if (s->whole.coarse) sl_multi_mesh_carry(s);
-    sl_multi_mesh_forget_coarse(&s->whole, s->settings.threads);
+    sl_multi_mesh_forget_coarse(&s->whole);
     s->whole = s->next;
     s->next = (sl_coarse_rounds){.coarse = NULL};
     sl_free(s->whole.direct);
@@ -252,7 +232,7 @@ void sl_multi_mesh_hasten_coarse(sl_multi_mesh_state *s) {
     s->hastens = true;
     if (s->whole.coarse || !r->coarse || r->hasty || r->indirect || 2 * r->done > r->coarse->vertex_count)
         return;
-    sl_multi_mesh_forget_coarse(&s->next, s->settings.threads);
+    sl_multi_mesh_forget_coarse(&s->next);
 }
 
 /* The light of lamps is there. The environment's is yet to be gathered, and so is each bounce after the

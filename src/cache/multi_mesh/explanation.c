@@ -170,7 +170,7 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     const sl_visible_pixels *pixels = s->visible;
     if (!sl_announcing(&s->announcer) || !pixels || !pixels->face_count) return;
     if (sl_multi_mesh_ready_eye(s, &s->whole, SL_GATHER_ALL, NULL) != SL_OK) return;
-    const sl_coarse_eye *eye = &s->whole.eye[SL_GATHER_ALL];
+    const sl_gathers *eye = &s->whole.eye[SL_GATHER_ALL];
     size_t widest = 0;
     for (size_t f = 1; f < pixels->face_count; f++)
         widest = pixels->face[f].count > pixels->face[widest].count ? f : widest;

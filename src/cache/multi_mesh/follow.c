@@ -41,8 +41,8 @@ static sl_status renew_world(sl_multi_mesh_state *s, unsigned changes, sl_mesh_w
     sl_multi_mesh_set_perception(s);
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) s->part[i]->settings.perception = s->perception;
-    sl_multi_mesh_forget_eyes(&s->whole, s->settings.threads);
-    sl_multi_mesh_forget_eyes(&s->next, s->settings.threads);
+    sl_multi_mesh_forget_eyes(&s->whole);
+    sl_multi_mesh_forget_eyes(&s->next);
     return status;
 }
 

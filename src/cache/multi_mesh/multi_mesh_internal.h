@@ -35,13 +35,6 @@ enum {
     SL_WORLDS_AN_EDIT = 2 /* worlds of a mesh by edit: values that were taken quickly are in between */
 };
 
-/* Gathers of so many pixels a side. */
-typedef struct sl_coarse_eye {
-    sl_gather *gather;          /* NULL: to be made */
-    sl_gather_scratch **scratch; /* one a thread */
-    int pixels;
-} sl_coarse_eye;
-
 /* Pixels a side of a gather: half while things move, a quarter where hundreds are seen at once. */
 typedef enum sl_gather_detail {
     SL_GATHER_ALL,
@@ -62,7 +55,7 @@ typedef struct sl_coarse_rounds {
     sl_rgb *direct;             /* U_dd of lamps at its vertices, and ... */
     sl_rgb *indirect;           /* ... E_i of the environment or of later bounces; NULL: not yet, or none */
     uint32_t gathers;           /* rounds of these that are left */
-    sl_coarse_eye eye[SL_GATHER_DETAILS];
+    sl_gathers eye[SL_GATHER_DETAILS]; /* none: to be made */
 } sl_coarse_rounds;
 
 /* What samples of lights are taken with, made anew where lights or objects have moved. */
@@ -241,9 +234,9 @@ sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error);
 
 /* ---- coarse_rounds.c ---- */
 
-void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds, unsigned threads);
+void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds);
 /* Gathers are made anew: the hardware's vertices have moved. */
-void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds, unsigned threads);
+void sl_multi_mesh_forget_eyes(sl_coarse_rounds *rounds);
 /* Tells whether gathers of half or a quarter of the pixels a side have fewer. */
 bool sl_multi_mesh_has_quick(const sl_multi_mesh_state *s);
 /* Makes the gather of so many pixels where there is none. */

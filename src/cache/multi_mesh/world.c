@@ -57,8 +57,8 @@ void sl_multi_mesh_forget_world(sl_multi_mesh_state *s) {
         sl_displayed_destroy(s->part[i]);
         s->part[i] = NULL;
     }
-    sl_multi_mesh_forget_coarse(&s->whole, s->settings.threads);
-    sl_multi_mesh_forget_coarse(&s->next, s->settings.threads);
+    sl_multi_mesh_forget_coarse(&s->whole);
+    sl_multi_mesh_forget_coarse(&s->next);
     sl_coarse_forget_kept(&s->kept);
     s->gathers_wait = s->hastens = false;
     sl_irradiance_meshes_destroy(s->irradiance);

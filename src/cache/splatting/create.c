@@ -8,7 +8,7 @@
 /* ---- the caches ---- */
 
 void sl_splat_close_gathers(sl_splat_state *s) {
-    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) sl_record_gathers_destroy(&s->cache[c].gathers);
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++) sl_gathers_destroy(&s->cache[c].gathers);
 }
 
 static void close_caches(sl_splat_state *s) {
@@ -117,8 +117,8 @@ sl_status sl_splat_open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_er
     if (sl_splat_is_quick(s) && settings.size > QUICK_SIZE) settings.size = QUICK_SIZE;
     settings.second = s->second ? sl_second_cache_light(s->second) : NULL;
     if (status == SL_OK)
-        status = sl_record_gathers_create(s->scene, s->raster, s->tracer, &settings, s->settings.threads,
-                                          &cache->gathers, error);
+        status = sl_gathers_create(s->scene, s->raster, s->tracer, &settings, s->settings.threads,
+                                   &cache->gathers, error);
     if (status == SL_OK) prepare_pass(s, cache);
     return status;
 }

@@ -1,36 +1,12 @@
 #include "cache/splatting/record_batch.h"
 
 #include "base/batch.h"
-#include "base/error.h"
-#include "base/memory.h"
-
-sl_status sl_record_gathers_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
-                                   const sl_gather_settings *settings, unsigned threads,
-                                   sl_record_gathers *g, sl_error *error) {
-    *g = (sl_record_gathers){.threads = threads};
-    sl_status status = sl_gather_create(scene, raster, tracer, settings, threads, &g->gather, error);
-    if (status == SL_OK) {
-        g->scratch = sl_allocate(threads, sizeof *g->scratch);
-        if (!g->scratch) status = sl_fail_memory(error, "gathers");
-    }
-    for (unsigned i = 0; status == SL_OK && i < threads; i++)
-        status = sl_gather_scratch_create(g->gather, &g->scratch[i], error);
-    if (status != SL_OK) sl_record_gathers_destroy(g);
-    return status;
-}
-
-void sl_record_gathers_destroy(sl_record_gathers *g) {
-    for (unsigned i = 0; g->scratch && i < g->threads; i++) sl_gather_scratch_destroy(g->scratch[i]);
-    sl_free(g->scratch);
-    sl_gather_destroy(g->gather);
-    *g = (sl_record_gathers){0};
-}
 
 /* ---- one record ---- */
 
 static void gather_at(const sl_record_batch *b, unsigned worker, const sl_gather_point *point,
                       sl_irradiance *irradiance, float *coefficients, sl_counters *counters) {
-    const sl_record_gathers *g = b->gathers;
+    const sl_gathers *g = b->gathers;
     if (!coefficients) sl_gather_irradiance(g->gather, point, g->scratch[worker], irradiance, counters);
     else sl_gather_radiance(g->gather, point, g->scratch[worker], irradiance, coefficients, counters);
 }

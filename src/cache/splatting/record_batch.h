@@ -10,25 +10,12 @@
 
 #include "cache/splatting/record.h"
 
-/* Gathers of one kind, and what each thread needs for them; {0}: none. */
-typedef struct sl_record_gathers {
-    sl_gather *gather;
-    sl_gather_scratch **scratch;
-    unsigned threads;
-} sl_record_gathers;
-
-/* Where it fails there are none. */
-sl_status sl_record_gathers_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
-                                   const sl_gather_settings *settings, unsigned threads,
-                                   sl_record_gathers *gathers, sl_error *error);
-void sl_record_gathers_destroy(sl_record_gathers *gathers);
-
 enum { SL_BATCH_MIN = 4, SL_BATCH_MAX = 128 };
 
 typedef struct sl_record_batch {
     const sl_scene *scene;
     const sl_tracer *tracer; /* or NULL: the guard alone keeps records from reaching through walls */
-    const sl_record_gathers *gathers;
+    const sl_gathers *gathers;
     sl_radius_rules radii;
     size_t coefficient_count; /* floats of one record's coefficients; 0: irradiance records */
     size_t count;

@@ -90,7 +90,7 @@ typedef struct sl_traversal {
 typedef struct sl_record_pass {
     const sl_scene *scene;
     const sl_tracer *tracer;  /* or NULL: the guard alone keeps records from reaching through walls */
-    const sl_record_gathers *gathers;
+    const sl_gathers *gathers;
     const sl_gbuffer *gbuffer;
     sl_splat_receivers receivers;
     sl_weight_rules weights;

@@ -38,7 +38,7 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
  * reaches it. */
 typedef struct sl_record_cache {
     sl_receiver_class class;
-    sl_record_gathers gathers;  /* none until a pixel of this class has asked for a record */
+    sl_gathers gathers;  /* none until a pixel of this class has asked for a record */
     sl_glossy *glossy;          /* lobes and rotations; radiance records alone */
     uint32_t *receives;         /* pixels of this class */
     size_t receivers;           /* how many they are */

@@ -27,7 +27,7 @@ typedef struct {
     sl_scene *scene;
     sl_raster *raster;
     sl_tracer *tracer;
-    sl_record_gathers gathers;
+    sl_gathers gathers;
     sl_gbuffer *gbuffer;
     uint32_t receives[SIDE * SIDE];
     uint8_t owned[SIDE * SIDE];
@@ -44,8 +44,7 @@ static void stage_open(stage *s) {
     sl_gather_settings gather = sl_gather_defaults();
     gather.kind = SL_GATHER_RAYS;
     gather.size = 8;
-    assert_int_equal(sl_record_gathers_create(s->scene, s->raster, s->tracer, &gather, 1, &s->gathers, NULL),
-                     SL_OK);
+    assert_int_equal(sl_gathers_create(s->scene, s->raster, s->tracer, &gather, 1, &s->gathers, NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(SIDE, SIDE, &s->gbuffer, NULL), SL_OK);
     const sl_camera *c = &s->scene->camera;
     sl_frame frame = {c->right, c->up, sl_neg(c->back)};
@@ -82,7 +81,7 @@ static void stage_open(stage *s) {
 
 static void stage_close(stage *s) {
     sl_gbuffer_destroy(s->gbuffer);
-    sl_record_gathers_destroy(&s->gathers);
+    sl_gathers_destroy(&s->gathers);
     sl_tracer_destroy(s->tracer);
     sl_raster_destroy(s->raster);
     sl_scene_destroy(s->scene);

@@ -207,14 +207,14 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
     const sl_vec3 p = {0.3f, -1.0f, 0.2f}, up = {0, 1, 0};
     sl_scene *scene = room_with_box(half);
     sl_tracer *tracer;
-    sl_record_gathers gathers;
+    sl_gathers gathers;
     sl_gbuffer *g;
     sl_counters counters = {{0}};
     sl_gather_settings settings = sl_gather_defaults();
     settings.kind = SL_GATHER_RAYS;
     settings.size = 32;
     assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
-    assert_int_equal(sl_record_gathers_create(scene, NULL, tracer, &settings, 1, &gathers, NULL), SL_OK);
+    assert_int_equal(sl_gathers_create(scene, NULL, tracer, &settings, 1, &gathers, NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(1, 1, &g, NULL), SL_OK);
     g->position_x[0] = p.x, g->position_y[0] = p.y, g->position_z[0] = p.z;
     g->normal_x[0] = g->geometric_x[0] = up.x, g->normal_y[0] = g->geometric_y[0] = up.y,
@@ -260,7 +260,7 @@ static sl_record records_on_floor(double half, float footprint, int visits, size
     sl_record record = list.records[0];
     sl_record_list_free(&list);
     sl_gbuffer_destroy(g);
-    sl_record_gathers_destroy(&gathers);
+    sl_gathers_destroy(&gathers);
     sl_tracer_destroy(tracer);
     sl_scene_destroy(scene);
     return record;
