@@ -111,6 +111,9 @@ sl_view sl_view_of_camera(const sl_scene *scene, const sl_camera *camera, int wi
 /* The unit direction in which a point of the viewport looks (x, y in pixels, centres at .5), whatever the
  * view's matrix. */
 sl_vec3 sl_view_direction(const sl_view *view, double x, double y);
+/* Returns what a pixel of it shows that shines: a triangle that is seen there, or, SL_NO_INDEX, the
+ * environment. */
+sl_rgb sl_view_emission(const sl_view *view, const sl_scene *scene, uint32_t triangle, size_t x, size_t y);
 /* Any pyramid: frame x right, y up, looks along +z of the frame; tangents of the four sides at unit distance;
  * clip at w >= near; inverse-w depth. The plane above a surface point: frame z = normal, tangents
  * +-tan(fov/2). */

@@ -115,6 +115,15 @@ sl_vec3 sl_view_direction(const sl_view *view, double x, double y) {
     return sl_normalize_or(sl_to_float(sl_scaled(d, turn)), sl_v3(0.0f, 0.0f, -1.0f));
 }
 
+sl_rgb sl_view_emission(const sl_view *view, const sl_scene *s, uint32_t triangle, size_t x, size_t y) {
+    if (triangle != SL_NO_INDEX)
+        return sl_scene_emission(s, triangle,
+                                 sl_sub(view->origin, sl_scene_position(s, s->vertex[0][triangle])));
+    if (!s->environment.present) return sl_grey(0.0f);
+    return sl_environment_radiance(&s->environment,
+                                   sl_view_direction(view, (double)x + 0.5, (double)y + 0.5));
+}
+
 /* Planes in the order of the clip codes: w -+ x, w -+ y, then near and far. */
 static void make_planes(const sl_view *view, sl_pass_view *pass) {
     const float(*m)[4] = view->clip;

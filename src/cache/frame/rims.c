@@ -48,16 +48,6 @@ static size_t pixel_of(const close_up *c, int i, int j) {
     return within ? (size_t)y * (size_t)c->width + (size_t)x : SIZE_MAX;
 }
 
-static sl_rgb emission_of(const close_up *c, uint32_t triangle, int i, int j) {
-    const sl_scene *s = c->scene;
-    if (triangle == SL_NO_INDEX)
-        return s->environment.present
-                   ? sl_environment_radiance(&s->environment, sl_view_direction(&c->view, i + 0.5, j + 0.5))
-                   : sl_grey(0.0f);
-    return sl_scene_emission(s, triangle,
-                             sl_sub(s->camera.eye, sl_scene_position(s, s->vertex[0][triangle])));
-}
-
 static bool is_mirror(const sl_scene *s, uint32_t triangle) {
     return triangle != SL_NO_INDEX && sl_material_is_mirror(&s->materials[s->material_index[triangle]]);
 }
@@ -70,7 +60,7 @@ static void add_samples(const close_up *c, const uint32_t *id, uint8_t *wanted,
             const size_t pixel = pixel_of(c, i, j), width = (size_t)c->width;
             if (pixel == SIZE_MAX || !wanted[pixel]) continue;
             const uint32_t triangle = id[j * SIDE + i];
-            const sl_rgb e = emission_of(c, triangle, i, j);
+            const sl_rgb e = sl_view_emission(&c->view, c->scene, triangle, (size_t)i, (size_t)j);
             double *s = sum[(pixel / width - (size_t)c->y0) * BLOCK + pixel % width - (size_t)c->x0];
             s[0] += (double)e.r, s[1] += (double)e.g, s[2] += (double)e.b, s[3] += 1.0;
             if (is_mirror(c->scene, triangle)) wanted[pixel] = 0;

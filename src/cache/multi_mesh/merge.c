@@ -17,16 +17,6 @@ typedef struct resolving {
     sl_materials_seen *out;
 } resolving;
 
-static sl_rgb emission_seen(const resolving *r, size_t row, size_t column, uint32_t triangle) {
-    const sl_scene *scene = r->scene;
-    if (triangle == SL_NO_INDEX && !scene->environment.present) return sl_grey(0.0f);
-    if (triangle == SL_NO_INDEX)
-        return sl_environment_radiance(
-            &scene->environment, sl_view_direction(r->view, (double)column + 0.5, (double)row + 0.5));
-    sl_vec3 corner = sl_scene_position(scene, scene->vertex[0][triangle]);
-    return sl_scene_emission(scene, triangle, sl_sub(r->view->origin, corner));
-}
-
 static void put(float *const planes[3], size_t pixel, sl_rgb colour) {
     planes[0][pixel] = colour.r;
     planes[1][pixel] = colour.g;
@@ -46,7 +36,7 @@ static void resolve_row(void *context, size_t row, unsigned worker) {
         if (!r->out->emission[0]) continue;
         /* At all of a triangle's points the eye sees the same side. */
         if (!column || triangle == SL_NO_INDEX || triangle != r->id[pixel - 1])
-            emission = emission_seen(r, row, column, triangle);
+            emission = sl_view_emission(r->view, r->scene, triangle, column, row);
         put(r->out->emission, pixel, emission);
     }
 }

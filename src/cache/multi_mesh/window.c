@@ -261,9 +261,7 @@ static void put_piece(const drawing *d, const piece *p) {
     const size_t width = (size_t)d->view.width, pixels = width * (size_t)d->view.height,
                  to = pixels - width * (p->first / width + 1) + p->first % width;
     const sl_rgb ks = s->materials[s->material_index[p->triangle]].specular,
-                 lamp = sl_scene_emission(s, p->triangle,
-                                          sl_sub(d->view.origin,
-                                                 sl_scene_position(s, s->vertex[0][p->triangle])));
+                 lamp = sl_view_emission(&d->view, s, p->triangle, 0, 0);
     const float specular[3] = {ks.r, ks.g, ks.b}, emission[3] = {lamp.r, lamp.g, lamp.b};
     for (size_t c = 0; c < 3; c++) {
         float *sum = d->out + c * pixels + to;
@@ -279,9 +277,7 @@ static void put_piece(const drawing *d, const piece *p) {
 static void put_background(const drawing *d, size_t pixel) {
     const size_t width = (size_t)d->view.width, pixels = width * (size_t)d->view.height,
                  x = pixel % width, y = pixel / width;
-    const sl_environment *sky = &d->window->scene->environment;
-    const sl_vec3 direction = sl_view_direction(&d->view, (double)x + 0.5, (double)y + 0.5);
-    const sl_rgb seen = sky->present ? sl_environment_radiance(sky, direction) : sl_grey(0.0f);
+    const sl_rgb seen = sl_view_emission(&d->view, d->window->scene, SL_NO_INDEX, x, y);
     float *out = d->out + pixels - width * (y + 1) + x;
     out[0] = sl_picture_value(seen.r);
     out[pixels] = sl_picture_value(seen.g);

@@ -18,9 +18,7 @@ static float *row_of(const sl_composition *c, int channel, int row) {
 /* ---- emission ---- */
 
 static sl_rgb surface_emission(const sl_composition *c, size_t i) {
-    const sl_gbuffer *g = c->gbuffer;
-    return sl_scene_emission(c->scene, g->id[i],
-                             sl_gbuffer_geometric(g, i));
+    return sl_scene_emission(c->scene, c->gbuffer->id[i], sl_gbuffer_geometric(c->gbuffer, i));
 }
 
 static bool is_dark(const sl_scene *scene, uint32_t material) {
@@ -30,9 +28,7 @@ static bool is_dark(const sl_scene *scene, uint32_t material) {
 
 static sl_rgb emission_at(const sl_composition *c, size_t i, int x, int row) {
     if (c->gbuffer->material[i] != SL_NO_INDEX) return surface_emission(c, i);
-    const double y = (double)(c->first_row + row) + 0.5;
-    return sl_environment_radiance(&c->scene->environment,
-                                   sl_view_direction(c->view, (double)x + 0.5, y));
+    return sl_view_emission(c->view, c->scene, SL_NO_INDEX, (size_t)x, (size_t)(c->first_row + row));
 }
 
 static bool shines(const sl_scene *scene) { return scene->environment.present || scene->emitter_count > 0; }

@@ -113,10 +113,8 @@ static float as_parameter(int32_t place) { return (float)place * (1.0f / (float)
 /* ---- pixels of a frame ----------------------------------------------------------------------- */
 
 static sl_rgb background(const frame_job *job, size_t pixel) {
-    const sl_environment *environment = &job->window->scene->environment;
-    size_t width = (size_t)job->view.width;
-    return sl_environment_radiance(environment, sl_view_direction(&job->view, (double)(pixel % width) + 0.5,
-                                                                  (double)(pixel / width) + 0.5));
+    const size_t width = (size_t)job->view.width;
+    return sl_view_emission(&job->view, job->window->scene, SL_NO_INDEX, pixel % width, pixel / width);
 }
 
 /* Tessellated surfaces are not the scene's triangles: the texture is looked up where the same (u, v) lies on
