@@ -93,7 +93,6 @@ static sl_status create_bricks(sl_voxel_texture *t, const sl_octree *octree, sl_
         return sl_fail(error, SL_ERROR_RESOURCES,
                        "the octree has %zu bricks, 24 bits address %zu: a smaller depth is needed", count,
                        side * side * side);
-    t->brick_count = count;
     return sl_volume_create(2 * (int)wide, 2 * (int)high, 2 * (int)deep, &t->bricks, error);
 }
 

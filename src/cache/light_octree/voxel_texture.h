@@ -22,7 +22,6 @@ typedef struct sl_voxel_texture {
     sl_vec3d origin;
     double edge, scale;         /* of the root; cells of the deepest level by length */
     sl_volume *bricks;          /* RGBA8 */
-    size_t brick_count;
     sl_voxel_lobes lobes;
     int lights;                 /* of a set, at most */
     size_t set_count;           /* with light, and one for all leaves without */

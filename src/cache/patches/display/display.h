@@ -75,12 +75,10 @@ void sl_window_destroy(void *window);
 sl_status sl_window_move(void *window, sl_error *error);
 /* Triangles that the last frame's centres show, rows from the bottom. */
 const uint32_t *sl_window_ids(const void *window);
-/* A frame as a picture. */
+/* A frame as a picture; *builds: how many its arrays have seen. */
 sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_counters *counters,
                             sl_error *error);
 sl_status sl_window_draw(sl_display *display, sl_window *window, unsigned threads, float *const planes[3],
                          sl_counters *counters, sl_error *error);
-/* Returns how many builds the arrays of the last frame had seen. */
-uint64_t sl_window_builds(const sl_window *window);
 
 #endif

@@ -73,8 +73,6 @@ sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_
     return status;
 }
 
-uint64_t sl_window_builds(const sl_window *w) { return w->builds; }
-
 /* ---- the two copies -------------------------------------------------------------------------- */
 
 const sl_display_copy *sl_display_take(sl_display *d) {
