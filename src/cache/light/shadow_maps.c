@@ -169,9 +169,6 @@ sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster,
                                 const sl_shadow_map_settings *settings, sl_shadow_maps **out,
                                 sl_counters *counters, sl_error *error) {
     *out = NULL;
-    if (settings->size < SMALLEST_MAP || settings->size > 8192)
-        return sl_fail(error, SL_ERROR_USAGE, "shadow maps have %d to 8192 texels a side, not %d",
-                       (int)SMALLEST_MAP, settings->size);
     if (sl_emitter_sides(scene) > SL_SHADOW_MAP_SIDES_MAX)
         return sl_fail(
             error, SL_ERROR_USAGE,

@@ -12,8 +12,7 @@
 
 #include <stdio.h>
 
-enum { LEAVES = 4096 /* an update's */, GUTTER = 2 /* texels between charts */ };
-static const double BEND = 60.0 / 180.0 * SL_PI; /* of charts */
+enum { LEAVES = 4096 }; /* an update's */
 
 /* ---- Photon map ---- */
 
@@ -145,10 +144,8 @@ sl_status sl_octree_show_level_of(sl_octree_state *s, const sl_photon_tree *tree
 /* Makes the atlas once; its light is that of the octree that is shown. */
 static sl_status ready_atlas(sl_octree_state *s, sl_error *error) {
     if (!s->settings.light_octree.atlas || s->canvas) return SL_OK;
-    const sl_atlas_settings settings = {s->settings.light_octree.atlas_size, GUTTER, BEND,
-                                        s->settings.threads};
     sl_atlas *atlas = NULL;
-    sl_status status = sl_atlas_create(s->scene, &settings, &atlas, error);
+    sl_status status = sl_atlas_create(s->scene, s->settings.light_octree.atlas_size, &atlas, error);
     if (status == SL_OK)
         status = sl_atlas_canvas_create(atlas, s->scene, s->settings.threads, &s->canvas, error);
     sl_announce_pass(&s->announcer, "atlas", "render to texture atlas");

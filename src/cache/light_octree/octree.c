@@ -267,9 +267,6 @@ sl_octree_root sl_octree_root_of_central_region(const sl_scene *scene) {
 sl_status sl_octree_create(const sl_scene *scene, const sl_octree_root *root, int depth, double dilation,
                            unsigned threads, sl_octree **result, sl_error *error) {
     *result = NULL;
-    if (depth < 1 || depth > SL_OCTREE_DEPTH_MAX || !(dilation >= 0.0 && dilation <= 1.0))
-        return sl_fail(error, SL_ERROR_USAGE, "an octree of depth %d, voxels grown by %g: 1 to %d, 0 to 1",
-                       depth, dilation, (int)SL_OCTREE_DEPTH_MAX);
     sl_octree *octree = sl_allocate(1, sizeof *octree);
     if (!octree) return sl_fail_memory(error, "the octree");
     octree->depth = depth;

@@ -18,7 +18,6 @@ typedef struct sl_octree_leaf {
     uint32_t triangle_count;
 } sl_octree_leaf;
 
-enum { SL_OCTREE_DEPTH_MAX = 10 };
 
 typedef struct sl_octree {
     int depth;

@@ -138,9 +138,6 @@ static bool allocate_values(sl_coarse *c) {
 }
 
 static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error *error) {
-    if (settings->depth < 0 || settings->depth > SL_MESH_DEPTH_MAX || !(settings->edge >= 0.0f))
-        return sl_fail(error, SL_ERROR_USAGE, "coarse mesh: depth must be 0 to %d and edge not negative",
-                       SL_MESH_DEPTH_MAX);
     if (!allocate_faces(c)) return sl_fail_memory(error, "the coarse mesh's faces");
     choose_levels(c, settings);
     c->triangle_count = number_triangles(c);

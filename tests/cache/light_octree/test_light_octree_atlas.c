@@ -13,15 +13,10 @@
 
 #define BEND (60.0 * SL_PI / 180.0)
 
-static sl_atlas_settings usual(int size) {
-    return (sl_atlas_settings){.size = size, .gutter = 2, .bend = BEND, .threads = 2};
-}
-
 static sl_atlas *atlas_of(const sl_scene *scene, int size) {
-    sl_atlas_settings settings = usual(size);
     sl_atlas *atlas = NULL;
     sl_error error = {.message = ""};
-    sl_status status = sl_atlas_create(scene, &settings, &atlas, &error);
+    sl_status status = sl_atlas_create(scene, size, &atlas, &error);
     if (status != SL_OK) print_error("%s\n", error.message);
     assert_int_equal(status, SL_OK);
     return atlas;
@@ -414,64 +409,19 @@ static void more_charts_than_texels_is_an_error_that_says_which_size_would_do(vo
         trace_mesh_quad(&mesh, sl_v3((float)i, 0.0f, 0.0f), sl_v3(0.0f, 0.5f, 0.0f), sl_v3(0.0f, 0.0f, 0.25f),
                         0);
     sl_scene *scene = trace_mesh_build(&mesh);
-    sl_atlas_settings settings = usual(16);
     sl_atlas *atlas = NULL;
     sl_error error = {.message = ""};
-    assert_int_equal(sl_atlas_create(scene, &settings, &atlas, &error), SL_ERROR_RESOURCES);
+    assert_int_equal(sl_atlas_create(scene, 16, &atlas, &error), SL_ERROR_RESOURCES);
     assert_null(atlas);
-    const char *size = strstr(error.message, "a size of ");
-    assert_non_null(size);
-    settings.size = atoi(size + strlen("a size of "));
-    assert_in_range(settings.size, 17, 250);
-    assert_int_equal(sl_atlas_create(scene, &settings, &atlas, &error), SL_OK);
+    const char *told = strstr(error.message, "a size of ");
+    assert_non_null(told);
+    const int size = atoi(told + strlen("a size of "));
+    assert_in_range(size, 17, 250);
+    assert_int_equal(sl_atlas_create(scene, size, &atlas, &error), SL_OK);
     assert_sound(atlas, scene);
     assert_int_equal(atlas->chart_count, 500);
     sl_atlas_destroy(atlas);
     sl_scene_destroy(scene);
-}
-
-static void settings_that_make_no_sense_are_refused(void **state) {
-    sl_scene *scene = scene_of(bell, 4, 4);
-    sl_atlas *atlas = NULL;
-    sl_atlas_settings bad[] = {usual(0),  usual(-5), usual(1 << 20), usual(64),
-                               usual(64), usual(64), usual(64),      usual(64)};
-    bad[3].gutter = -1;
-    bad[4].gutter = 64;
-    bad[5].bend = 0.0;
-    bad[6].bend = 4.0;
-    bad[7].bend = NAN;
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        sl_error error = {.message = ""};
-        assert_int_equal(sl_atlas_create(scene, &bad[i], &atlas, &error), SL_ERROR_USAGE);
-        assert_null(atlas);
-        assert_true(error.message[0] != 0);
-    }
-    sl_scene_destroy(scene);
-}
-
-static void the_atlas_does_not_depend_on_the_number_of_threads(void **state) {
-    sl_scene *scenes[] = {scene_of(rough, 40, 40), scene_of(torus, 48, 24)};
-    for (size_t n = 0; n < 2; n++) {
-        sl_atlas *first = NULL;
-        for (unsigned threads = 1; threads <= 3; threads++) {
-            sl_atlas_settings settings = usual(256);
-            sl_atlas *atlas = NULL;
-            settings.threads = threads;
-            assert_int_equal(sl_atlas_create(scenes[n], &settings, &atlas, NULL), SL_OK);
-            if (first) {
-                assert_int_equal(atlas->chart_count, first->chart_count);
-                assert_memory_equal(atlas->chart_of, first->chart_of,
-                                    scenes[n]->triangle_count * sizeof *atlas->chart_of);
-                assert_memory_equal(atlas->chart, first->chart, atlas->chart_count * sizeof *atlas->chart);
-                sl_atlas_destroy(atlas);
-            } else {
-                first = atlas;
-            }
-        }
-        assert_true(sl_atlas_bytes(first) >= 4 * scenes[n]->triangle_count);
-        sl_atlas_destroy(first);
-        sl_scene_destroy(scenes[n]);
-    }
 }
 
 /* ---- scenes ---- */
@@ -513,8 +463,6 @@ int main(void) {
         cmocka_unit_test(numbers_far_from_one),
         cmocka_unit_test(texels_name_the_point_that_lies_there),
         cmocka_unit_test(more_charts_than_texels_is_an_error_that_says_which_size_would_do),
-        cmocka_unit_test(settings_that_make_no_sense_are_refused),
-        cmocka_unit_test(the_atlas_does_not_depend_on_the_number_of_threads),
         cmocka_unit_test(whole_scenes_fill_most_of_a_texture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,9 +21,8 @@ enum { WIDTH = 160, HEIGHT = 120 };
 
 static stage stage_of(sl_scene *scene, int size) {
     stage s = {.scene = scene, .raster = raster_of(scene), .view = sl_view_scene(scene, WIDTH, HEIGHT)};
-    sl_atlas_settings settings = {.size = size, .gutter = 2, .bend = 60.0 * SL_PI / 180.0, .threads = 2};
     sl_atlas *atlas;
-    assert_int_equal(sl_atlas_create(scene, &settings, &atlas, NULL), SL_OK);
+    assert_int_equal(sl_atlas_create(scene, size, &atlas, NULL), SL_OK);
     s.atlas = atlas;
     assert_int_equal(sl_atlas_canvas_create(atlas, scene, 2, &s.canvas, NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(WIDTH, HEIGHT, &s.gbuffer, NULL), SL_OK);

@@ -261,8 +261,6 @@ static void grown_voxels_are_more(void **state) {
     for (size_t i = 0; i < plain->leaf_count; i++)
         assert_true(leaf_of(grown, plain->leaf[i].morton) != SL_NO_INDEX);
     sl_octree_destroy(grown);
-    assert_int_equal(sl_octree_create(scene, &root, 0, 0.0, 1, &grown, NULL), SL_ERROR_USAGE);
-    assert_int_equal(sl_octree_create(scene, &root, 4, (double)NAN, 1, &grown, NULL), SL_ERROR_USAGE);
     sl_octree_destroy(plain);
     sl_scene_destroy(scene);
 }

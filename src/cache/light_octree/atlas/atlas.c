@@ -6,17 +6,19 @@
 #include "base/math.h"
 #include "base/memory.h"
 
+enum { GUTTER = 2 }; /* texels between charts */
+/* Radians between a chart's plane and its triangles at most. */
+static const double BEND = 60.0 / 180.0 * SL_PI;
+
 typedef struct making {
-    const sl_atlas_settings *settings;
     sl_atlas_faces faces;
     sl_atlas_charts charts;
     sl_atlas_place *place;
 } making;
 
 /* Takes the plane of a chart to its place in the atlas. */
-static sl_atlas_chart chart_at(const making *m, size_t id, double density) {
+static sl_atlas_chart chart_at(const making *m, size_t id, double size, double density) {
     const sl_atlas_plane *p = &m->charts.plane[id];
-    double size = m->settings->size;
     sl_vec3d centre = sl_atlas_corner(&m->faces, 3 * (size_t)m->charts.face[p->first]),
              from = sl_subd(centre, p->origin);
     return (sl_atlas_chart){.centre = sl_to_float(centre),
@@ -28,53 +30,39 @@ static sl_atlas_chart chart_at(const making *m, size_t id, double density) {
 
 /* ---- the atlas ---- */
 
-static sl_status check(const sl_scene *scene, const sl_atlas_settings *s, sl_error *error) {
-    if (s->size < 4 || s->size > 16384)
-        return sl_fail(error, SL_ERROR_USAGE, "an atlas's size must be 4 to 16384 texels, not %d", s->size);
-    if (s->gutter < 2 || s->gutter > s->size / 4)
-        return sl_fail(error, SL_ERROR_USAGE, "an atlas's gutter must be 2 to %d texels, not %d", s->size / 4,
-                       s->gutter);
-    if (!(s->bend > 0.0 && s->bend < 0.5 * SL_PI))
-        return sl_fail(error, SL_ERROR_USAGE,
-                       "a chart must be allowed to bend by more than 0 and less than 90 degrees");
-    if (!scene->triangle_count)
-        return sl_fail(error, SL_ERROR_INPUT, "a scene without triangles has no atlas");
-    return SL_OK;
-}
-
 static sl_status make(making *m, const sl_scene *scene, sl_atlas *a, sl_error *error) {
     int needed = 0;
     sl_status status = sl_atlas_faces_create(scene, &m->faces, error);
-    if (status == SL_OK) status = sl_atlas_charts_create(&m->faces, m->settings->bend, &m->charts, error);
+    if (status == SL_OK) status = sl_atlas_charts_create(&m->faces, BEND, &m->charts, error);
     if (status != SL_OK) return status;
     m->place = sl_allocate(m->charts.count, sizeof *m->place);
     a->chart = sl_allocate(m->charts.count, sizeof *a->chart);
     if (!m->place || !a->chart) return sl_fail_memory(error, "an atlas");
-    status = sl_atlas_pack(&m->charts, &m->faces, a->size, m->settings->gutter, m->place, &a->texels_per_unit,
-                           &needed, error);
+    status = sl_atlas_pack(&m->charts, &m->faces, a->size, GUTTER, m->place, &a->texels_per_unit, &needed,
+                           error);
     if (status == SL_OK && !(a->texels_per_unit > 0.0))
         status = sl_fail(error, SL_ERROR_RESOURCES,
                          "an atlas of %d x %d texels is too small for %zu charts: a size of %d would do",
                          a->size, a->size, m->charts.count, needed);
     if (status != SL_OK) return status;
     a->chart_count = m->charts.count;
-    for (size_t c = 0; c < a->chart_count; c++) a->chart[c] = chart_at(m, c, a->texels_per_unit);
+    for (size_t c = 0; c < a->chart_count; c++)
+        a->chart[c] = chart_at(m, c, a->size, a->texels_per_unit);
     memcpy(a->chart_of, m->charts.of_face, a->triangle_count * sizeof *a->chart_of);
     return SL_OK;
 }
 
-sl_status sl_atlas_create(const sl_scene *scene, const sl_atlas_settings *settings, sl_atlas **atlas,
-                          sl_error *error) {
+sl_status sl_atlas_create(const sl_scene *scene, int size, sl_atlas **atlas, sl_error *error) {
     *atlas = NULL;
-    sl_status status = check(scene, settings, error);
-    if (status != SL_OK) return status;
-    making m = {.settings = settings};
+    if (!scene->triangle_count)
+        return sl_fail(error, SL_ERROR_INPUT, "a scene without triangles has no atlas");
+    making m = {.place = NULL};
     sl_atlas *a = sl_allocate(1, sizeof *a);
     if (!a) return sl_fail_memory(error, "an atlas");
-    *a = (sl_atlas){.size = settings->size,
+    *a = (sl_atlas){.size = size,
                     .triangle_count = scene->triangle_count,
                     .chart_of = sl_allocate(scene->triangle_count, sizeof *a->chart_of)};
-    status = a->chart_of ? make(&m, scene, a, error) : sl_fail_memory(error, "an atlas");
+    sl_status status = a->chart_of ? make(&m, scene, a, error) : sl_fail_memory(error, "an atlas");
     sl_atlas_faces_release(&m.faces);
     sl_atlas_charts_release(&m.charts);
     sl_free(m.place);

@@ -15,13 +15,6 @@
 #include "raster/raster.h"
 #include "raster/textures/textures.h"
 
-typedef struct sl_atlas_settings {
-    int size;          /* texels a side */
-    int gutter;        /* texels between charts: 2 */
-    double bend;       /* radians between a chart's plane and its triangles at most, below 90 degrees */
-    unsigned threads;
-} sl_atlas_settings;
-
 /* s and t, in [0,1], of a point p of a chart: at + along . (p - centre). along[0] x along[1] points to the
  * front. */
 typedef struct sl_atlas_chart {
@@ -38,11 +31,10 @@ typedef struct sl_atlas {
     double texels_per_unit; /* the common density: texels for a length of 1 in a chart's plane */
 } sl_atlas;
 
-/* Every triangle lies in one chart, and no two of a chart overlap. Deterministic. Where all cannot fit the
+/* size: texels a side. Every triangle lies in one chart, and no two of a chart overlap. Deterministic. Where all cannot fit the
  * density sinks; where it would sink below a texel a chart, that is an error which says which size would do.
  */
-sl_status sl_atlas_create(const sl_scene *scene, const sl_atlas_settings *settings, sl_atlas **atlas,
-                          sl_error *error);
+sl_status sl_atlas_create(const sl_scene *scene, int size, sl_atlas **atlas, sl_error *error);
 void sl_atlas_destroy(sl_atlas *atlas);
 size_t sl_atlas_bytes(const sl_atlas *atlas);
 
