@@ -704,8 +704,8 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
  * Of multi-mesh's direct light nothing is sampled again after power or colours have changed, but for lights
  * of the coarse mesh that matter more or less than before beside the others; thresholds that are new may
  * split meshes further, whose samples are all that SL_COUNT_LIGHT_SAMPLES counts then. Indirect light is
- * gathered again. With 16 lights or more by the ratio estimator samples depend on what other lights give, and
- * go. Where its meshes have ended at the option "memory" it keeps nothing. Of the shading cache all is scaled,
+ * gathered again. With 16 lights or more by the ratio estimator samples depend on what other lights give,
+ * and go. Where its meshes have ended at the option "memory" it keeps nothing. Of the shading cache all is scaled,
  * to within the rounding of a float, where the power of all lights changes by one ratio and there is no sky;
  * where their colour does, too, indirect light is renewed. At rest it shades no more than a method created
  * then, and indirect light of fine patches follows that of coarse ones. SL_CHANGED_KINDS (objects that come,
@@ -848,8 +848,8 @@ SL_API sl_status sl_live_rate(sl_live *live, double samples_a_second, sl_error *
  * updates, has the same picture, to the bit, as a show with filter=centre after that number of updates, at
  * any number of threads (others differ at edges): from the scene as the show found it, with the show's
  * settings but for shading-cache.frames-per-update=1 and, where they were left open,
- * shading-cache.updates=1000000000 and splatting.records-per-frame=256. Not so with the option "memory", of which a show takes a part for itself,
- * and after sl_live_look(), which stands in no event. */
+ * shading-cache.updates=1000000000 and splatting.records-per-frame=256. Not so with the option "memory", of
+ * which a show takes a part for itself, and after sl_live_look(), which stands in no event. */
 SL_API size_t sl_live_log(sl_live *live, sl_live_event *events, size_t room);
 /** The picture as it is now, R, G, B, drawn by the calling thread alone; *frame is the show's own, and valid
  * until the next call. state may be NULL. Black until there is anything. A pixel is its centre, at edges the

@@ -154,7 +154,8 @@ static bool parse(int argc, char **argv, compare_request *q, int *status) {
     for (int b = 0; b < BOUNDS; b++)
         options[OWN_OPTIONS + b] =
             (sl_option)SL_REAL(bounds[b].option, &q->bound[b], &q->bounded[b], "X",
-                               bounds[b].at_least ? -1 : 0, bounds[b].at_least ? 1 : HUGE_VAL, bounds[b].help);
+                               bounds[b].at_least ? -1 : 0, bounds[b].at_least ? 1 : HUGE_VAL,
+                               bounds[b].help);
     const sl_command_line line = {.usage = "softlux compare A B [options]",
                                   .summary = "Error metrics of picture A against reference B.",
                                   .details = details,

@@ -118,7 +118,7 @@ static bool unknown_option(const sl_command_line *line, const char *word, int *s
                    o->metavar ? o->metavar : "1");
 }
 
-/* Sets one of a method's settings; a flag comes without text. The library's line begins with the whole name. */
+/* Sets one of a method's settings; a flag comes without text. The library's line begins with the full name. */
 static bool take_setting(const sl_option *o, const char *text, int *status) {
     const sl_setting *setting = o->setting;
     sl_error error;

@@ -103,7 +103,8 @@ sl_status sl_make_folder(const char *folder, const char *name, sl_error *error) 
         if (folder[i] != '/' && folder[i]) continue;
         snprintf(part, sizeof part, "%.*s", (int)i, folder);
         if (mkdir(part, 0777) != 0 && errno != EEXIST)
-            return sl_fail(error, SL_ERROR_OUTPUT, "cannot make the folder %.900s: %s", part, strerror(errno));
+            return sl_fail(error, SL_ERROR_OUTPUT, "cannot make the folder %.900s: %s", part,
+                           strerror(errno));
     }
     snprintf(part, sizeof part, "%.3900s/%s", folder, name);
     return sl_output_check(part, error);

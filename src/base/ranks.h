@@ -43,8 +43,8 @@ static inline size_t sl_ranks_items(sl_ranks at, size_t count) {
 void sl_ranks_exchange(const sl_batch_plane *planes, unsigned plane_count, size_t count,
                        sl_counters *counted);
 
-/* Fills in the items of all ranks from the journal of a call that ended before it was done, and what they have
- * counted. False: it does not have this batch. */
+/* Fills in the items of all ranks from the journal of a call that ended before it was done, and what they
+ * have counted. False: it does not have this batch. */
 bool sl_ranks_recall(const sl_batch_plane *planes, unsigned plane_count, size_t count, sl_counters *counted);
 
 /* Gives all ranks the bytes of one of them. */

@@ -47,7 +47,8 @@ void sl_object_places_destroy(sl_object_places *p) {
     SL_FREE_ALL(p->hash, p->box, p);
 }
 
-size_t sl_object_moves(const sl_object_places *before, const sl_object_places *now, bool *moved, sl_box *box) {
+size_t sl_object_moves(const sl_object_places *before, const sl_object_places *now, bool *moved,
+                       sl_box *box) {
     size_t count = 0;
     for (size_t i = 0; i < now->count; i++) {
         const bool moves = sl_object_has_moved(before, now, i);

@@ -31,8 +31,8 @@ bool sl_polygons_add_value(sl_polygons *polygons, sl_corner_part part, const flo
 bool sl_polygons_add_corner(sl_polygons *polygons, sl_corner corner);
 void sl_polygons_release(sl_polygons *polygons);
 
-/* Adds the polygon at hand, of three corners at least, to a model as triangles; then there is none. All of its
- * corners have the same, and what they name is there. */
+/* Adds the polygon at hand, of three corners at least, to a model as triangles; then there is none. All of
+ * its corners have the same, and what they name is there. */
 sl_status sl_polygons_place(sl_polygons *polygons, const char *path, uint32_t material, uint32_t object,
                             const sl_affine *placement, sl_model *model, sl_error *error);
 

@@ -1,4 +1,4 @@
-/* Surfaces of a scene that become others by an edit: objects that come and go, vertices that are elsewhere. */
+/* Surfaces of a scene that become others by an edit: objects that come and go, vertices that move. */
 #ifndef SL_SCENE_RESHAPE_H
 #define SL_SCENE_RESHAPE_H
 

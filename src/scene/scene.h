@@ -210,8 +210,8 @@ struct sl_scene {
     char **files;
 };
 
-/* Fills in how an object (from 1) is moved from its rest state, as sl_edit_transform() has it; true: keyframes
- * move it. */
+/* Fills in how an object (from 1) is moved from its rest state, as sl_edit_transform() has it; true:
+ * keyframes move it. */
 bool sl_scene_transform(const sl_scene *scene, uint32_t object, double columns[16]);
 
 /* A new version, in which this has changed: SL_CHANGED_ bits. */

@@ -69,7 +69,8 @@ static void put_disc(FILE *out, const sl_mark_view *view, const sl_mark *m) {
 
 static void put_mark(FILE *out, const sl_mark_view *view, const sl_mark *m) {
     double column, row, to_column, to_row;
-    if (!sl_mark_project(view, m->at, &column, &row) || !within(view, column, row) || sl_mark_is_hidden(view, m->at))
+    if (!sl_mark_project(view, m->at, &column, &row) || !within(view, column, row) ||
+        sl_mark_is_hidden(view, m->at))
         return;
     switch (m->kind) {
     case SL_MARK_DISC: put_disc(out, view, m); /* and its centre */ /* fall through */

@@ -33,8 +33,8 @@ sl_status sl_film_add(sl_film *film, const sl_raster *raster, const sl_image *pi
 unsigned sl_film_ahead(const sl_film *film, unsigned *first);
 /* Returns the one that is so many behind the next. Its pixels are listed in the film until another is. */
 sl_sub_frame sl_film_at(sl_film *film, unsigned ahead);
-/* Packs what sub-frame `first` and those behind it show of a picture; packed (NULL: nothing is written) has as
- * many floats as are returned. */
+/* Packs what sub-frame `first` and those behind it show of a picture; packed (NULL: nothing is written) has
+ * as many floats as are returned. */
 size_t sl_film_pack(const sl_film *film, unsigned first, const sl_image *picture, float *packed);
 void sl_film_unpack(const sl_film *film, unsigned first, const float *packed, sl_image *picture);
 /* Makes a picture to unpack into, of any values. The caller destroys it. */

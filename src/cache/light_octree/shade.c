@@ -129,8 +129,8 @@ typedef struct shading_pass {
     worker_scratch *scratch;
 } shading_pass;
 
-/* Spreads neighbours over the sort's piles, by an odd factor (Knuth's of the golden ratio): any order of cells
- * will do. */
+/* Spreads neighbours over the sort's piles, by an odd factor (Knuth's of the golden ratio): any order of
+ * cells will do. */
 static uint64_t key_of(const sl_octree_point *p, const voxel_place *place) {
     uint64_t key = is_glossy(p);
     for (int axis = 0; axis < 3; axis++) key = key << CELL_BITS | (uint64_t)(place->cell[axis] + 1);

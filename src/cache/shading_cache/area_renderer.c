@@ -189,8 +189,8 @@ static double rays(const void *state) {
 
 sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
                            sl_error *error) {
-    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = make_lights, .destroy = destroy,
-                                     .rays = rays};
+    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = make_lights,
+                                     .destroy = destroy, .rays = rays};
     area_renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;

@@ -156,7 +156,7 @@ sl_status sl_splat_age_records(sl_splat_state *state, sl_error *error);
 sl_status sl_splat_note_places(sl_splat_state *state, sl_error *error);
 /* Some records gather anew: a frame's share. */
 sl_status sl_splat_renew_records(sl_splat_state *state, sl_error *error);
-/* A picture was shown and nothing has moved since: goes on with a further share; or makes all records anew. */
+/* A picture was shown and nothing has moved since: goes on with a further share, or makes all anew. */
 sl_status sl_splat_rest(sl_splat_state *state, sl_error *error);
 /* Something has changed: records that were not made to the end give way to those that are shown. */
 void sl_splat_stir(sl_splat_state *state);
