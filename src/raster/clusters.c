@@ -176,6 +176,7 @@ static void add_cluster(builder *b, size_t first, size_t count) {
         r->vertices[b->clusters] = w.count;
         sl_bound_cluster(r, b->clusters, r->vertex_x + b->vertices, r->vertex_y + b->vertices,
                          r->vertex_z + b->vertices, w.count);
+        r->extent += (double)r->radius[b->clusters];
     }
     b->clusters++;
     b->vertices += (size_t)(w.count + SL_LANES - 1) / SL_LANES * SL_LANES;
@@ -202,7 +203,7 @@ static void *claim(sl_raster *r, bool *ok, size_t count, size_t size) {
 
 static size_t padded_to_lanes(size_t count) { return (count + SL_LANES - 1) / SL_LANES * SL_LANES; }
 
-bool sl_bounds_allocate(sl_raster *r, size_t clusters) {
+static bool allocate_bounds(sl_raster *r, size_t clusters) {
     bool ok = true;
     float **bounds[7] = {&r->centre_x, &r->centre_y, &r->centre_z, &r->half_x,
                          &r->half_y,   &r->half_z,   &r->radius};
@@ -211,7 +212,7 @@ bool sl_bounds_allocate(sl_raster *r, size_t clusters) {
 }
 
 static bool allocate_clusters(sl_raster *r, size_t clusters, size_t vertices) {
-    bool ok = sl_bounds_allocate(r, clusters);
+    bool ok = allocate_bounds(r, clusters);
     size_t padded = padded_to_lanes(clusters), triangles = r->mesh.triangle_count;
     uint32_t **ranges[4] = {&r->first_triangle, &r->triangles, &r->first_vertex, &r->vertices};
     for (int k = 0; k < 4; k++) *ranges[k] = claim(r, &ok, padded, sizeof(uint32_t));
@@ -294,7 +295,6 @@ void sl_raster_destroy(sl_raster *r) {
     for (int k = 0; k < 3; k++) sl_free(r->corner[k]);
     sl_free(r->triangle_masked);
     sl_free(r->cluster_of_triangle);
-    sl_vertex_sources_destroy(r->sources);
     sl_spares_destroy(r->spares);
     sl_free(r);
 }

@@ -30,7 +30,7 @@ struct sl_raster {
     uint8_t *triangle_masked;
     uint32_t *cluster_of_triangle; /* by the scene's index */
     size_t memory_bytes;
-    struct sl_vertex_sources *sources; /* of the vertices, once something moves (move.c); NULL before */
+    double extent; /* sum of the clusters' radii when they were made (move.c) */
     struct sl_spares *spares; /* buffers between passes (spare.c); NULL where no pass over tiles runs */
 };
 
@@ -38,9 +38,7 @@ static inline sl_vec3 sl_mesh_position(const sl_raster_mesh *m, uint32_t vertex)
     return sl_v3(m->x[vertex], m->y[vertex], m->z[vertex]);
 }
 
-/* Room for the clusters' bounds, and bounds around vertices (clusters.c). */
-bool sl_bounds_allocate(sl_raster *raster, size_t clusters);
-void sl_vertex_sources_destroy(struct sl_vertex_sources *sources);
+/* Bounds around vertices (clusters.c). */
 void sl_bound_cluster(sl_raster *raster, size_t cluster, const float *x, const float *y, const float *z,
                       size_t count);
 
