@@ -1,8 +1,5 @@
 /* A block's sixteen pixels as vectors of the instruction set's own width: one part with AVX-512, two (of two
- * rows each) with AVX2, four (of a row each) with SSE2, and the few things that plain C cannot say about
- * them. (With arrays and loops instead, compilers keep the edge functions in memory and the rasterizer takes
- * half as long again; vectors wider than the machine's are compared lane by lane, ten times slower.) The
- * operators + - * & | and comparisons work on vectors lane by lane, a comparison giving all ones or 0.
+ * rows each) with AVX2, four (of a row each) with SSE2.
  *
  *      12 13 14 15     part 3          8 .. 15     part 1
  *       8  9 10 11     part 2          0 ..  7     part 0        0 .. 15   part 0
@@ -12,77 +9,17 @@
 #ifndef SL_RASTER_BLOCK_H
 #define SL_RASTER_BLOCK_H
 
-#include <stdint.h>
-#include <string.h>
+#include "base/lanes.h"
 
-#if defined __AVX512DQ__
-#include <immintrin.h>
-enum { SL_PART = 16 };
-#elif defined __AVX2__
-#include <immintrin.h>
-enum { SL_PART = 8 };
-#else
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-enum { SL_PART = 4 };
-#endif
-enum { SL_PARTS = 16 / SL_PART, SL_PART_ROWS = SL_PART / 4 };
+enum { SL_PARTS = 16 / SL_WIDTH, SL_PART_ROWS = SL_WIDTH / 4 };
 
-typedef int32_t sl_part_ints __attribute__((vector_size(4 * SL_PART)));
-typedef float sl_part_floats __attribute__((vector_size(4 * SL_PART)));
-
-static inline sl_part_ints sl_part_load_ints(const void *from) {
-    sl_part_ints a;
-    memcpy(&a, from, sizeof a);
-    return a;
-}
-static inline sl_part_floats sl_part_load_floats(const float *from) {
-    sl_part_floats a;
-    memcpy(&a, from, sizeof a);
-    return a;
-}
-static inline void sl_part_store(void *to, sl_part_ints a) { memcpy(to, &a, sizeof a); }
-
-/* The lanes' numbers; of each pixel within part 0, row by row from the lowest. */
-static inline sl_part_ints sl_part_lane(void) {
-    static const int32_t lane[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    return sl_part_load_ints(lane);
-}
-static inline sl_part_ints sl_part_x(void) { return sl_part_lane() & 3; }
-static inline sl_part_ints sl_part_y(void) { return sl_part_lane() >> 2; }
-
-static inline sl_part_ints sl_part_int(int32_t value) { return value - (sl_part_ints){0}; }
-/* -0 as it is */
-static inline sl_part_floats sl_part_float(float value) { return value - (sl_part_floats){0}; }
-
-/* b where the mask is set, else a. */
-static inline sl_part_ints sl_part_select(sl_part_ints mask, sl_part_ints a, sl_part_ints b) {
-    return (a & ~mask) | (b & mask);
-}
-static inline sl_part_floats sl_part_select_floats(sl_part_ints mask, sl_part_floats a, sl_part_floats b) {
-    return (sl_part_floats)sl_part_select(mask, (sl_part_ints)a, (sl_part_ints)b);
-}
-
-/* The lanes that are negative, as bits; also the lanes that a comparison has set. */
-static inline uint32_t sl_part_negative(sl_part_ints a) {
-#if defined __AVX512DQ__
-    return (uint32_t)_mm512_movepi32_mask((__m512i)a);
-#elif defined __AVX2__
-    return (uint32_t)_mm256_movemask_ps((__m256)a);
-#elif defined __SSE2__
-    return (uint32_t)_mm_movemask_ps((__m128)a);
-#else
-    uint32_t bits = 0;
-    for (int l = 0; l < SL_PART; l++) bits |= (uint32_t)(a[l] < 0) << l;
-    return bits;
-#endif
-}
-enum { SL_PART_ALL = (1 << SL_PART) - 1 };
+/* The pixels within part 0, row by row from the lowest. */
+static inline sl_lanes_ints sl_part_x(void) { return sl_lanes_numbers() & 3; }
+static inline sl_lanes_ints sl_part_y(void) { return sl_lanes_numbers() >> 2; }
 
 /* Writes depth and id of the pixels where z wins: covered (outside >= 0) and nearer, or as near with the
  * lower id. */
-static inline void sl_part_write(sl_part_ints outside, sl_part_floats z, sl_part_ints id,
+static inline void sl_part_write(sl_lanes_ints outside, sl_lanes_floats z, sl_lanes_ints id,
                                  int larger_is_nearer, uint32_t *ids, float *depths) {
 #if defined __AVX512DQ__
     /* The ids are looked at only where depths are equal, and nothing is written where nothing wins. */
@@ -95,36 +32,36 @@ static inline void sl_part_write(sl_part_ints outside, sl_part_floats z, sl_part
     _mm512_mask_storeu_ps(depths, wins, (__m512)z);
     _mm512_mask_storeu_epi32(ids, wins, (__m512i)id);
 #else
-    const sl_part_ints old_id = sl_part_load_ints(ids);
-    const sl_part_floats old = sl_part_load_floats(depths);
-    const sl_part_ints nearer = larger_is_nearer ? z > old : z < old;
-    const sl_part_ints wins = (outside >= 0) & (nearer | ((z == old) & (id < old_id)));
-    sl_part_store(depths, sl_part_select(wins, (sl_part_ints)old, (sl_part_ints)z));
-    sl_part_store(ids, sl_part_select(wins, old_id, id));
+    const sl_lanes_ints old_id = sl_lanes_load_ints(ids);
+    const sl_lanes_floats old = sl_lanes_load_floats(depths);
+    const sl_lanes_ints nearer = larger_is_nearer ? z > old : z < old;
+    const sl_lanes_ints wins = (outside >= 0) & (nearer | ((z == old) & (id < old_id)));
+    sl_lanes_store(depths, sl_lanes_select(wins, (sl_lanes_ints)old, (sl_lanes_ints)z));
+    sl_lanes_store(ids, sl_lanes_select(wins, old_id, id));
 #endif
 }
 
 /* Four blocks side by side, as four rows of sixteen pixels. (gcc 11 knows no __builtin_shufflevector().) */
 static inline void sl_block_rows(const uint32_t *blocks, uint32_t *to, size_t stride) {
 #if defined __AVX512DQ__ && __has_builtin(__builtin_shufflevector)
-    sl_part_ints b0 = sl_part_load_ints(blocks), b1 = sl_part_load_ints(blocks + 16),
-                 b2 = sl_part_load_ints(blocks + 32), b3 = sl_part_load_ints(blocks + 48);
-    sl_part_ints low01 =
+    sl_lanes_ints b0 = sl_lanes_load_ints(blocks), b1 = sl_lanes_load_ints(blocks + 16),
+                 b2 = sl_lanes_load_ints(blocks + 32), b3 = sl_lanes_load_ints(blocks + 48);
+    sl_lanes_ints low01 =
         __builtin_shufflevector(b0, b1, 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
-    sl_part_ints low23 =
+    sl_lanes_ints low23 =
         __builtin_shufflevector(b2, b3, 0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
-    sl_part_ints high01 =
+    sl_lanes_ints high01 =
         __builtin_shufflevector(b0, b1, 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
-    sl_part_ints high23 =
+    sl_lanes_ints high23 =
         __builtin_shufflevector(b2, b3, 8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
-    sl_part_store(
+    sl_lanes_store(
         to, __builtin_shufflevector(low01, low23, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23));
-    sl_part_store(to + stride, __builtin_shufflevector(low01, low23, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26,
-                                                       27, 28, 29, 30, 31));
-    sl_part_store(to + 2 * stride, __builtin_shufflevector(high01, high23, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18,
-                                                           19, 20, 21, 22, 23));
-    sl_part_store(to + 3 * stride, __builtin_shufflevector(high01, high23, 8, 9, 10, 11, 12, 13, 14, 15, 24,
-                                                           25, 26, 27, 28, 29, 30, 31));
+    sl_lanes_store(to + stride, __builtin_shufflevector(low01, low23, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25,
+                                                        26, 27, 28, 29, 30, 31));
+    sl_lanes_store(to + 2 * stride, __builtin_shufflevector(high01, high23, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17,
+                                                            18, 19, 20, 21, 22, 23));
+    sl_lanes_store(to + 3 * stride, __builtin_shufflevector(high01, high23, 8, 9, 10, 11, 12, 13, 14, 15, 24,
+                                                            25, 26, 27, 28, 29, 30, 31));
 #else
     for (size_t row = 0; row < 4; row++) {
         for (size_t k = 0; k < 4; k++) memcpy(to + row * stride + 4 * k, blocks + 16 * k + 4 * row, 16);

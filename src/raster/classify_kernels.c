@@ -3,7 +3,7 @@
  * centres; most of the rest cover one or two. The tiny ones among these get their coverage at once, sixteen
  * triangles together. */
 
-#include "base/bits16.h"
+#include "base/lanes.h"
 #include "raster/tile.h"
 #include "raster/triangles.h"
 

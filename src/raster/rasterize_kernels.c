@@ -13,7 +13,6 @@
  *      |  ___/\ |        |          missed      (an edge function negative all over it)
  *      | /     \|__      |          hidden      (all that is drawn there already is nearer)
  *      |/       |  \__   |          or drawn block by block */
-#include "base/bits16.h"
 #include "raster/block.h"
 #include "raster/tile.h"
 #include "raster/triangles.h"
@@ -26,51 +25,51 @@ static inline bool nearer_than(sl_depth_rule rule, float z, float old) {
 
 /* A triangle's plane as its blocks need it, in all lanes. */
 typedef struct {
-    sl_part_floats origin, du, dv, least, most;
-    sl_part_ints origin_u, origin_v, id;
+    sl_lanes_floats origin, du, dv, least, most;
+    sl_lanes_ints origin_u, origin_v, id;
 } block_plane;
 
 static inline block_plane block_plane_of(const sl_triangle_batch *b, uint32_t t) {
-    return (block_plane){sl_part_float(b->depth_origin[t]), sl_part_float(b->depth_du[t]),
-                         sl_part_float(b->depth_dv[t]),     sl_part_float(b->depth_min[t]),
-                         sl_part_float(b->depth_max[t]),    sl_part_int(b->origin_u[t]),
-                         sl_part_int(b->origin_v[t]),       sl_part_int((int32_t)b->id[t])};
+    return (block_plane){sl_lanes_float(b->depth_origin[t]), sl_lanes_float(b->depth_du[t]),
+                         sl_lanes_float(b->depth_dv[t]),     sl_lanes_float(b->depth_min[t]),
+                         sl_lanes_float(b->depth_max[t]),    sl_lanes_int(b->origin_u[t]),
+                         sl_lanes_int(b->origin_v[t]),       sl_lanes_int((int32_t)b->id[t])};
 }
 
 /* Depth as sl_depth_at() has it, bit by bit: a row's part, and the distance of the columns from the plane's
  * origin. */
-static inline sl_part_floats row_depth(const block_plane *p, int32_t y) {
-    sl_part_ints v = (y + sl_part_y()) * SL_SUBPIXEL - p->origin_v;
-    return p->origin + p->dv * __builtin_convertvector(v, sl_part_floats);
+static inline sl_lanes_floats row_depth(const block_plane *p, int32_t y) {
+    sl_lanes_ints v = (y + sl_part_y()) * SL_SUBPIXEL - p->origin_v;
+    return p->origin + p->dv * __builtin_convertvector(v, sl_lanes_floats);
 }
 
-static inline sl_part_floats column_distance(const block_plane *p, int32_t x) {
-    sl_part_ints u = (x + sl_part_x()) * SL_SUBPIXEL - p->origin_u;
-    return __builtin_convertvector(u, sl_part_floats);
+static inline sl_lanes_floats column_distance(const block_plane *p, int32_t x) {
+    sl_lanes_ints u = (x + sl_part_x()) * SL_SUBPIXEL - p->origin_u;
+    return __builtin_convertvector(u, sl_lanes_floats);
 }
 
-static inline sl_part_floats block_depth(const block_plane *p, sl_part_floats row, sl_part_floats column) {
-    sl_part_floats z = row + p->du * column;
-    z = sl_part_select_floats(z < p->least, z, p->least);
-    return sl_part_select_floats(z > p->most, z, p->most);
+static inline sl_lanes_floats block_depth(const block_plane *p, sl_lanes_floats row, sl_lanes_floats column) {
+    sl_lanes_floats z = row + p->du * column;
+    z = sl_lanes_select_floats(z < p->least, z, p->least);
+    return sl_lanes_select_floats(z > p->most, z, p->most);
 }
 
 /* Planes in OpenGL's form and steep ones: pixel by pixel. */
-static inline sl_part_floats opengl_depth(const sl_triangle_batch *b, uint32_t t, int32_t x, int32_t y) {
-    sl_part_floats z;
-    for (int l = 0; l < SL_PART; l++) z[l] = sl_depth_at(SL_OPENGL_PLANE, b, t, x + (l & 3), y + (l >> 2));
+static inline sl_lanes_floats opengl_depth(const sl_triangle_batch *b, uint32_t t, int32_t x, int32_t y) {
+    sl_lanes_floats z;
+    for (int l = 0; l < SL_WIDTH; l++) z[l] = sl_depth_at(SL_OPENGL_PLANE, b, t, x + (l & 3), y + (l >> 2));
     return z;
 }
 
-static inline sl_part_floats steep_depth(const sl_steep_plane *steep, const block_plane *p, int32_t x,
+static inline sl_lanes_floats steep_depth(const sl_steep_plane *steep, const block_plane *p, int32_t x,
                                          int32_t y) {
-    float depth[SL_PART];
+    float depth[SL_WIDTH];
     const sl_steep_plane plane = *steep;
 #pragma omp simd
-    for (int l = 0; l < SL_PART; l++) depth[l] = sl_steep_depth_at(&plane, x + (l & 3), y + (l >> 2));
-    sl_part_floats z = sl_part_load_floats(depth);
-    z = sl_part_select_floats(z < p->least, z, p->least);
-    return sl_part_select_floats(z > p->most, z, p->most);
+    for (int l = 0; l < SL_WIDTH; l++) depth[l] = sl_steep_depth_at(&plane, x + (l & 3), y + (l >> 2));
+    sl_lanes_floats z = sl_lanes_load_floats(depth);
+    z = sl_lanes_select_floats(z < p->least, z, p->least);
+    return sl_lanes_select_floats(z > p->most, z, p->most);
 }
 
 /* The largest change of an edge function within a block, at one of its corners. */
@@ -84,29 +83,29 @@ enum { EXTENT_ROWS = SL_SPAN / SL_BLOCK };
 static inline void find_extents(const int32_t a[3], const int32_t b[3], const int32_t e[3], int last,
                                 int32_t *from, int32_t *to) {
     const float slack = 0.01f, end = (float)EXTENT_ROWS + 1.0f;
-    for (int first = 0; first < EXTENT_ROWS; first += SL_PART) {
-        const sl_part_ints row = first + sl_part_lane();
-        sl_part_ints low = sl_part_int(0), high = sl_part_int(last);
+    for (int first = 0; first < EXTENT_ROWS; first += SL_WIDTH) {
+        const sl_lanes_ints row = first + sl_lanes_numbers();
+        sl_lanes_ints low = sl_lanes_int(0), high = sl_lanes_int(last);
         for (int k = 0; k < 3; k++) {
-            sl_part_ints at = (e[k] + reach_of(a[k], b[k])) + (SL_BLOCK * b[k]) * row;
+            sl_lanes_ints at = (e[k] + reach_of(a[k], b[k])) + (SL_BLOCK * b[k]) * row;
             if (a[k] == 0) {
-                high = sl_part_select(at < 0, high, sl_part_int(-1));
+                high = sl_lanes_select(at < 0, high, sl_lanes_int(-1));
                 continue;
             }
-            sl_part_floats zero =
-                __builtin_convertvector(at, sl_part_floats) * (-1.0f / (float)(SL_BLOCK * a[k]));
-            zero = sl_part_select_floats(zero < -1.0f, zero, sl_part_float(-1.0f));
-            zero = sl_part_select_floats(zero > end, zero, sl_part_float(end));
+            sl_lanes_floats zero =
+                __builtin_convertvector(at, sl_lanes_floats) * (-1.0f / (float)(SL_BLOCK * a[k]));
+            zero = sl_lanes_select_floats(zero < -1.0f, zero, sl_lanes_float(-1.0f));
+            zero = sl_lanes_select_floats(zero > end, zero, sl_lanes_float(end));
             if (a[k] > 0) { /* rounded up; conversion cuts towards 0 */
-                sl_part_ints up = __builtin_convertvector(zero + (2.0f - slack), sl_part_ints) - 1;
-                low = sl_part_select(up > low, low, up);
+                sl_lanes_ints up = __builtin_convertvector(zero + (2.0f - slack), sl_lanes_ints) - 1;
+                low = sl_lanes_select(up > low, low, up);
             } else {
-                sl_part_ints down = __builtin_convertvector(zero + (1.0f + slack), sl_part_ints) - 1;
-                high = sl_part_select(down < high, high, down);
+                sl_lanes_ints down = __builtin_convertvector(zero + (1.0f + slack), sl_lanes_ints) - 1;
+                high = sl_lanes_select(down < high, high, down);
             }
         }
-        sl_part_store(from + first, low);
-        sl_part_store(to + first, high);
+        sl_lanes_store(from + first, low);
+        sl_lanes_store(to + first, high);
     }
 }
 
@@ -122,13 +121,13 @@ static inline __attribute__((always_inline)) void draw_blocks(
     const block_plane plane = block_plane_of(batch, t);
     const bool other = rule == SL_OPENGL_PLANE || steep;
     const sl_steep_plane steep_plane = steep ? sl_steep_plane_of(batch, t) : (sl_steep_plane){0, 0, 0, 0, 0};
-    const sl_part_ints right0 = sl_part_int(SL_BLOCK * a[0]), right1 = sl_part_int(SL_BLOCK * a[1]),
-                       right2 = sl_part_int(SL_BLOCK * a[2]);
-    const sl_part_floats first_column = column_distance(&plane, left),
-                         right = sl_part_float((float)(SL_BLOCK * SL_SUBPIXEL));
-    sl_part_ints row0 = e[0] + a[0] * sl_part_x() + b[0] * sl_part_y(),
-                 row1 = e[1] + a[1] * sl_part_x() + b[1] * sl_part_y();
-    sl_part_ints row2 = e[2] + a[2] * sl_part_x() + b[2] * sl_part_y();
+    const sl_lanes_ints right0 = sl_lanes_int(SL_BLOCK * a[0]), right1 = sl_lanes_int(SL_BLOCK * a[1]),
+                        right2 = sl_lanes_int(SL_BLOCK * a[2]);
+    const sl_lanes_floats first_column = column_distance(&plane, left),
+                          right = sl_lanes_float((float)(SL_BLOCK * SL_SUBPIXEL));
+    sl_lanes_ints row0 = e[0] + a[0] * sl_part_x() + b[0] * sl_part_y(),
+                  row1 = e[1] + a[1] * sl_part_x() + b[1] * sl_part_y();
+    sl_lanes_ints row2 = e[2] + a[2] * sl_part_x() + b[2] * sl_part_y();
     int32_t from[EXTENT_ROWS], to[EXTENT_ROWS];
     const bool narrow = columns * rows < 16; /* then the extents cost more than they save */
     if (!narrow) find_extents(a, b, e, columns - 1, from, to);
@@ -136,20 +135,20 @@ static inline __attribute__((always_inline)) void draw_blocks(
         const bool whole = narrow || y >= EXTENT_ROWS; /* unaligned, a span's height touches one row more */
         const int begin = whole ? 0 : from[y], end = whole ? columns - 1 : to[y];
         for (int part = 0; part < SL_PARTS; part++) {
-            sl_part_ints e0 = row0 + begin * right0, e1 = row1 + begin * right1, e2 = row2 + begin * right2;
-            const sl_part_floats row = row_depth(&plane, low + y * SL_BLOCK + part * SL_PART_ROWS);
-            sl_part_floats column = first_column + (float)begin * right; /* whole numbers: exact */
-            size_t at = first + (size_t)y * stride + (size_t)begin * SL_LANES + (size_t)part * SL_PART;
+            sl_lanes_ints e0 = row0 + begin * right0, e1 = row1 + begin * right1, e2 = row2 + begin * right2;
+            const sl_lanes_floats row = row_depth(&plane, low + y * SL_BLOCK + part * SL_PART_ROWS);
+            sl_lanes_floats column = first_column + (float)begin * right; /* whole numbers: exact */
+            size_t at = first + (size_t)y * stride + (size_t)begin * SL_LANES + (size_t)part * SL_WIDTH;
             uint32_t *id = tile->id + at;
             float *depth = tile->depth + at;
             for (int x = begin; x <= end; x++, id += SL_LANES, depth += SL_LANES) {
-                const sl_part_ints outside = e0 | e1 | e2;
+                const sl_lanes_ints outside = e0 | e1 | e2;
                 /* Most of these blocks are covered somewhere: to ask costs more than to work for nothing. */
-                if (!other || sl_part_negative(outside) != SL_PART_ALL) {
+                if (!other || sl_lanes_negative(outside) != SL_LANES_ALL) {
                     const int i = left + x * SL_BLOCK, j = low + y * SL_BLOCK + part * SL_PART_ROWS;
-                    sl_part_floats z = rule == SL_OPENGL_PLANE ? opengl_depth(batch, t, i, j)
-                                       : steep                 ? steep_depth(&steep_plane, &plane, i, j)
-                                                               : block_depth(&plane, row, column);
+                    sl_lanes_floats z = rule == SL_OPENGL_PLANE ? opengl_depth(batch, t, i, j)
+                                        : steep                 ? steep_depth(&steep_plane, &plane, i, j)
+                                                                : block_depth(&plane, row, column);
                     sl_part_write(outside, z, plane.id, rule == SL_NEARER_IS_LARGER, id, depth);
                 }
                 e0 += right0;
@@ -295,18 +294,18 @@ static inline void draw_square(const sl_tile *tile, const sl_triangle_batch *bat
     const size_t block[4] = {first, first + SL_LANES, first + row, first + row + SL_LANES};
     const block_plane plane = block_plane_of(batch, t);
     for (int part = 0; part < SL_PARTS; part++) {
-        const sl_part_ints i = (sl_part_x() - right) & (SL_BLOCK - 1),
-                           j = (sl_part_y() + (part * SL_PART_ROWS - up)) & (SL_BLOCK - 1);
-        const sl_part_floats u =
-            __builtin_convertvector((x + i) * SL_SUBPIXEL - plane.origin_u, sl_part_floats);
-        const sl_part_floats v =
-            __builtin_convertvector((y + j) * SL_SUBPIXEL - plane.origin_v, sl_part_floats);
-        const sl_part_floats z = block_depth(&plane, plane.origin + plane.dv * v, u);
+        const sl_lanes_ints i = (sl_part_x() - right) & (SL_BLOCK - 1),
+                            j = (sl_part_y() + (part * SL_PART_ROWS - up)) & (SL_BLOCK - 1);
+        const sl_lanes_floats u =
+            __builtin_convertvector((x + i) * SL_SUBPIXEL - plane.origin_u, sl_lanes_floats);
+        const sl_lanes_floats v =
+            __builtin_convertvector((y + j) * SL_SUBPIXEL - plane.origin_v, sl_lanes_floats);
+        const sl_lanes_floats z = block_depth(&plane, plane.origin + plane.dv * v, u);
         for (int k = 0; k < 4; k++) {
-            const int32_t here = (int32_t)(covered[k] >> (part * SL_PART)) & SL_PART_ALL;
-            const size_t at = block[k] + (size_t)(part * SL_PART);
+            const int32_t here = (int32_t)(covered[k] >> (part * SL_WIDTH)) & SL_LANES_ALL;
+            const size_t at = block[k] + (size_t)(part * SL_WIDTH);
             if (!here) continue;
-            const sl_part_ints outside = ((here >> sl_part_lane()) & 1) - 1;
+            const sl_lanes_ints outside = ((here >> sl_lanes_numbers()) & 1) - 1;
             sl_part_write(outside, z, plane.id, rule == SL_NEARER_IS_LARGER, tile->id + at, tile->depth + at);
         }
     }

@@ -1,4 +1,4 @@
-#include "trace/lanes.h"
+#include "base/lanes.h"
 #include "trace/triangle_test.h"
 
 /* The triangle's corners in the rays' sheared frames: across the ray, and the distance along axis 3. */
@@ -41,7 +41,7 @@ static inline uint32_t judge(const sheared *e, const uint32_t positive[3], const
     return (inside & active) | (doubtful ? exactly_inside(e, doubtful) : 0);
 }
 
-/* The rays `first` to first + SL_LANES whose dominant axis is k: bits (of those in `active`) that meet the
+/* The rays `first` to first + SL_WIDTH whose dominant axis is k: bits (of those in `active`) that meet the
  * triangle.
  *
  * An edge function is the difference of two products. Rounding is monotonic: where the products still differ
@@ -50,10 +50,12 @@ static inline uint32_t judge(const sheared *e, const uint32_t positive[3], const
 static inline uint32_t test_lanes(const sl_ray_state *s, const sl_triangle_corners *c, unsigned k,
                                   unsigned first, uint32_t active, sheared *e) {
     const float *p1 = c->p[k == 2 ? 0 : k + 1], *p2 = c->p[k == 0 ? 2 : k - 1], *p3 = c->p[k];
-    sl_lanes o1 = sl_lanes_load(&s->origin_1[first]), o2 = sl_lanes_load(&s->origin_2[first]);
-    sl_lanes o3 = sl_lanes_load(&s->origin_3[first]);
-    sl_lanes s1 = sl_lanes_load(&s->shear_1[first]), s2 = sl_lanes_load(&s->shear_2[first]);
-    sl_lanes x[3], y[3], z[3];
+    sl_lanes_floats o1 = sl_lanes_load_floats(&s->origin_1[first]);
+    sl_lanes_floats o2 = sl_lanes_load_floats(&s->origin_2[first]);
+    sl_lanes_floats o3 = sl_lanes_load_floats(&s->origin_3[first]);
+    sl_lanes_floats s1 = sl_lanes_load_floats(&s->shear_1[first]);
+    sl_lanes_floats s2 = sl_lanes_load_floats(&s->shear_2[first]);
+    sl_lanes_floats x[3], y[3], z[3];
     for (int v = 0; v < 3; v++) {
         z[v] = p3[v] - o3;
         x[v] = (p1[v] - o1) + s1 * z[v];
@@ -62,16 +64,16 @@ static inline uint32_t test_lanes(const sl_ray_state *s, const sl_triangle_corne
     uint32_t positive[3], negative[3];
     for (int v = 0; v < 3; v++) {
         int from = v == 0 ? 2 : v - 1, to = v == 2 ? 0 : v + 1;
-        sl_lanes a = x[from] * y[to], b = y[from] * x[to];
+        sl_lanes_floats a = x[from] * y[to], b = y[from] * x[to];
         positive[v] = sl_lanes_greater(a, b);
         negative[v] = sl_lanes_greater(b, a);
     }
     uint32_t outside = (positive[0] | positive[1] | positive[2]) & (negative[0] | negative[1] | negative[2]);
     if (!(active & ~outside)) return 0;
     for (int v = 0; v < 3; v++) {
-        sl_lanes_store(e->x[v], x[v]);
-        sl_lanes_store(e->y[v], y[v]);
-        sl_lanes_store(e->z[v], z[v]);
+        sl_lanes_store(e->x[v], (sl_lanes_ints)x[v]);
+        sl_lanes_store(e->y[v], (sl_lanes_ints)y[v]);
+        sl_lanes_store(e->z[v], (sl_lanes_ints)z[v]);
     }
     return judge(e, positive, negative, active);
 }
@@ -89,12 +91,12 @@ static inline __attribute__((always_inline)) void locate(const sl_ray_state *res
     out->w2[to] = (float)(w * scale);
 }
 
-enum { LOCATED = SL_LANES < 8 ? SL_LANES : 8, FEW = 2 };
+enum { LOCATED = SL_WIDTH < 8 ? SL_WIDTH : 8, FEW = 2 };
 
 /* Entries `hits`, of consecutive rays; by whole vectors where that pays. */
 static inline void locate_all(const sl_ray_state *s, const sheared *e, uint32_t hits, unsigned ray,
                               unsigned to, sl_candidates *out) {
-    for (unsigned first = 0; first < SL_LANES; first += LOCATED) {
+    for (unsigned first = 0; first < SL_WIDTH; first += LOCATED) {
         uint32_t some = hits >> first & ((1u << LOCATED) - 1);
         if (__builtin_popcount(some) > FEW) {
 #pragma omp simd
@@ -109,7 +111,7 @@ static inline void locate_all(const sl_ray_state *s, const sheared *e, uint32_t 
     }
 }
 
-/* Rays [first, first + SL_LANES), once for each dominant axis among them; mostly there is one. */
+/* Rays [first, first + SL_WIDTH), once for each dominant axis among them; mostly there is one. */
 static inline uint32_t test_consecutive(const sl_ray_state *s, const sl_triangle_corners *c, uint32_t active,
                                         unsigned first, unsigned to, sl_candidates *out) {
     uint32_t all = 0;
@@ -155,20 +157,25 @@ static bool test_one(const sl_ray_state *s, const sl_triangle_corners *c, unsign
     return true;
 }
 
+/* The lanes whose integers differ, as bits. */
+static inline uint32_t differ(const void *a, const void *b) {
+    return sl_lanes_negative(sl_lanes_load_ints(a) == sl_lanes_load_ints(b)) ^ SL_LANES_ALL;
+}
+
 /* Embree hands over 1, 4, 8 or 16 rays, mostly consecutive ones; then whole registers test them. Others are
  * tested one by one: the same arithmetic, so the same bits. */
 uint32_t SL_KERNEL(sl_triangle_test)(const sl_ray_state *state, const sl_triangle_corners *corners,
                                      const int *valid, const unsigned *id, unsigned n,
                                      sl_candidates *candidates) {
-    static const int none[SL_LANES];
+    static const int none[SL_WIDTH];
     static const unsigned in_order[SL_PACKET] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     uint32_t hits = 0;
-    if (n % SL_LANES == 0) {
-        for (unsigned first = 0; first < n; first += SL_LANES) {
-            uint32_t active = sl_lanes_differ(&valid[first], none);
+    if (n % SL_WIDTH == 0) {
+        for (unsigned first = 0; first < n; first += SL_WIDTH) {
+            uint32_t active = differ(&valid[first], none);
             if (!active) continue;
             unsigned ray = id[first];
-            if (ray + SL_LANES <= SL_PACKET && !sl_lanes_differ(&id[first], &in_order[ray])) {
+            if (ray + SL_WIDTH <= SL_PACKET && !differ(&id[first], &in_order[ray])) {
                 hits |= test_consecutive(state, corners, active, ray, first, candidates) << first;
                 continue;
             }

@@ -3,7 +3,7 @@
  * the other, in the order of the octree's levels and of their indices. */
 #include "cache/bounces/second_level.h"
 
-#include "base/bits16.h"
+#include "base/lanes.h"
 
 typedef struct {
     float x, y, z, nx, ny, nz;

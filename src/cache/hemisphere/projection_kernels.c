@@ -4,16 +4,11 @@
 
 #include <string.h>
 
+#include "base/lanes.h"
+
 enum { BLOCK = SL_PROJECTION_BLOCK, GROUP = SL_PROJECTION_GROUP, CLASSES = SL_PROJECTION_CLASSES };
 
-#if defined __AVX512F__
-enum { LANES = 16, PIECES = 1 }; /* pieces: of a group that are summed at a time */
-#elif defined __AVX__
-enum { LANES = 8, PIECES = 2 };
-#else
-enum { LANES = 4, PIECES = 2 };
-#endif
-typedef float lanes __attribute__((vector_size(4 * LANES)));
+enum { PIECES = SL_WIDTH < 16 ? 2 : 1 }; /* of a group that are summed at a time */
 
 /* ---- mirror images --------------------------------------------------------------------------- */
 
@@ -69,27 +64,27 @@ static inline void nearer_surfaces(const sl_projection_list *list, size_t first,
 
 /* ---- products -------------------------------------------------------------------------------- */
 
-static inline void add_lanes(double *restrict sum, const lanes *restrict part) {
-    for (int i = 0; i < LANES; i++) sum[i] += (double)(*part)[i];
+static inline void add_lanes(double *restrict sum, const sl_lanes_floats *restrict part) {
+    for (int i = 0; i < SL_WIDTH; i++) sum[i] += (double)(*part)[i];
 }
 
 /* Three vectors of one group over one block. */
 static inline void multiply_3(const float *restrict table, float factor[3][BLOCK], double sum[3][GROUP]) {
-    for (int first = 0; first < GROUP; first += PIECES * LANES) {
-        lanes r[PIECES], g[PIECES], b[PIECES];
+    for (int first = 0; first < GROUP; first += PIECES * SL_WIDTH) {
+        sl_lanes_floats r[PIECES], g[PIECES], b[PIECES];
         memset(r, 0, sizeof r), memset(g, 0, sizeof g), memset(b, 0, sizeof b);
         for (int k = 0; k < BLOCK; k++) {
             for (int i = 0; i < PIECES; i++) {
-                lanes h = *(const lanes *)(const void *)(table + k * GROUP + first + i * LANES);
+                const sl_lanes_floats h = sl_lanes_load_floats(table + k * GROUP + first + i * SL_WIDTH);
                 r[i] += h * factor[0][k];
                 g[i] += h * factor[1][k];
                 b[i] += h * factor[2][k];
             }
         }
         for (int i = 0; i < PIECES; i++) {
-            add_lanes(&sum[0][first + i * LANES], &r[i]);
-            add_lanes(&sum[1][first + i * LANES], &g[i]);
-            add_lanes(&sum[2][first + i * LANES], &b[i]);
+            add_lanes(&sum[0][first + i * SL_WIDTH], &r[i]);
+            add_lanes(&sum[1][first + i * SL_WIDTH], &g[i]);
+            add_lanes(&sum[2][first + i * SL_WIDTH], &b[i]);
         }
     }
 }
@@ -97,13 +92,13 @@ static inline void multiply_3(const float *restrict table, float factor[3][BLOCK
 /* Six: x and y of three channels. */
 static inline void multiply_6(const float *restrict table, float x[3][BLOCK], float y[3][BLOCK],
                               double sum[6][GROUP]) {
-    for (int first = 0; first < GROUP; first += PIECES * LANES) {
-        lanes rx[PIECES], gx[PIECES], bx[PIECES], ry[PIECES], gy[PIECES], by[PIECES];
+    for (int first = 0; first < GROUP; first += PIECES * SL_WIDTH) {
+        sl_lanes_floats rx[PIECES], gx[PIECES], bx[PIECES], ry[PIECES], gy[PIECES], by[PIECES];
         memset(rx, 0, sizeof rx), memset(gx, 0, sizeof gx), memset(bx, 0, sizeof bx);
         memset(ry, 0, sizeof ry), memset(gy, 0, sizeof gy), memset(by, 0, sizeof by);
         for (int k = 0; k < BLOCK; k++) {
             for (int i = 0; i < PIECES; i++) {
-                lanes h = *(const lanes *)(const void *)(table + k * GROUP + first + i * LANES);
+                const sl_lanes_floats h = sl_lanes_load_floats(table + k * GROUP + first + i * SL_WIDTH);
                 rx[i] += h * x[0][k];
                 gx[i] += h * x[1][k];
                 bx[i] += h * x[2][k];
@@ -113,7 +108,7 @@ static inline void multiply_6(const float *restrict table, float x[3][BLOCK], fl
             }
         }
         for (int i = 0; i < PIECES; i++) {
-            int at = first + i * LANES;
+            int at = first + i * SL_WIDTH;
             add_lanes(&sum[0][at], &rx[i]), add_lanes(&sum[1][at], &gx[i]), add_lanes(&sum[2][at], &bx[i]);
             add_lanes(&sum[3][at], &ry[i]), add_lanes(&sum[4][at], &gy[i]), add_lanes(&sum[5][at], &by[i]);
         }

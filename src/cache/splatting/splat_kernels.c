@@ -8,7 +8,7 @@
  * leaves a disc once: branches that the processor can foretell. */
 #include "cache/splatting/record_weight.h"
 
-#include "base/bits16.h"
+#include "base/lanes.h"
 
 enum { GROUP = SL_SPLAT_GROUP };
 

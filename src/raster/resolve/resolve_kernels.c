@@ -1,19 +1,14 @@
 /* The resolution's loops over lanes; resolve.h has their order. */
 #include <string.h>
 
+#include "base/lanes.h"
 #include "raster/resolve/barycentrics.h"
 #include "raster/resolve/resolve.h"
 #include "scene/surface_rules.h"
 
 /* Pixels of a run done together, floats and doubles. A run's last ones go beyond its end, so no wider than
  * the vectors. */
-#if defined(__AVX512F__)
-enum { LANES = 16, DOUBLE_LANES = 8 };
-#elif defined(__AVX2__)
-enum { LANES = 8, DOUBLE_LANES = 4 };
-#else
-enum { LANES = 4, DOUBLE_LANES = 2 };
-#endif
+enum { LANES = SL_WIDTH, DOUBLE_LANES = SL_WIDTH / 2 };
 
 /* Loops over runs or pixels do whole lanes: what lies beyond the count was valid once, or 0. */
 static inline uint32_t whole_lanes(uint32_t count) { return (count + SL_LANES - 1) / SL_LANES * SL_LANES; }
