@@ -40,6 +40,17 @@ static inline bool sl_is_much_the_same(double a, double b) {
     return a == b || fabs(a - b) < 0.01 * fmax(a, b);
 }
 
+/* Returns the first of sums that rise which is above u; the last where none is. */
+static inline size_t sl_first_above(const double *sums, size_t count, double u) {
+    size_t low = 0, high = count - 1;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (u < sums[middle]) high = middle;
+        else low = middle + 1;
+    }
+    return low;
+}
+
 /* ---- float versions for inner loops -----------------------------------------------------------
  * Inline, free of branches, tables and calls, so that loops over them vectorise; the same bits per lane as
  * alone. */
@@ -53,6 +64,14 @@ static inline float sl_float_of_bits(uint32_t bits) {
     float x;
     memcpy(&x, &bits, sizeof x);
     return x;
+}
+/* An integer whose order is that of the floats, and back. */
+static inline uint32_t sl_float_key(float x) {
+    uint32_t bits = sl_float_bits(x);
+    return bits >> 31 ? ~bits : bits | 0x80000000u;
+}
+static inline float sl_float_of_key(uint32_t key) {
+    return sl_float_of_bits(key >> 31 ? key & 0x7fffffffu : ~key);
 }
 static inline uint64_t sl_double_bits(double x) {
     uint64_t bits;

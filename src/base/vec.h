@@ -48,6 +48,19 @@ static inline sl_vec3d sl_crossd(sl_vec3d a, sl_vec3d b) {
 }
 static inline double sl_lengthd(sl_vec3d a) { return sqrt(sl_dotd(a, a)); }
 
+/* A box along the axes; one that holds nothing has its low above its high. */
+typedef struct sl_box {
+    sl_vec3 low, high;
+} sl_box;
+
+static inline sl_box sl_box_empty(void) {
+    return (sl_box){{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
+}
+static inline void sl_box_add(sl_box *b, sl_vec3 p) {
+    b->low = sl_v3(fminf(b->low.x, p.x), fminf(b->low.y, p.y), fminf(b->low.z, p.z));
+    b->high = sl_v3(fmaxf(b->high.x, p.x), fmaxf(b->high.y, p.y), fmaxf(b->high.z, p.z));
+}
+
 /* The unit vector along a, computed in double so that tiny and huge vectors keep their direction; `fallback`
  * where a has no direction (zero, NaN, infinite). Without branches, for loops over lanes. */
 static inline sl_vec3 sl_normalize_or(sl_vec3 a, sl_vec3 fallback) {

@@ -69,6 +69,17 @@ static inline sl_affine sl_affine_normal_map(const sl_affine *a) {
     return map;
 }
 
+/* Of a map whose determinant is not 0: the normal map, transposed, but for the determinant's size. */
+static inline sl_affine sl_affine_inverse(const sl_affine *a) {
+    const sl_affine cofactors = sl_affine_normal_map(a);
+    const double size = fabs(sl_affine_determinant(a));
+    sl_affine b = {{{0}}};
+    for (int i = 0; i < 9; i++) b.m[i / 3][i % 3] = cofactors.m[i % 3][i / 3] / size;
+    const sl_vec3d back = sl_affine_vector(&b, sl_v3d(a->m[0][3], a->m[1][3], a->m[2][3]));
+    b.m[0][3] = -back.x, b.m[1][3] = -back.y, b.m[2][3] = -back.z;
+    return b;
+}
+
 /* A direction scaled to length 1 in double before it is rounded; zero where it has none. */
 static inline sl_vec3 sl_affine_unit(const sl_affine *a, sl_vec3 v) {
     sl_vec3d d = sl_affine_vector(a, sl_to_double(v));

@@ -14,15 +14,11 @@ bool sl_triangle_cross(sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3d *cross) {
 }
 
 static void derive_bounds(sl_scene *scene) {
-    sl_vec3 low = sl_v3(FLT_MAX, FLT_MAX, FLT_MAX), high = sl_v3(-FLT_MAX, -FLT_MAX, -FLT_MAX);
-    for (size_t v = 0; v < scene->vertex_count; v++) {
-        sl_vec3 p = sl_scene_position(scene, (uint32_t)v);
-        low = sl_v3(fminf(low.x, p.x), fminf(low.y, p.y), fminf(low.z, p.z));
-        high = sl_v3(fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z));
-    }
-    scene->box_min = low;
-    scene->box_max = high;
-    double diagonal = sl_lengthd(sl_subd(sl_to_double(high), sl_to_double(low)));
+    sl_box box = sl_box_empty();
+    for (size_t v = 0; v < scene->vertex_count; v++) sl_box_add(&box, sl_scene_position(scene, (uint32_t)v));
+    scene->box_min = box.low;
+    scene->box_max = box.high;
+    double diagonal = sl_lengthd(sl_subd(sl_to_double(box.high), sl_to_double(box.low)));
     scene->diagonal = (float)fmin(fmax(diagonal, (double)FLT_MIN), (double)FLT_MAX);
     sl_scene_measure(scene);
 }

@@ -133,15 +133,10 @@ float sl_environment_pdf(const sl_environment *e, sl_vec3 direction) {
 
 /* The first i with u < sums[i]; *within: where u lies in that interval, in [0,1). */
 static int invert(const double *sums, int count, double u, double *within) {
-    int low = 0, high = count - 1;
-    while (low < high) {
-        int middle = low + (high - low) / 2;
-        if (u < sums[middle]) high = middle;
-        else low = middle + 1;
-    }
-    double start = low > 0 ? sums[low - 1] : 0.0, width = sums[low] - start;
+    const size_t i = sl_first_above(sums, (size_t)count, u);
+    double start = i > 0 ? sums[i - 1] : 0.0, width = sums[i] - start;
     *within = width > 0.0 ? fmin(fmax((u - start) / width, 0.0), 1.0) : 0.5;
-    return low;
+    return (int)i;
 }
 
 static sl_vec3 direction_at(double u, double cosine) {

@@ -5,15 +5,11 @@
 #include "base/memory.h"
 #include "base/random.h"
 
-#include <math.h>
-
 static void add_vertex(sl_object_places *places, uint32_t object, uint32_t vertex, sl_vec3 p) {
     uint64_t *hash = &places->hash[object];
-    sl_box *box = &places->box[object];
     *hash = sl_hash64(*hash ^ ((uint64_t)sl_float_bits(p.x) << 32 | sl_float_bits(p.y)));
     *hash = sl_hash64(*hash ^ ((uint64_t)sl_float_bits(p.z) << 32 | vertex));
-    box->low = sl_v3(fminf(box->low.x, p.x), fminf(box->low.y, p.y), fminf(box->low.z, p.z));
-    box->high = sl_v3(fmaxf(box->high.x, p.x), fmaxf(box->high.y, p.y), fmaxf(box->high.z, p.z));
+    sl_box_add(&places->box[object], p);
 }
 
 sl_status sl_object_places_take(const sl_scene *scene, sl_object_places **places, sl_error *error) {
@@ -28,10 +24,7 @@ sl_status sl_object_places_take(const sl_scene *scene, sl_object_places **places
         sl_object_places_destroy(p);
         return sl_fail_memory(error, "the objects' places");
     }
-    for (size_t i = 0; i < p->count; i++) {
-        p->box[i].low = sl_v3(INFINITY, INFINITY, INFINITY);
-        p->box[i].high = sl_v3(-INFINITY, -INFINITY, -INFINITY);
-    }
+    for (size_t i = 0; i < p->count; i++) p->box[i] = sl_box_empty();
     for (size_t t = 0; t < scene->triangle_count; t++) {
         for (int c = 0; c < 3; c++) {
             uint32_t vertex = scene->vertex[c][t];

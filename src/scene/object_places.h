@@ -4,10 +4,6 @@
 
 #include "scene/scene.h"
 
-typedef struct sl_box {
-    sl_vec3 low, high;
-} sl_box;
-
 /* All vertices of each object in one number, and the box around them. */
 typedef struct sl_object_places {
     size_t count;

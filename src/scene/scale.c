@@ -6,7 +6,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
-#include <string.h>
 
 #include "base/math.h"
 #include "scene/derive.h"
@@ -29,20 +28,6 @@ static const double CENTRAL = 2.0;
 enum { DIGIT = 11, DIGITS = 1 << DIGIT, SAMPLES_MAX = 1 << 17 };
 
 /* ---- medians ---- */
-
-/* A number whose order is that of the floats. */
-static uint32_t key_of(float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
-}
-
-static float value_of(uint32_t key) {
-    uint32_t bits = key & 0x80000000u ? key & 0x7fffffffu : ~key;
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
 
 typedef struct {
     const sl_scene *scene;
@@ -67,7 +52,7 @@ static float ranked(const sample *s, measure *value, size_t rank) {
     for (int low = 32 - DIGIT; known != UINT32_MAX; low = low > DIGIT ? low - DIGIT : 0) {
         size_t count[DIGITS] = {0};
         for (size_t i = 0; i < s->count; i++) {
-            uint32_t key = key_of(value(s, (uint32_t)(i * s->stride)));
+            uint32_t key = sl_float_key(value(s, (uint32_t)(i * s->stride)));
             if ((key & known) == prefix) count[key >> low & (DIGITS - 1)]++;
         }
         uint32_t digit = 0;
@@ -75,7 +60,7 @@ static float ranked(const sample *s, measure *value, size_t rank) {
         known |= (uint32_t)(DIGITS - 1) << low;
         prefix |= digit << low;
     }
-    return value_of(prefix);
+    return sl_float_of_key(prefix);
 }
 
 /* The mean of the two in the middle where the count is even: so a mirrored scene has its mirrored median. */
@@ -157,14 +142,13 @@ typedef struct detail {
 
 static detail surroundings(const sl_scene *scene, sl_vec3d eye) {
     const double squared = gap_behind(scene, eye);
-    sl_vec3d low = sl_v3d(INFINITY, INFINITY, INFINITY), high = sl_v3d(-INFINITY, -INFINITY, -INFINITY);
+    sl_box box = sl_box_empty();
     if (isinf(squared)) return (detail){eye, INFINITY, true};
     for (size_t v = 0; v < scene->vertex_count; v++) {
-        if (squared_distance(scene, eye, (uint32_t)v) > squared) continue;
-        sl_vec3d p = sl_to_double(sl_scene_position(scene, (uint32_t)v));
-        low = sl_v3d(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
-        high = sl_v3d(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
+        if (squared_distance(scene, eye, (uint32_t)v) <= squared)
+            sl_box_add(&box, sl_scene_position(scene, (uint32_t)v));
     }
+    const sl_vec3d low = sl_to_double(box.low), high = sl_to_double(box.high);
     return (detail){sl_scaled(sl_addd(low, high), 0.5), 0.5 * sl_lengthd(sl_subd(high, low)), true};
 }
 
@@ -176,17 +160,16 @@ static double scale_of(const sl_scene *scene, const detail *d, sl_vec3d eye) {
 
 /* The box of the vertices within `distance` of the middle along each axis. */
 static void bound_central_region(sl_scene *scene, sl_vec3d middle, double distance) {
-    sl_vec3 low = sl_v3(FLT_MAX, FLT_MAX, FLT_MAX), high = sl_v3(-FLT_MAX, -FLT_MAX, -FLT_MAX);
+    sl_box box = sl_box_empty();
     for (size_t v = 0; v < scene->vertex_count; v++) {
         sl_vec3 p = sl_scene_position(scene, (uint32_t)v);
         sl_vec3d d = sl_subd(sl_to_double(p), middle);
         if (!(fabs(d.x) <= distance) || !(fabs(d.y) <= distance) || !(fabs(d.z) <= distance)) continue;
-        low = sl_v3(fminf(low.x, p.x), fminf(low.y, p.y), fminf(low.z, p.z));
-        high = sl_v3(fmaxf(high.x, p.x), fmaxf(high.y, p.y), fmaxf(high.z, p.z));
+        sl_box_add(&box, p);
     }
-    if (!(low.x <= high.x)) return;
-    scene->central_min = low;
-    scene->central_max = high;
+    if (!(box.low.x <= box.high.x)) return;
+    scene->central_min = box.low;
+    scene->central_max = box.high;
 }
 
 void sl_scene_measure_from(sl_scene *scene, sl_vec3 vantage) {

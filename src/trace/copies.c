@@ -35,15 +35,9 @@ static sl_vec3d corner_at(const sl_scene *s, uint32_t first, uint32_t corner) {
 
 static bool inverse(const sl_affine *a, sl_affine *out) {
     const double volume = sl_affine_determinant(a);
-    const sl_affine cofactors = sl_affine_normal_map(a); /* transposed, and turned where the volume is < 0 */
-    if (!(fabs(volume) > 0.0) || !isfinite(volume)) return false;
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) out->m[i][j] = cofactors.m[j][i] / fabs(volume);
-        out->m[i][3] = 0.0;
-    }
-    const sl_vec3d back = sl_affine_vector(out, sl_v3d(a->m[0][3], a->m[1][3], a->m[2][3]));
-    out->m[0][3] = -back.x, out->m[1][3] = -back.y, out->m[2][3] = -back.z;
-    return true;
+    const bool has_one = fabs(volume) > 0.0 && isfinite(volume);
+    if (has_one) *out = sl_affine_inverse(a);
+    return has_one;
 }
 
 /* No vector becomes longer by more. */

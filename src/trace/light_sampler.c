@@ -101,13 +101,7 @@ void sl_light_sampler_destroy(sl_light_sampler *sampler) {
 
 /* The first entry whose cumulative probability exceeds u: never one that has none. */
 static size_t choose(const sl_light_sampler *sampler, double u) {
-    size_t low = 0, high = sampler->count - 1;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (u < sampler->sums[middle]) high = middle;
-        else low = middle + 1;
-    }
-    return low;
+    return sl_first_above(sampler->sums, sampler->count, u);
 }
 
 /* Solid-angle density of a uniform point of the triangle, seen along `direction` from `distance`; 0 from the

@@ -77,16 +77,14 @@ static int by_place(const void *a, const void *b) {
 static float along_axis(sl_vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
 static void bound(const sl_light_tree *tree, node *n, sl_vec3 *extent) {
-    sl_vec3 low = tree->emitters[tree->order[n->first]].centre, high = low;
+    sl_box box = sl_box_empty();
     for (uint32_t k = n->first; k < n->first + n->count; k++) {
         const tree_emitter *e = &tree->emitters[tree->order[k]];
-        sl_vec3 c = e->centre;
-        low = sl_v3(fminf(low.x, c.x), fminf(low.y, c.y), fminf(low.z, c.z));
-        high = sl_v3(fmaxf(high.x, c.x), fmaxf(high.y, c.y), fmaxf(high.z, c.z));
+        sl_box_add(&box, e->centre);
         n->strength += e->strength;
     }
-    *extent = sl_sub(high, low);
-    n->centre = sl_scale(sl_add(low, high), 0.5f);
+    *extent = sl_sub(box.high, box.low);
+    n->centre = sl_scale(sl_add(box.low, box.high), 0.5f);
     for (uint32_t k = n->first; k < n->first + n->count; k++) {
         const tree_emitter *e = &tree->emitters[tree->order[k]];
         n->radius = fmaxf(n->radius, sl_length(sl_sub(e->centre, n->centre)) + sqrtf(e->extent_squared));

@@ -49,31 +49,23 @@ cJSON *sl_describe_camera(const sl_stage *stage) {
 /* ---- the scene ---- */
 
 typedef struct object_box {
-    float box[6];
+    sl_box box;
     uint32_t material;
     bool any;
 } object_box;
-
-static void grow_box(object_box *b, sl_vec3 p) {
-    const float at[3] = {p.x, p.y, p.z};
-    for (int i = 0; i < 3; i++) {
-        b->box[i] = b->any ? fminf(b->box[i], at[i]) : at[i];
-        b->box[3 + i] = b->any ? fmaxf(b->box[3 + i], at[i]) : at[i];
-    }
-    b->any = true;
-}
 
 static object_box *boxes_of(const sl_scene *s) {
     object_box *boxes = calloc(s->object_count + 1, sizeof *boxes);
     for (size_t t = 0; boxes && t < s->triangle_count; t++) {
         object_box *b = &boxes[s->object_index[t]];
-        if (!b->any) b->material = s->material_index[t];
-        for (int k = 0; k < 3; k++) grow_box(b, sl_scene_position(s, s->vertex[k][t]));
+        if (!b->any) *b = (object_box){sl_box_empty(), s->material_index[t], true};
+        for (int k = 0; k < 3; k++) sl_box_add(&b->box, sl_scene_position(s, s->vertex[k][t]));
     }
     return boxes;
 }
 
 static cJSON *object_of(const sl_world *w, size_t i, const object_box *b) {
+    const sl_vec3 low = b->box.low, high = b->box.high;
     cJSON *o = cJSON_CreateObject();
     double columns[16], rows[12];
     sl_scene_transform(w->scene, (uint32_t)i + 1, columns);
@@ -81,11 +73,8 @@ static cJSON *object_of(const sl_world *w, size_t i, const object_box *b) {
     cJSON_AddNumberToObject(o, "object", (double)i + 1);
     cJSON_AddStringToObject(o, "name", w->scene->object_names[i]);
     cJSON_AddNumberToObject(o, "material", b->material + 1);
-    sl_add_floats(o, "bounds", b->box, 6);
-    sl_add_floats(o, "centre",
-                  (float[]){0.5f * (b->box[0] + b->box[3]), 0.5f * (b->box[1] + b->box[4]),
-                            0.5f * (b->box[2] + b->box[5])},
-                  3);
+    sl_add_floats(o, "bounds", (float[]){low.x, low.y, low.z, high.x, high.y, high.z}, 6);
+    add_vector(o, "centre", sl_scale(sl_add(low, high), 0.5f));
     sl_add_numbers(o, "matrix", rows, 12);
     return o;
 }

@@ -57,7 +57,7 @@ static bool append(sl_record_octree *t, uint32_t node, const sl_record_terms *k,
 /* ---- which cells ---- */
 
 static bool reaches(const sl_record_terms *k, float reach, sl_vec3 low, float side) {
-    const sl_vec3 d = sl_outside_box(low, sl_add(low, sl_v3(side, side, side)), k->position);
+    const sl_vec3 d = sl_outside_box((sl_box){low, sl_add(low, sl_v3(side, side, side))}, k->position);
     return sl_dot(d, d) <= reach * reach;
 }
 

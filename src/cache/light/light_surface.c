@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "base/error.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "cache/light/lights.h"
 
@@ -50,13 +51,8 @@ void sl_light_surface_release(sl_light_surface *surface) {
 
 sl_vec3d sl_light_surface_point(const sl_sampled_light *light, const sl_light_surface *surface,
                                 const double u[2], size_t *triangle, double weight[2]) {
-    double at = u[0] * surface->area;
-    size_t low = 0, high = light->triangles - 1;
-    while (low < high) {
-        size_t middle = (low + high) / 2;
-        if (at < surface->area_before[middle]) high = middle;
-        else low = middle + 1;
-    }
+    const double at = u[0] * surface->area;
+    const size_t low = sl_first_above(surface->area_before, light->triangles, at);
     double before = low > 0 ? surface->area_before[low - 1] : 0.0, own = surface->area_before[low] - before;
     double s = sqrt(own > 0.0 ? fmin(fmax((at - before) / own, 0.0), 1.0) : 0.5);
     weight[0] = s * (1.0 - u[1]);

@@ -16,7 +16,7 @@ typedef struct body {
     bool sealed;
     uint32_t object;           /* of its first triangle */
     bool shines;               /* it has emitters itself */
-    sl_vec3 low, high;
+    sl_box box;
     double area, volume;       /* signed volume over its box's centre: positive where fronts look outwards */
     sl_vec3d areas;            /* sum of the triangles' area vectors: 0 of what is closed */
 } body;
@@ -98,18 +98,11 @@ static void measure_boxes(sl_solids *solids) {
     const sl_scene *s = solids->scene;
     for (size_t b = 0; b < solids->count; b++) {
         body *old = &solids->bodies[b];
-        *old = (body){.sealed = old->sealed,
-                      .object = old->object,
-                      .low = sl_v3(INFINITY, INFINITY, INFINITY),
-                      .high = sl_v3(-INFINITY, -INFINITY, -INFINITY)};
+        *old = (body){.sealed = old->sealed, .object = old->object, .box = sl_box_empty()};
     }
     for (size_t t = 0; t < s->triangle_count; t++) {
         body *b = &solids->bodies[solids->body_of[t]];
-        for (int c = 0; c < 3; c++) {
-            sl_vec3 p = sl_scene_position(s, s->vertex[c][t]);
-            b->low = sl_v3(fminf(b->low.x, p.x), fminf(b->low.y, p.y), fminf(b->low.z, p.z));
-            b->high = sl_v3(fmaxf(b->high.x, p.x), fmaxf(b->high.y, p.y), fmaxf(b->high.z, p.z));
-        }
+        for (int c = 0; c < 3; c++) sl_box_add(&b->box, sl_scene_position(s, s->vertex[c][t]));
         if (s->emitter_of_triangle[t] != SL_NO_INDEX) b->shines = true;
     }
 }
@@ -118,7 +111,8 @@ static void measure_volumes(sl_solids *solids) {
     const sl_scene *s = solids->scene;
     for (size_t t = 0; t < s->triangle_count; t++) {
         body *b = &solids->bodies[solids->body_of[t]];
-        sl_vec3d centre = sl_scaled(sl_addd(sl_to_double(b->low), sl_to_double(b->high)), 0.5), corner[3];
+        sl_vec3d low = sl_to_double(b->box.low), high = sl_to_double(b->box.high), corner[3];
+        sl_vec3d centre = sl_scaled(sl_addd(low, high), 0.5);
         for (int c = 0; c < 3; c++)
             corner[c] = sl_subd(sl_to_double(sl_scene_position(s, s->vertex[c][t])), centre);
         sl_vec3d area =
@@ -130,8 +124,8 @@ static void measure_volumes(sl_solids *solids) {
 }
 
 static bool box_holds(const body *b, sl_vec3 p) {
-    return p.x >= b->low.x && p.x <= b->high.x && p.y >= b->low.y && p.y <= b->high.y && p.z >= b->low.z &&
-           p.z <= b->high.z;
+    const sl_vec3 low = b->box.low, high = b->box.high;
+    return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z && p.z <= high.z;
 }
 
 static bool light_inside(const sl_solids *solids, const body *b) {
@@ -153,7 +147,7 @@ void sl_solids_edit(sl_solids *solids) {
     solids->solid_count = 0;
     for (size_t i = 0; i < solids->count; i++) {
         body *b = &solids->bodies[i];
-        sl_vec3 size = sl_sub(b->high, b->low);
+        sl_vec3 size = sl_sub(b->box.high, b->box.low);
         double box = (double)size.x * (double)size.y * (double)size.z;
         if (b->shines || !(b->volume > 0.01 * box)) continue;
         if (light_inside(solids, b)) b->kind = b->sealed ? LIT_SOLID : NO_SOLID;

@@ -29,12 +29,7 @@ typedef struct tree_point {
 } tree_point;
 
 static uint32_t integer_of(float v) {
-    uint32_t bits = sl_float_bits(isfinite(v) ? v + 0.0f : FLT_MAX); /* -0 is 0 */
-    return bits >> 31 ? ~bits : bits | 0x80000000u;
-}
-
-static float float_of(uint32_t integer) {
-    return sl_float_of_bits(integer >> 31 ? integer & 0x7fffffffu : ~integer);
+    return sl_float_key(isfinite(v) ? v + 0.0f : FLT_MAX); /* -0 is 0 */
 }
 
 typedef struct tree_node {
@@ -109,7 +104,7 @@ static int bound_points(const tree_point *points, size_t count, sl_photon_box *b
     }
     int longest = 0;
     for (int a = 0; a < 3; a++) {
-        float from = float_of(low[a]), to = float_of(high[a]), centre = 0.5f * from + 0.5f * to;
+        float from = sl_float_of_key(low[a]), to = sl_float_of_key(high[a]), centre = 0.5f * from + 0.5f * to;
         box->centre[a] = centre;
         box->half[a] = fmaxf(to - centre, centre - from) * (1.0f + 2e-6f) + FLT_MIN;
         if (box->half[a] > box->half[longest]) longest = a;

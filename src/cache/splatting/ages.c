@@ -164,7 +164,7 @@ static double nearness(const sl_splat_ages *a, sl_vec3 p) {
     double sum = 1.0;
     for (size_t i = 0; i < a->moved_count; i++) {
         const sl_box *b = &a->moved[i];
-        const sl_vec3 way = sl_outside_box(b->low, b->high, p), across = sl_sub(b->high, b->low);
+        const sl_vec3 way = sl_outside_box(*b, p), across = sl_sub(b->high, b->low);
         const double size = (double)sl_dot(across, across), away = (double)sl_dot(way, way);
         if (size > 0.0) sum += 8.0 * size / (size + away);
     }

@@ -9,10 +9,10 @@
 #include "scene/object_motion.h"
 
 /* Returns by how much a point lies outside a box, axis by axis. */
-static inline sl_vec3 sl_outside_box(sl_vec3 low, sl_vec3 high, sl_vec3 p) {
-    return sl_v3(p.x < low.x ? low.x - p.x : p.x > high.x ? p.x - high.x : 0.0f,
-                 p.y < low.y ? low.y - p.y : p.y > high.y ? p.y - high.y : 0.0f,
-                 p.z < low.z ? low.z - p.z : p.z > high.z ? p.z - high.z : 0.0f);
+static inline sl_vec3 sl_outside_box(sl_box b, sl_vec3 p) {
+    return sl_v3(p.x < b.low.x ? b.low.x - p.x : p.x > b.high.x ? p.x - b.high.x : 0.0f,
+                 p.y < b.low.y ? b.low.y - p.y : p.y > b.high.y ? p.y - b.high.y : 0.0f,
+                 p.z < b.low.z ? b.low.z - p.z : p.z > b.high.z ? p.z - b.high.z : 0.0f);
 }
 
 /* Neighbour clamping asks of every record for the least R_j + |p - p_j| over all others (rule 5 below). An
@@ -21,7 +21,7 @@ static inline sl_vec3 sl_outside_box(sl_vec3 low, sl_vec3 high, sl_vec3 p) {
 typedef struct sl_reach_node {
     sl_vec3 position;
     float radius, least; /* of the node's own record; of all at and below it */
-    sl_vec3 low, high;   /* the box of those */
+    sl_box box;          /* of those */
     uint32_t child[8];   /* by octant about the position; 0: none, as the root is no child */
 } sl_reach_node;
 

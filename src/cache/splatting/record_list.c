@@ -14,19 +14,14 @@ static unsigned octant_of(sl_vec3 centre, sl_vec3 p) {
     return (unsigned)(p.x >= centre.x) | (unsigned)(p.y >= centre.y) << 1 | (unsigned)(p.z >= centre.z) << 2;
 }
 
-static void widen(sl_reach_node *n, sl_vec3 p, float radius) {
-    n->low = sl_v3(fminf(n->low.x, p.x), fminf(n->low.y, p.y), fminf(n->low.z, p.z));
-    n->high = sl_v3(fmaxf(n->high.x, p.x), fmaxf(n->high.y, p.y), fmaxf(n->high.z, p.z));
-    n->least = fminf(n->least, radius);
-}
-
 sl_status sl_reach_tree_insert(sl_reach_tree *tree, sl_vec3 position, float radius, sl_error *error) {
     if (!sl_make_room(&tree->nodes, tree->count, &tree->capacity, sizeof *tree->nodes))
         return sl_fail_memory(error, "records' reaches");
     uint32_t *link = NULL;
     for (uint32_t index = 0; index < tree->count; index = *link) {
         sl_reach_node *n = &tree->nodes[index];
-        widen(n, position, radius);
+        sl_box_add(&n->box, position);
+        n->least = fminf(n->least, radius);
         if (n->position.x == position.x && n->position.y == position.y && n->position.z == position.z) {
             n->radius = fminf(n->radius, radius); /* the smaller one answers for both */
             return SL_OK;
@@ -36,7 +31,7 @@ sl_status sl_reach_tree_insert(sl_reach_tree *tree, sl_vec3 position, float radi
     }
     if (link) *link = (uint32_t)tree->count;
     tree->nodes[tree->count++] = (sl_reach_node){
-        .position = position, .radius = radius, .least = radius, .low = position, .high = position};
+        .position = position, .radius = radius, .least = radius, .box = {position, position}};
     return SL_OK;
 }
 
@@ -44,7 +39,7 @@ sl_status sl_reach_tree_insert(sl_reach_tree *tree, sl_vec3 position, float radi
 
 /* Returns at most the distance from p to anything in the box: rounding is paid for. */
 static float distance_to_box(const sl_reach_node *n, sl_vec3 p) {
-    return 0.9999f * sl_length(sl_outside_box(n->low, n->high, p));
+    return 0.9999f * sl_length(sl_outside_box(n->box, p));
 }
 
 static float limit_below(const sl_reach_tree *tree, uint32_t index, sl_vec3 p, float radius) {

@@ -104,21 +104,19 @@ static sl_splat_rect rect_union(sl_splat_rect a, sl_splat_rect b) {
 }
 
 sl_mirror_pixels sl_mirror_pixels_find(const sl_gbuffer *g, const sl_reflections *reflections) {
-    sl_mirror_pixels m = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
+    sl_mirror_pixels m = {.box = sl_box_empty()};
     for (size_t k = 0; reflections && k < reflections->count; k++) {
         const size_t i = reflections->pixel[k];
         const int x = (int)(i % (size_t)g->width), y = (int)(i / (size_t)g->width);
-        const sl_vec3 p = sl_gbuffer_position(g, i);
         if (g->material[i] == SL_NO_INDEX) continue;
         m.rect = rect_union(m.rect, (sl_splat_rect){x, y, x + 1, y + 1});
-        m.low = sl_v3(fminf(m.low.x, p.x), fminf(m.low.y, p.y), fminf(m.low.z, p.z));
-        m.high = sl_v3(fmaxf(m.high.x, p.x), fmaxf(m.high.y, p.y), fmaxf(m.high.z, p.z));
+        sl_box_add(&m.box, sl_gbuffer_position(g, i));
     }
     return m;
 }
 
 sl_splat_rect sl_mirror_bounds(const sl_mirror_pixels *m, sl_vec3 centre, float reach, sl_splat_rect seen) {
-    const sl_vec3 d = sl_outside_box(m->low, m->high, centre);
+    const sl_vec3 d = sl_outside_box(m->box, centre);
     return sl_dot(d, d) <= reach * reach ? rect_union(seen, m->rect) : seen;
 }
 

@@ -43,7 +43,7 @@ sl_status sl_look_at_edges(const sl_scene *scene, const sl_tracer *tracer, unsig
  * sphere reaches the box of what they show. */
 typedef struct sl_mirror_pixels {
     sl_splat_rect rect; /* of all such pixels; empty: no mirror is in sight */
-    sl_vec3 low, high;  /* the box about what they show */
+    sl_box box;         /* about what they show */
 } sl_mirror_pixels;
 
 sl_mirror_pixels sl_mirror_pixels_find(const sl_gbuffer *gbuffer, const sl_reflections *reflections);

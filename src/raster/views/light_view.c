@@ -78,11 +78,6 @@ static void add_box(outline *o, sl_vec3d eye, sl_vec3 low, sl_vec3 high, sl_vec3
     }
 }
 
-static void grow(sl_vec3 p, sl_vec3 *low, sl_vec3 *high) {
-    *low = sl_v3(fminf(low->x, p.x), fminf(low->y, p.y), fminf(low->z, p.z));
-    *high = sl_v3(fmaxf(high->x, p.x), fmaxf(high->y, p.y), fmaxf(high->z, p.z));
-}
-
 static void make_outline(outline *o, sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light) {
     sl_vec3d e = sl_to_double(eye), n = sl_to_double(normal);
     bool horizon = sl_lengthd(n) > 0.0;
@@ -93,12 +88,12 @@ static void make_outline(outline *o, sl_vec3 eye, sl_vec3 normal, const sl_light
         }
         return;
     }
-    sl_vec3 low = sl_v3(INFINITY, INFINITY, INFINITY), high = sl_v3(-INFINITY, -INFINITY, -INFINITY);
+    sl_box box = sl_box_empty();
     for (size_t t = 0; t < light->triangles; t++) {
         if (!finite_triangle(light->corner + 3 * t)) continue;
-        for (size_t k = 0; k < 3; k++) grow(light->corner[3 * t + k], &low, &high);
+        for (size_t k = 0; k < 3; k++) sl_box_add(&box, light->corner[3 * t + k]);
     }
-    if (low.x <= high.x) add_box(o, e, low, high, n, horizon);
+    if (box.low.x <= box.high.x) add_box(o, e, box.low, box.high, n, horizon);
 }
 
 /* ---- 2. axis ---- */
