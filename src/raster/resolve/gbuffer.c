@@ -97,7 +97,7 @@ static void fetch_normals(const sl_scene *scene, workspace *w) {
 }
 
 static inline void put(const resolution *r, void *plane, size_t first, const void *values, uint32_t count) {
-    if (plane) sl_resolve_put(plane, r->pixels, first - r->start, values, count);
+    if (plane) memcpy((char *)plane + 4 * (first - r->start), values, 4 * (size_t)count);
 }
 
 /* ---- bumps: surface.c decides, pixel by pixel; few materials have them ---- */
@@ -238,7 +238,6 @@ static void resolve_strip(void *context, size_t index, unsigned worker) {
     workspace *w = &s->worker[worker];
     memset(w, 0, sizeof *w);
     s->shaded[index] = resolve_pixels(&s->resolution, first, end, w);
-    sl_stream_end();
 }
 
 static sl_status resolve(const sl_raster *raster, const sl_view *view, const uint32_t *id, unsigned threads,
@@ -320,7 +319,6 @@ uint64_t sl_resolver_run(const sl_resolver *r, unsigned worker, size_t first, si
                             .id = r->id,
                             .out = part,
                             .start = first,
-                            .pixels = count,
                             .positions = positions_wanted(part),
                             .normals = normals_wanted(part)};
     return resolve_pixels(&all, first, first + count, &r->worker[worker]);

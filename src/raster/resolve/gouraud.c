@@ -59,8 +59,8 @@ static void interpolate(const gouraud *g, const sl_resolve_block *block, size_t 
     fetch(g->pass, block, corners);
     for (size_t c = 0; c < (size_t)g->pass->channels; c++) {
         SL_KERNEL_OF(g->raster->isa, sl_resolve_interpolate)(block, corners[c], plane);
-        if (g->pass->out) sl_resolve_put(g->pass->out + c * g->pixels, g->pixels, pixel, plane, block->count);
-        else memcpy(value[c] + at, plane, block->count * sizeof *plane);
+        float *out = g->pass->out ? g->pass->out + c * g->pixels + pixel : value[c] + at;
+        memcpy(out, plane, block->count * sizeof *plane);
     }
 }
 
@@ -95,7 +95,6 @@ static void shade_strip(void *context, size_t index, unsigned worker) {
         for (int c = 0; c < 3 && pass->textured; c++) pixels.diffuse[c] = diffuse[c];
         pass->shade(pass->context, &pixels);
     }
-    sl_stream_end();
 }
 
 void sl_raster_gouraud(const sl_raster *raster, const sl_view *view, unsigned threads, const uint32_t *id,

@@ -17,14 +17,12 @@
 #ifndef SL_RASTER_RESOLVE_H
 #define SL_RASTER_RESOLVE_H
 
-#include "base/stream.h"
 #include "raster/pipeline.h"
 #include "raster/textures/mip.h"
 
 enum {
     SL_RESOLVE_PIXELS = 512,
     SL_RESOLVE_RUNS = 64,
-    SL_RESOLVE_STREAMED = 131072, /* so many pixels' planes are some megabytes */
     SL_RESOLVE_ROOM = SL_RESOLVE_PIXELS + SL_LANES /* a run's lanes may reach beyond the block's end */
 };
 
@@ -100,14 +98,6 @@ size_t sl_resolve_next(const sl_raster *raster, const sl_pass_view *view, size_t
 /* A run's triangle. */
 static inline uint32_t sl_run_triangle(const sl_resolve_block *block, uint32_t run) {
     return block->id[block->start[run]];
-}
-/* Copies a block's values (floats or indices) into a plane of `pixels` pixels; large ones past the caches. A
- * task that has put its last ends with sl_stream_end(). */
-static inline void sl_resolve_put(void *plane, size_t pixels, size_t first, const void *values,
-                                  uint32_t count) {
-    char *to = (char *)plane + 4 * first;
-    if (pixels >= SL_RESOLVE_STREAMED) sl_stream_copy(to, values, 4 * (size_t)count);
-    else memcpy(to, values, 4 * (size_t)count);
 }
 /* kd times texture of a block's pixels, of a raster with a scene. */
 void sl_resolve_diffuse(const sl_raster *raster, const sl_pass_view *view, const sl_resolve_block *block,
