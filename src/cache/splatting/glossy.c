@@ -33,25 +33,20 @@ double sl_glossy_truncation(const sl_scene *scene, int order, double *exponent) 
     return glossy ? sl_phong_truncation(order, *exponent > 1.0 ? *exponent : 1.0) : 0.0;
 }
 
-static sl_moved_lobe *lobe_made_before(const sl_glossy *glossy, const sl_scene *scene, size_t index) {
-    for (size_t i = 0; i < index; i++) {
-        if (glossy->lobe[i] && scene->materials[i].exponent == scene->materials[index].exponent)
-            return glossy->lobe[i];
-    }
-    return NULL;
-}
-
 static sl_status make_lobes(sl_glossy *glossy, const sl_scene *scene, sl_error *error) {
     sl_status status = SL_OK;
     glossy->material_count = scene->material_count;
     glossy->lobe = sl_allocate(scene->material_count, sizeof *glossy->lobe);
-    if (!glossy->lobe) return sl_fail_memory(error, "glossy materials");
+    glossy->made = sl_allocate(scene->material_count, sizeof *glossy->made);
+    if (!glossy->lobe || !glossy->made) return sl_fail_memory(error, "glossy materials");
     for (size_t i = 0; status == SL_OK && i < scene->material_count; i++) {
+        const float exponent = scene->materials[i].exponent;
         if (!sl_material_is_glossy(&scene->materials[i])) continue;
-        glossy->lobe[i] = lobe_made_before(glossy, scene, i);
+        for (size_t k = 0; k < i && !glossy->lobe[i]; k++)
+            if (scene->materials[k].exponent == exponent) glossy->lobe[i] = glossy->lobe[k];
         if (glossy->lobe[i]) continue;
-        status = sl_moved_lobe_create(glossy->order, (double)scene->materials[i].exponent, &glossy->lobe[i],
-                                      error);
+        status = sl_moved_lobe_create(glossy->order, (double)exponent, &glossy->lobe[i], error);
+        if (status == SL_OK) glossy->made[glossy->made_count++] = glossy->lobe[i];
     }
     return status;
 }
@@ -72,26 +67,14 @@ sl_status sl_glossy_create(const sl_scene *scene, int order, sl_glossy **out, sl
     return SL_OK;
 }
 
-static bool is_shared(const sl_glossy *glossy, size_t index) {
-    for (size_t i = 0; i < index; i++) {
-        if (glossy->lobe[i] == glossy->lobe[index]) return true;
-    }
-    return false;
-}
-
 void sl_glossy_destroy(sl_glossy *glossy) {
     if (!glossy) return;
-    for (size_t i = glossy->material_count; glossy->lobe && i-- > 0;) {
-        if (glossy->lobe[i] && !is_shared(glossy, i)) sl_moved_lobe_destroy(glossy->lobe[i]);
-    }
-    sl_free(glossy->lobe);
-    sl_free(glossy);
+    for (size_t i = 0; i < glossy->made_count; i++) sl_moved_lobe_destroy(glossy->made[i]);
+    SL_FREE_ALL(glossy->lobe, glossy->made, glossy);
 }
 
 size_t sl_glossy_bytes(const sl_glossy *glossy) {
-    size_t bytes = sizeof *glossy + glossy->material_count * sizeof *glossy->lobe;
-    for (size_t i = 0; i < glossy->material_count; i++) {
-        if (glossy->lobe[i] && !is_shared(glossy, i)) bytes += sl_moved_lobe_bytes(glossy->lobe[i]);
-    }
+    size_t bytes = sizeof *glossy + 2 * glossy->material_count * sizeof *glossy->lobe;
+    for (size_t i = 0; i < glossy->made_count; i++) bytes += sl_moved_lobe_bytes(glossy->made[i]);
     return bytes;
 }

@@ -52,6 +52,8 @@ struct sl_glossy {
     size_t even, stride;       /* floats of the even part, and of a whole padded vector */
     size_t material_count;
     sl_moved_lobe **lobe;      /* of every material; NULL: not glossy. Equal exponents share one. */
+    sl_moved_lobe **made;      /* each of them once */
+    size_t made_count;
 };
 
 #endif
