@@ -705,8 +705,8 @@ SL_API sl_status sl_method_resolve(sl_method *method, sl_image **image, sl_error
  * of the coarse mesh that matter more or less than before beside the others; thresholds that are new may
  * split meshes further, whose samples are all that SL_COUNT_LIGHT_SAMPLES counts then. Indirect light is
  * gathered again. With 16 lights or more by the ratio estimator samples depend on what other lights give,
- * and go. Where its meshes have ended at the option "memory" it keeps nothing. Of the shading cache all is scaled,
- * to within the rounding of a float, where the power of all lights changes by one ratio and there is no sky;
+ * and go. Where its meshes have ended at the option "memory" it keeps nothing. Of the shading cache all is
+ * scaled, to within the rounding of a float, where the power of all lights changes by one ratio and there is no sky;
  * where their colour does, too, indirect light is renewed. At rest it shades no more than a method created
  * then, and indirect light of fine patches follows that of coarse ones. SL_CHANGED_KINDS (objects that come,
  * go or are deformed are of these), lights of a kind that there was none of, and a light that is lit or put

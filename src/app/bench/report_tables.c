@@ -200,8 +200,8 @@ void sl_report_overview(FILE *out, const void *results) {
         "is subtracted. What that noise leaves in doubt is below a tenth of the error (95 % confidence), or "
         "stands behind it as ±; `<`: at most, and perhaps nothing; `≥`: lost in the noise, and no less "
         "than the energy that is missing. *matched*: against the light paths that the method itself declares"
-        "; *full*: against all light; *estimate*, *bound*: told without a reference. Times are in seconds, the "
-        "processor's of all threads together but for *wall*; *peak* is in MB.\n\nScenes:",
+        "; *full*: against all light; *estimate*, *bound*: told without a reference. Times are in seconds, "
+        "the processor's of all threads together but for *wall*; *peak* is in MB.\n\nScenes:",
         out);
     for (size_t i = 0; i < r->scene_count; i++)
         fprintf(out, "%s [%s](#%s)", i ? "," : "", r->scenes[i].name, r->scenes[i].name);

@@ -91,8 +91,8 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
     for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK) {
         size_t rest = first + count - k;
         sl_light_points block = sl_hit_points(h, k, rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK);
-        sl_shadow_maps_irradiance(view->gather->settings.maps, &block, parts, h->irradiance_r + k, h->irradiance_g + k,
-                                  h->irradiance_b + k, counters);
+        sl_shadow_maps_irradiance(view->gather->settings.maps, &block, parts, h->irradiance_r + k,
+                                  h->irradiance_g + k, h->irradiance_b + k, counters);
     }
 }
 

@@ -92,7 +92,8 @@ static sl_status compare(sl_multi_mesh_state *s, const sl_mesh_world *old, bool 
     sl_light_moves *moves = NULL;
     sl_status status = SL_OK;
     if (s->plan.lights) {
-        status = sl_light_moves_find(s->scene, old->places, s->now.places, old->lights, s->now.lights, &moves, error);
+        status = sl_light_moves_find(s->scene, old->places, s->now.places, old->lights, s->now.lights, &moves,
+                                     error);
         *followed = moves;
     }
     if (status == SL_OK && *followed) status = age(s, same_tolerances(s, old) ? moves : NULL, error);

@@ -79,8 +79,8 @@ sl_status sl_multi_mesh_make_sampling(sl_multi_mesh_state *s, sl_error *error) {
     sampling.threads = s->settings.threads;
     sl_status status = sl_sampled_lights_find(s->scene, &s->now.lights, error);
     if (status == SL_OK)
-        status = sl_light_sampling_create(s->scene, s->raster, s->now.tracer, s->now.lights, &sampling, &s->now.sampling,
-                                          error);
+        status = sl_light_sampling_create(s->scene, s->raster, s->now.tracer, s->now.lights, &sampling,
+                                          &s->now.sampling, error);
     return status;
 }
 

@@ -164,7 +164,8 @@ static void sampled_plan(const sl_scene *scene, const sl_settings *settings, sl_
 #define SAMPLED_METHOD(method_name) \
     {.name = method_name, .complete = sampled_complete, .create = sampled_create, \
      .destroy = sampled_destroy, .update = sampled_update, .resolve = sampled_resolve, \
-     .edit = sampled_edit, .shows = sampled_shows, .counters_at = offsetof(sampled_state, counters), .memory_bytes = sampled_memory_bytes, \
+     .edit = sampled_edit, .shows = sampled_shows, .counters_at = offsetof(sampled_state, counters), \
+     .memory_bytes = sampled_memory_bytes, \
      .need = sampled_need, .transport = sampled_transport, .plan = sampled_plan, .any_transport = true, \
      .draws_anew = true}
 

@@ -1,5 +1,5 @@
 /* Pixels that show a mirror show what it reflects: rays are followed from mirror to mirror, and what they
- * find takes the mirror's place in the G-buffer. And the picture of what a G-buffer shows, mirrors included. */
+ * find takes the mirror's place in the G-buffer. And the picture that a G-buffer shows, mirrors included. */
 #ifndef SL_CACHE_REFLECT_H
 #define SL_CACHE_REFLECT_H
 

@@ -3,9 +3,9 @@
  * have the same bits.
  *
  * Sixteen pixels of a row are looked at together, if any of them receives. A splat's rectangle is mostly air:
- * two thirds of its pixels lie too far from the record, on another wall or turned away. So distance comes first, then the weight, and
- * only where that is positive the rest. The groups of a column follow each other, as a column enters and
- * leaves a disc once: branches that the processor can foretell. */
+ * two thirds of its pixels lie too far from the record, on another wall or turned away. So distance comes
+ * first, then the weight, and only where that is positive the rest. The groups of a column follow each other,
+ * as a column enters and leaves a disc once: branches that the processor can foretell. */
 #include "cache/splatting/record_weight.h"
 
 #include "base/lanes.h"

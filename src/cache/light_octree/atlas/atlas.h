@@ -31,9 +31,9 @@ typedef struct sl_atlas {
     double texels_per_unit; /* the common density: texels for a length of 1 in a chart's plane */
 } sl_atlas;
 
-/* size: texels a side. Every triangle lies in one chart, and no two of a chart overlap. Deterministic. Where all cannot fit the
- * density sinks; where it would sink below a texel a chart, that is an error which says which size would do.
- */
+/* size: texels a side. Every triangle lies in one chart, and no two of a chart overlap. Deterministic. Where
+ * all cannot fit the density sinks; where it would sink below a texel a chart, that is an error which says
+ * which size would do. */
 sl_status sl_atlas_create(const sl_scene *scene, int size, sl_atlas **atlas, sl_error *error);
 void sl_atlas_destroy(sl_atlas *atlas);
 size_t sl_atlas_bytes(const sl_atlas *atlas);
