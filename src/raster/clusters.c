@@ -15,7 +15,6 @@
 #include "base/morton.h"
 #include "raster/pipeline.h"
 
-
 enum { MORTON_BITS = 20, HASH_SLOTS = 1024 };
 
 /* ---- order ---- */

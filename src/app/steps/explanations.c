@@ -57,7 +57,7 @@ static int by_size(const void *a, const void *b) {
 
 void sl_explanation_fold(sl_explanation *e, size_t most) {
     sl_explanation_term rest = {.layer = "several", .kind = "smaller ones, together"};
-    qsort(e->terms, e->count, sizeof *e->terms, by_size);
+    if (e->count) qsort(e->terms, e->count, sizeof *e->terms, by_size); /* there may be no terms at all */
     if (e->count <= most) return;
     for (size_t i = most; i < e->count; i++) {
         rest.weight += e->terms[i].weight;

@@ -18,7 +18,6 @@ typedef struct sl_octree_leaf {
     uint32_t triangle_count;
 } sl_octree_leaf;
 
-
 typedef struct sl_octree {
     int depth;
     sl_vec3d origin;        /* lower corner of the root cube */
