@@ -48,7 +48,7 @@ static char *receive(int s) {
     size_t size = 0, capacity = 1 << 16, wanted = (size_t)-1;
     char *text = malloc(capacity), *body = NULL;
     while (!body || size - (size_t)(body - text) < wanted) {
-        if (size + 4096 > capacity) {
+        if (size + 4096 >= capacity) { /* and room for the end */
             size_t offset = body ? (size_t)(body - text) : 0;
             text = realloc(text, capacity *= 2);
             if (body) body = text + offset;
