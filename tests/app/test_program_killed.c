@@ -296,7 +296,7 @@ static void explain(const trial *t, const char *what, const char *name) {
              t->over_old ? ", over old files" : "", name, what);
 }
 
-/* What a killed command leaves are parts at most. */
+/* Parts alone may be left, and only by a command that was killed. */
 static void look_after_the_end(const trial *t, const char *folder) {
     listing found = files_of(folder);
     for (size_t i = 0; i < found.count; i++) {

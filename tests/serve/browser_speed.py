@@ -73,7 +73,7 @@ const apart = (a, b) => Math.sqrt(a.reduce((sum, x, i) => sum + (x - b[i]) ** 2,
 const gone = (errors, share) => looks.find((l, i) => errors[i] <= share * errors[0])?.at;
 const tell = () => {
   const last = looks[looks.length - 1], errors = looks.map(l => apart(l.values, last.values));
-  done({wrong: errors[0], half: gone(errors, .5), tenth: gone(errors, .1), rest: last.at});
+  done({wrong: errors[0], half: gone(errors, .5), tenth: gone(errors, .1)});
 };
 const carry = edit => {
   const {objects, materials} = softlux.world.scene, low = Math.min(...objects.map(o => o.bounds[0])),

@@ -13,8 +13,8 @@ typedef struct sl_recording {
     cJSON *frames[SL_WATCHED_MAX];
     int snapshots;
     sl_counters told; /* all costs that passes have announced */
-    /* What is added to the next pass's cost, modulo 2^64, and to that of the first behind a snapshot: the
-     * snapshot's first pass announces also what an unfinished one has cost so far, which gets it back. */
+    /* added to the next pass's cost, modulo 2^64, and to that of the first behind a snapshot: the snapshot's
+     * first pass announces also the cost so far of an unfinished one, which gets it back */
     sl_counters next, later;
 } sl_recording;
 

@@ -1,5 +1,5 @@
-/* What an observer keeps of the passes that a method announces: each once, with what it cost and the newest
- * that it left. */
+/* Keeps the passes that a method announces, each once: its cost, and the newest picture and marks that it
+ * left. */
 #ifndef SL_APP_STEPS_WATCHED_H
 #define SL_APP_STEPS_WATCHED_H
 

@@ -58,7 +58,7 @@ typedef struct sl_coarse_rounds {
     sl_gathers eye[SL_GATHER_DETAILS]; /* none: to be made */
 } sl_coarse_rounds;
 
-/* What samples of lights are taken with, made anew where lights or objects have moved. */
+/* Lights and rays to them, made anew where lights or objects have moved. */
 typedef struct sl_mesh_world {
     sl_tracer *tracer;
     sl_sampled_lights *lights;

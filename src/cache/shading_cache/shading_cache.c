@@ -61,7 +61,7 @@ static void prioritise(sl_shading_state *s, sl_leaf_priority *leaf) {
     leaf->normal = leaf->priority >= 0.0f && leaf->priority < 255.0f ? leaf->priority : 255.0f;
 }
 
-/* The mean over the pixels, by which motion may be held back. */
+/* Returns the mean over the pixels, which shows tell. */
 static double mean_error_levels(const sl_shading_state *s) {
     double sum = 0.0, pixels = 0.0;
     for (size_t i = 0; i < s->leaf_count; i++) {
