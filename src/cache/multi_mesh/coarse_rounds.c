@@ -128,31 +128,29 @@ static uint32_t rounds_of(const sl_multi_mesh_state *s) {
 /* Room for the lights' shares, and those of the last whole mesh that hold. Of few rays none are kept. */
 static sl_status begin_shares(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_rounds *r = &s->next;
-    if (!s->plan.lights || s->light.few_rays || r->rolls || r->hasty) return SL_OK;
+    if (!s->plan.lights || s->light.few_rays || r->hasty) return SL_OK;
     r->shares = sl_allocate(r->coarse->vertex_count * s->now.lights->count, sizeof *r->shares);
     if (!r->shares) return sl_fail_memory(error, "the coarse mesh's light");
     if (!s->kept.count) return SL_OK;
     return sl_coarse_shares_that_hold(&s->kept, &s->light, s->now.places, r->coarse, r->shares, error);
 }
 
+sl_status sl_multi_mesh_make_coarse(const sl_multi_mesh_state *s, int halvings, sl_coarse **coarse,
+                                    sl_error *error) {
+    sl_coarse_settings settings = {ldexpf((float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), halvings),
+                                   s->settings.multi_mesh.coarse_depth - halvings};
+    if (settings.depth < 0) settings.depth = 0;
+    return sl_coarse_create(s->scene, s->primitives, &settings, coarse, error);
+}
+
 sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error) {
-    bool moves = s->whole.coarse && s->whole.lit != s->lit, rolls = moves && rounds_of(s) > 0;
     bool hasty = s->hastens && !s->whole.coarse;
-    /* a quarter of the vertices while things move, and of those another: what has gone on is soon seen */
-    int halvings = hasty ? 2 : rolls;
-    sl_coarse_settings coarse = {ldexpf((float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), halvings),
-                                 s->settings.multi_mesh.coarse_depth - halvings};
-    if (coarse.depth < 0) coarse.depth = 0;
-    s->next = (sl_coarse_rounds){.world = s->world, .lit = s->lit, .rolls = rolls, .hasty = hasty};
-    sl_status status = sl_coarse_create(s->scene, s->primitives, &coarse, &s->next.coarse, error);
+    s->next = (sl_coarse_rounds){.world = s->world, .lit = s->lit, .hasty = hasty};
+    sl_status status = sl_multi_mesh_make_coarse(s, hasty ? 2 : 0, &s->next.coarse, error);
+    if (status == SL_OK) status = begin_shares(s, error);
     if (status != SL_OK) return status;
-    size_t count = s->next.coarse->vertex_count;
-    status = begin_shares(s, error);
-    if (status != SL_OK) return status;
-    s->next.direct = sl_allocate(count, sizeof *s->next.direct);
-    if (s->next.rolls) s->next.indirect = sl_allocate(count, sizeof *s->next.indirect);
-    bool done = s->next.direct && (s->next.indirect || !s->next.rolls);
-    return done ? SL_OK : sl_fail_memory(error, "the coarse mesh");
+    s->next.direct = sl_allocate(s->next.coarse->vertex_count, sizeof *s->next.direct);
+    return s->next.direct ? SL_OK : sl_fail_memory(error, "the coarse mesh");
 }
 
 /* Tells whether a round's gathers have few pixels: what the coarse mesh's vertices gather of each other is
@@ -166,14 +164,14 @@ static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *er
     sl_root_place place[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) place[i] = sl_coarse_lit_place(r->coarse, r->done + i);
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
-    return sl_coarse_light_take(&s->light, count, place, r->rolls || r->hasty,
+    return sl_coarse_light_take(&s->light, count, place, r->hasty,
                                 r->shares ? r->shares + r->done * lights : NULL, r->direct + r->done,
                                 &s->counters, error);
 }
 
 /* Gathers see U_dd and E_i / pi. Before E_i is known a hasty mesh of several bounces has the ambient term,
  * any other nothing. */
-static void set_coarse(const sl_multi_mesh_state *s, const sl_coarse_rounds *r) {
+void sl_multi_mesh_colour_coarse(const sl_multi_mesh_state *s, const sl_coarse_rounds *r) {
     const sl_rgb unknown = r->hasty && s->settings.bounces > 1 ? s->ambient_in_motion : sl_grey(0.0f);
     for (size_t i = 0; i < r->coarse->vertex_count; i++) {
         const sl_rgb indirect = r->indirect ? r->indirect[i] : unknown;
@@ -197,12 +195,10 @@ static void leave_out_indirect(sl_multi_mesh_state *s) {
 
 /* It takes the place of the one before. */
 static void end_coarse(sl_multi_mesh_state *s) {
-    if (s->whole.coarse) sl_multi_mesh_carry(s);
+    if (s->whole.coarse) sl_multi_mesh_carry(s, &s->whole, &s->next);
     sl_multi_mesh_forget_coarse(&s->whole);
     s->whole = s->next;
     s->next = (sl_coarse_rounds){.coarse = NULL};
-    sl_free(s->whole.direct);
-    s->whole.direct = NULL;
 }
 
 /* The environment's light is gathered past surfaces that are black. */
@@ -241,7 +237,7 @@ static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     bool sky = s->scene->environment.present;
     sl_status status = keep_shares(s, error);
     if (status != SL_OK) return status;
-    set_coarse(s, &s->next);
+    sl_multi_mesh_colour_coarse(s, &s->next);
     sl_announce_pass(&s->announcer, "coarse mesh", "for equation (7)");
     if (!s->next.hasty && is_dark(s)) {
         leave_out_indirect(s);
@@ -258,18 +254,16 @@ static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
     return s->next.indirect ? SL_OK : sl_fail_memory(error, "the coarse mesh's gathers");
 }
 
-static sl_status gather_for_coarse(sl_multi_mesh_state *s, sl_coarse_rounds *seen, size_t count,
-                                   sl_error *error) {
+static sl_status gather_for_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
     sl_mesh_point points[COARSE_VERTICES];
     for (size_t i = 0; i < count; i++)
         points[i] = sl_mesh_point_at(s->primitives, sl_coarse_lit_place(s->next.coarse, s->next.done + i));
-    const bool quick = s->next.rolls || is_quick_round(s);
-    return sl_multi_mesh_gather(s, seen, quick ? SL_GATHER_A_QUARTER : SL_GATHER_ALL, count, points,
-                                s->next.indirect + s->next.done, error);
+    return sl_multi_mesh_gather(s, &s->next, is_quick_round(s) ? SL_GATHER_A_QUARTER : SL_GATHER_ALL, count,
+                                points, s->next.indirect + s->next.done, error);
 }
 
 static void finish_gathers(sl_multi_mesh_state *s) {
-    set_coarse(s, &s->next);
+    sl_multi_mesh_colour_coarse(s, &s->next);
     sl_announce_pass(&s->announcer,
                      is_quick_round(s) ? "coarse mesh, one more bounce"
                                        : "coarse mesh, the environment's light",
@@ -287,12 +281,9 @@ static sl_status extend(sl_multi_mesh_state *s, sl_error *error) {
     size_t all = s->next.coarse->vertex_count, left = all - s->next.done, share = update_share(s);
     size_t count = left < share ? left : share;
     sl_status status = SL_OK;
-    if (count && (s->next.rolls || !s->next.indirect)) status = light_coarse(s, count, error);
-    if (status == SL_OK && s->next.indirect)
-        status = gather_for_coarse(s, s->next.rolls ? &s->whole : &s->next, count, error);
+    if (count) status = s->next.indirect ? gather_for_coarse(s, count, error) : light_coarse(s, count, error);
     s->next.done += count;
     if (status != SL_OK || s->next.done < all) return status;
-    if (s->next.rolls) s->next.gathers = 1;
     if (!s->next.indirect) return finish_direct(s, error);
     finish_gathers(s);
     return SL_OK;
@@ -306,10 +297,21 @@ static sl_status extend_kept(sl_multi_mesh_state *s, sl_error *error) {
     return status;
 }
 
-sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
+/* While things move the one there is rolls on; a still picture's is begun when they rest. */
+static sl_status extend_or_roll(sl_multi_mesh_state *s, sl_error *error) {
+    if (s->whole.coarse && s->whole.lit != s->lit && rounds_of(s) > 0) return sl_multi_mesh_roll(s, error);
+    if (s->whole.rolls && !s->next.coarse && !sl_multi_mesh_rests(s)) return SL_OK;
     sl_status status = s->next.coarse ? SL_OK : sl_multi_mesh_begin_coarse(s, error);
     if (status == SL_OK) status = s->kept.count ? extend_kept(s, error) : extend(s, error);
-    if (status != SL_OK || s->next.coarse || !s->whole.coarse) return status;
+    return status;
+}
+
+sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error) {
+    const sl_coarse *before = s->whole.coarse;
+    const uint32_t lit = s->whole.lit;
+    sl_status status = extend_or_roll(s, error);
+    bool ended = s->whole.coarse && (s->whole.rolls ? s->whole.lit != lit : s->whole.coarse != before);
+    if (status != SL_OK || !ended) return status;
     sl_multi_mesh_announce_gather(s);
     s->gathers_wait = s->gathers_wait && s->whole.world != s->world;
     s->phase = SL_PHASE_FIRST; /* of the indirect mesh */

@@ -122,52 +122,6 @@ sl_status sl_multi_mesh_follow(sl_multi_mesh_state *s, unsigned changes, bool *f
     return status;
 }
 
-/* ---- indirect light between two coarse meshes ---- */
-
-/* Gives E_i at a place as the vertices of a coarse mesh have gathered it. False: they have not. */
-static bool coarse_irradiance(const sl_coarse_rounds *r, sl_root_place at, float value[3]) {
-    if (!r->indirect || r->coarse->level[at.root] == SL_COARSE_ABSENT) return false;
-    const int n = r->coarse->face[at.root].rows;
-    double u = (double)at.u * n / SL_PATCH_DYADIC, v = (double)at.v * n / SL_PATCH_DYADIC;
-    int i = (int)fmin(u, n - 1), j = (int)fmin(v, n - 1 - i);
-    double a = u - i, b = v - j;
-    bool on_head = a + b > 1.0 && i + j < n - 1;
-    if (on_head) i++, j++, a = 1.0 - a, b = 1.0 - b;
-    int step = on_head ? -1 : 1;
-    const double weight[3] = {1.0 - a - b, a, b};
-    const int corner[3][2] = {{i, j}, {i + step, j}, {i, j + step}};
-    for (int c = 0; c < 3; c++) value[c] = 0.0f;
-    for (int k = 0; k < 3; k++) {
-        sl_rgb e = r->indirect[sl_coarse_lattice_vertex(r->coarse, at.root, corner[k][0], corner[k][1])];
-        value[0] += (float)weight[k] * e.r;
-        value[1] += (float)weight[k] * e.g;
-        value[2] += (float)weight[k] * e.b;
-    }
-    return true;
-}
-
-/* Scales a value that was gathered before the light around it changed, by at most MOST. Gathers of few pixels
- * are rough: where the coarse meshes have less than the scene's mean their difference says little. */
-static float scaled(float value, float before, float now, float mean) {
-    static const float MOST = 4.0f;
-    if (!(before >= 0.0f) || !(now >= 0.0f) || !(mean > 0.0f)) return value;
-    return value * fminf(fmaxf((now + mean) / (before + mean), 1.0f / MOST), MOST);
-}
-
-void sl_multi_mesh_carry(sl_multi_mesh_state *s) {
-    sl_displayed *d = s->part[SL_INDIRECT];
-    const float mean[3] = {s->ambient.r, s->ambient.g, s->ambient.b};
-    for (uint32_t v = 0; v < d->mesh->vertex_count; v++) {
-        float before[3], now[3], *value = sl_vertex_value(d->mesh, v);
-        sl_root_place at = d->mesh->vertex[v].place;
-        if (!d->mesh->vertex[v].references || sl_mesh_state(d->mesh, v) != SL_VERTEX_KNOWN) continue;
-        if (!coarse_irradiance(&s->whole, at, before) || !coarse_irradiance(&s->next, at, now)) continue;
-        for (int c = 0; c < 3; c++) value[c] = scaled(value[c], before[c], now[c], mean[c]);
-    }
-    d->dirty_all = true;
-    sl_displayed_age(d, SL_WORLDS_AN_EDIT, NULL);
-}
-
 /* ---- what is renewed ---- */
 
 /* In pictures of lights: sixteen rays take no longer than one of them. */
@@ -240,8 +194,8 @@ static sl_status renew_direct(sl_multi_mesh_state *s, sl_component part, bool at
 
 sl_status sl_multi_mesh_renew(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = SL_OK;
-    const bool at_rest = s->renewed_world == s->world;
-    s->renewed_world = s->oldest_left = s->world;
+    const bool at_rest = sl_multi_mesh_rests(s);
+    s->oldest_left = s->world;
     s->old_left = 0;
     s->mixed = false;
     if (s->world == 1) return SL_OK;

@@ -9,7 +9,8 @@
  *   window.c           frames beside updates
  *   displayed.h        a mesh as the eye uses it: priorities, tests, drawing (progressive sampling, pass 3)
  *   direct.c           direct diffuse and specular radiance from them
- *   coarse.h           the coarse mesh of the whole scene, which indirect gathers see
+ *   coarse.h           the coarse mesh of the whole scene, which indirect gathers see; coarse_roll.c: while
+ *                      things move
  *   merge.c            materials, and the five pictures into one (passes 2 and 4)
  *   explanation.c      a pixel told backwards; what can be seen of the meshes while they are made
  *
@@ -47,11 +48,12 @@ typedef enum sl_gather_detail {
 typedef struct sl_coarse_rounds {
     sl_coarse *coarse;          /* NULL: there is none */
     uint32_t world, lit;        /* in which it was begun */
-    sl_coarse_share *shares;    /* F by vertex and light; NULL: few_rays, rolls, hasty, or all are there */
-    /* while things move: one round of gathers that see the coarse mesh before it, with all bounces */
-    bool rolls;
-    bool hasty;                 /* ... and the first of all: few vertices, of direct light by few rays */
-    size_t done;                /* vertices of the round under way */
+    sl_coarse_share *shares;    /* F by vertex and light; NULL: few_rays, hasty, or all are there */
+    bool hasty;                 /* the first of all, while things move: few vertices, by few rays */
+    bool rolls;                 /* its vertices are lit anew in turns: coarse_roll.c */
+    uint32_t rolls_to;          /* ... for light as of this world, ... */
+    size_t left;                /* ... in which so many of them have not been lit yet */
+    size_t done;                /* vertices of the round, or turn, under way */
     sl_rgb *direct;             /* U_dd of lamps at its vertices, and ... */
     sl_rgb *indirect;           /* ... E_i of the environment or of later bounces; NULL: not yet, or none */
     uint32_t gathers;           /* rounds of these that are left */
@@ -97,7 +99,7 @@ typedef struct sl_multi_mesh_state {
     bool is_edited;                 /* since the method began, the view included: updates are shared out */
     size_t old_left;                /* values in view that an edit has left to be taken again */
     uint32_t oldest_left;           /* the world of the oldest of direct light */
-    uint32_t renewed_world;         /* the world in the last update that renewed some */
+    uint32_t updates;               /* since the last edit of what is lit or lights it */
     bool mixed;                     /* nothing has moved since: gathers cut nothing until all are of now */
     bool judged;                    /* all edges, since the last edit */
 
@@ -146,6 +148,12 @@ sl_status sl_multi_mesh_resolve(void *state, sl_image **image, sl_error *error);
 
 /* ---- update.c ---- */
 
+/* Tells whether some updates have seen no edit of what is lit or lights it: what was sampled quickly is
+ * sampled again. */
+static inline bool sl_multi_mesh_rests(const sl_multi_mesh_state *s) {
+    enum { REST = 2 };
+    return !s->moves || s->updates > REST;
+}
 sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error);
 sl_status sl_multi_mesh_edit(void *state, unsigned changes, sl_error *error);
 
@@ -223,10 +231,6 @@ sl_status sl_multi_mesh_follow(sl_multi_mesh_state *s, unsigned changes, bool *f
  * what is gathered. */
 sl_status sl_multi_mesh_renew(sl_multi_mesh_state *s, sl_error *error);
 
-/* The coarse mesh that is made takes the place of the one before: what was gathered from that is old, and is
- * scaled as the irradiance of its surroundings has changed. */
-void sl_multi_mesh_carry(sl_multi_mesh_state *s);
-
 /* ---- window.c ---- */
 
 /* Leaves copies of the meshes for a window, if there is one. */
@@ -253,10 +257,23 @@ sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error);
 void sl_multi_mesh_hasten_coarse(sl_multi_mesh_state *s);
 /* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins, or is old. */
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error);
+/* Makes the coarse mesh, its longest edges halved in so many halvings less than those of a still picture. */
+sl_status sl_multi_mesh_make_coarse(const sl_multi_mesh_state *s, int halvings, sl_coarse **coarse,
+                                    sl_error *error);
+/* Makes what gathers see of what its vertices have. */
+void sl_multi_mesh_colour_coarse(const sl_multi_mesh_state *s, const sl_coarse_rounds *rounds);
 /* Tells whether gathers see the world as it is now. */
 static inline bool sl_coarse_is_of_now(const sl_multi_mesh_state *s) {
     return s->whole.coarse && s->whole.world == s->world && !s->whole.rolls && !s->whole.hasty;
 }
+
+/* ---- coarse_roll.c ---- */
+
+/* Lights some vertices of the coarse mesh anew, in turns. Once all are of light as it is now its world is. */
+sl_status sl_multi_mesh_roll(sl_multi_mesh_state *s, sl_error *error);
+/* Indirect light that was gathered while the coarse mesh's vertices had `before` is old, and is scaled as the
+ * irradiance around it has changed. */
+void sl_multi_mesh_carry(sl_multi_mesh_state *s, const sl_coarse_rounds *before, const sl_coarse_rounds *now);
 
 /* ---- explanation.c: what made a pixel, and what can be seen of the meshes, for those who look on ---- */
 

@@ -75,6 +75,7 @@ static sl_status update_shares(sl_multi_mesh_state *s, sl_error *error) {
 sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error) {
     sl_multi_mesh_state *s = state;
     sl_status status = SL_OK;
+    s->updates++;
     if (s->is_edited) status = update_shares(s, error);
     else status = update_phase(s, error);
     progress->fraction = sl_multi_mesh_fraction(s);
@@ -103,10 +104,11 @@ static sl_status edit_world(sl_multi_mesh_state *s, unsigned changes, sl_error *
     s->moves = !s->settled;
     s->settled = false;
     sl_multi_mesh_hasten_coarse(s);
-    s->gathers_wait = sl_coarse_is_of_now(s) || (s->gathers_wait && !s->next.coarse);
+    s->gathers_wait = sl_coarse_is_of_now(s) || (s->gathers_wait && !s->next.coarse && !s->whole.rolls);
     s->world++;
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) s->lit = s->world;
     s->judged = false;
+    s->updates = 0;
     if (!s->change_waits) s->change_world = s->world;
     s->change_waits = true;
     sl_status status = s->raster && !s->full ? sl_multi_mesh_follow(s, changes, &followed, error) : SL_OK;
@@ -114,6 +116,7 @@ static sl_status edit_world(sl_multi_mesh_state *s, unsigned changes, sl_error *
     if (status == SL_OK) return SL_OK;
     sl_multi_mesh_forget_view(s);
     sl_multi_mesh_forget_world(s);
+    s->settled = true; /* the next one begins anew */
     return status;
 }
 

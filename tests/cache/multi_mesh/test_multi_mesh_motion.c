@@ -277,6 +277,36 @@ static void indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_mov
     destroy_method(method, scene);
 }
 
+static sl_scene *room_with_a_carried_lamp(void) {
+    return scene_from_text(
+        "{\"softlux\": 1, \"meshes\": [{\"file\": \"mesh.obj\", \"material\": \"wall\"}], \"materials\": "
+        "{\"wall\": {\"diffuse\": 0.7}}, \"lights\": [{\"type\": \"point\", \"position\": [-0.8, 0.6, 0], "
+        "\"intensity\": 0.1, \"keyframes\": [{\"time\": 0, \"position\": [-0.8, 0.6, 0]}, {\"time\": 1, "
+        "\"position\": [0.8, 0.6, 0]}]}], \"camera\": {\"eye\": [0, 0, 0.98], \"target\": [0, 0, 0], "
+        "\"fov_deg\": 80}}",
+        "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+        "f 1 2 3 4\nf 5 8 7 6\nf 1 5 6 2\nf 3 7 8 4\nf 1 4 8 5\nf 2 6 7 3\n");
+}
+
+/* Three updates a frame: a still picture's coarse mesh could be begun in each, and done in none. */
+static void indirect_light_keeps_up_with_a_lamp_that_is_carried(void **state) {
+    (void)state;
+    sl_scene *scene = room_with_a_carried_lamp();
+    sl_settings settings = mesh_settings(2);
+    settings.bounces = 9;
+    sl_method *method = created_method(scene, &settings);
+    run_to_end(method);
+    for (int i = 1; i <= 20; i++) {
+        move_to(method, scene, 0.05 * i);
+        for (int k = 0; k < 2; k++) assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+    }
+    sl_image *image = resolved_picture(method), *fresh = render(scene, &settings, NULL);
+    print_message("indirect light %.2f %% off\n", 100.0 * difference(image, fresh, "indirect.G"));
+    assert_true(difference(image, fresh, "indirect.G") < 0.13);
+    destroy_pictures(image, fresh);
+    destroy_method(method, scene);
+}
+
 /* A wall by so many lamps that an update lights few vertices. */
 static sl_scene *wall_by_lamps(int lamps) {
     char *json;
@@ -327,6 +357,7 @@ int main(void) {
         cmocka_unit_test(samples_that_survive_a_move_are_those_of_a_fresh_method),
         cmocka_unit_test(a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once),
         cmocka_unit_test(indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_move),
+        cmocka_unit_test(indirect_light_keeps_up_with_a_lamp_that_is_carried),
         cmocka_unit_test(where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_have_some),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
