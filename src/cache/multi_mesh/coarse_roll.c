@@ -47,7 +47,8 @@ static float scaled(float value, float before, float now, float mean) {
     return value * fminf(fmaxf((now + mean) / (before + mean), 1.0f / MOST), MOST);
 }
 
-void sl_multi_mesh_carry(sl_multi_mesh_state *s, const sl_coarse_rounds *before, const sl_coarse_rounds *now) {
+void sl_multi_mesh_carry(sl_multi_mesh_state *s, const sl_coarse_rounds *before,
+                         const sl_coarse_rounds *now) {
     sl_displayed *d = s->part[SL_INDIRECT];
     for (uint32_t v = 0; v < d->mesh->vertex_count; v++) {
         sl_rgb was, is;
@@ -83,7 +84,8 @@ static void take_over(const sl_multi_mesh_state *s, sl_coarse_rounds *r) {
         const sl_root_place at = r->coarse->vertex[v];
         if (!between_vertices(before->coarse, before->direct, at, &r->direct[v]))
             r->direct[v] = sl_grey(0.0f);
-        if (!between_vertices(before->coarse, before->indirect, at, &r->indirect[v])) r->indirect[v] = unknown;
+        if (!between_vertices(before->coarse, before->indirect, at, &r->indirect[v]))
+            r->indirect[v] = unknown;
     }
 }
 

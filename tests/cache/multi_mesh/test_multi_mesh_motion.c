@@ -298,7 +298,8 @@ static void indirect_light_keeps_up_with_a_lamp_that_is_carried(void **state) {
     run_to_end(method);
     for (int i = 1; i <= 20; i++) {
         move_to(method, scene, 0.05 * i);
-        for (int k = 0; k < 2; k++) assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+        for (int k = 0; k < 2; k++)
+            assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
     }
     sl_image *image = resolved_picture(method), *fresh = render(scene, &settings, NULL);
     print_message("indirect light %.2f %% off\n", 100.0 * difference(image, fresh, "indirect.G"));
