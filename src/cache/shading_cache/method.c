@@ -267,8 +267,11 @@ static void allow_more(sl_shading_state *s, unsigned what) {
 static void note_move(sl_shading_state *s, unsigned what) {
     enum { SOON = 8 };
     if (!(what & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS))) return;
+    const bool rested = !s->moves;
     s->moves = s->layers.kept && s->lit > 0 && s->now - s->lit <= SOON;
     s->lit = s->now;
+    for (size_t i = 0; i < s->changes.object_count && rested && s->moves; i++)
+        s->changes.object[i].dropped = false; /* what has been refined since goes once more */
 }
 
 static void begin_picture(sl_shading_state *s, unsigned what) {

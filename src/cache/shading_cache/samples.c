@@ -218,8 +218,11 @@ void sl_shading_commit_sample(sl_shading_state *s, size_t i) {
 }
 
 /* Returns how coarse patches of what changes are, so that there is time to renew their cheap layer. */
+/* T_c is what a change may take that is over; while one follows another there is a part of it. */
 float sl_shading_coarsest(const sl_shading_state *s) {
+    enum { MOTION_PART = 8 };
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
+    const double seconds = s->moves ? c->clean_up_seconds / MOTION_PART : c->clean_up_seconds;
     double visible = 0.0;
     if (c->no_resolution_drop) return 0.0f;
     for (size_t i = 0; i < s->leaf_count; i++) {
@@ -227,7 +230,7 @@ float sl_shading_coarsest(const sl_shading_state *s) {
         if (s->changes.object[object].changing) visible += s->patches->patch[s->leaf[i].patch].pixels;
     }
     if (!(visible > 0.0)) return 0.0f;
-    return sl_changes_coarsest(visible, c->nominal_rate * sl_shading_cheap_samples(s), c->clean_up_seconds);
+    return sl_changes_coarsest(visible, c->nominal_rate * sl_shading_cheap_samples(s), seconds);
 }
 
 /* Corners that were never evaluated are none of that: while an object is refined there always are some. */

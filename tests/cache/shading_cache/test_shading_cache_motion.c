@@ -258,11 +258,37 @@ static void a_show_is_repeated_from_its_log_to_the_bit(void **state) {
     sl_scene_destroy(scene);
 }
 
+static size_t leaves_after(sl_method *method, sl_scene *scene, int first_move, int moves, int updates) {
+    for (int i = 0; i < moves; i++) {
+        go_to_time(scene, method, time_of(first_move + i));
+        update(method);
+    }
+    for (int i = 0; i < updates; i++) update(method);
+    return ((const sl_shading_state *)method->state)->leaf_count;
+}
+
+static void what_was_refined_at_rest_is_coarser_again_each_time_things_move(void **state) {
+    (void)state;
+    sl_scene *scene = load_scene(light);
+    sl_settings settings = motion_settings(2);
+    settings.shading_cache.nominal_rate = 20.0;
+    sl_method *method = created_method(scene, &settings);
+    size_t rest = leaves_after(method, scene, 0, 1, 100);
+    for (int k = 1; k < 4; k++) {
+        size_t motion = leaves_after(method, scene, 30 * k, 20, 0);
+        print_message("%zu leaves at rest, %zu in motion\n", rest, motion);
+        assert_true(2 * motion < rest);
+        rest = leaves_after(method, scene, 30 * k + 19, 0, 100);
+    }
+    destroy_method(method, scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(while_a_ball_moves_patches_are_split_and_the_picture_is_near_a_fresh_one),
         cmocka_unit_test(while_a_light_moves_its_shadows_are_there),
         cmocka_unit_test(lights_are_sampled_quickly_while_they_move_and_in_full_at_rest),
+        cmocka_unit_test(what_was_refined_at_rest_is_coarser_again_each_time_things_move),
         cmocka_unit_test(motion_has_the_same_bits_at_any_number_of_threads),
         cmocka_unit_test(an_edited_scene_that_rests_is_as_good_as_a_fresh_one),
         cmocka_unit_test(the_rate_settles_how_fine_patches_are_while_things_change),
