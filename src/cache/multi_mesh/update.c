@@ -109,6 +109,7 @@ static sl_status edit_world(sl_multi_mesh_state *s, unsigned changes, sl_error *
     if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) s->lit = s->world;
     s->judged = false;
     s->updates = 0;
+    if (s->whole.coarse && changes & SL_CHANGED_MATERIALS) s->whole.coarse->reflectance_known = false;
     if (!s->change_waits) s->change_world = s->world;
     s->change_waits = true;
     sl_status status = s->raster && !s->full ? sl_multi_mesh_follow(s, changes, &followed, error) : SL_OK;

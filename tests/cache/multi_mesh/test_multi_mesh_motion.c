@@ -8,6 +8,7 @@
 #include "base/sanitized.h"
 #include "cache/light/moves.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
+#include "edited_room.h"
 #include "rendering.h"
 #include "scene/copy.h"
 
@@ -308,6 +309,43 @@ static void indirect_light_keeps_up_with_a_lamp_that_is_carried(void **state) {
     destroy_method(method, scene);
 }
 
+static void carry_light(sl_method *method, sl_scene *scene, edited_room *room, bool paint) {
+    sl_scene_edit *edit;
+    room->place[0][0] += 0.02;
+    assert_int_equal(sl_scene_edit_begin(scene, &edit, NULL), SL_OK);
+    assert_int_equal(sl_edit_light(edit, 1, NULL, room->place[0], NULL, NULL), SL_OK);
+    if (paint) assert_int_equal(sl_edit_material(edit, MATERIAL_WALL, &room->material[0], NULL), SL_OK);
+    assert_int_equal(sl_scene_edit_commit(edit, NULL, NULL), SL_OK);
+    assert_int_equal(sl_method_edit(method, 0, NULL), SL_OK);
+    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+}
+
+static double sum_of_reflectances(const sl_method *method) {
+    const sl_multi_mesh_state *s = method->state;
+    double sum = 0.0;
+    assert_true(s->whole.coarse && s->whole.rolls && s->whole.coarse->reflectance);
+    for (size_t t = SL_COARSE_FIRST; t < s->whole.coarse->triangle_count; t++)
+        sum += (double)sl_rgb_mean(s->whole.coarse->reflectance[t]);
+    return sum;
+}
+
+static void gathers_see_a_texture_that_gets_another_colour_while_things_move(void **state) {
+    (void)state;
+    edited_room room = room_at_first(1);
+    sl_scene *scene;
+    sl_settings settings = mesh_settings(1);
+    room.material[0].texture = 1;
+    assert_int_equal(build_room(&room, &scene, NULL), SL_OK);
+    sl_method *method = created_method(scene, &settings);
+    run_to_end(method);
+    for (int i = 0; i < 3; i++) carry_light(method, scene, &room, false);
+    const double before = sum_of_reflectances(method);
+    for (int c = 0; c < 3; c++) room.material[0].diffuse[c] *= 0.5f;
+    carry_light(method, scene, &room, true);
+    assert_true(sum_of_reflectances(method) < 0.95 * before);
+    destroy_method(method, scene);
+}
+
 /* A wall by so many lamps that an update lights few vertices. */
 static sl_scene *wall_by_lamps(int lamps) {
     char *json;
@@ -359,6 +397,7 @@ int main(void) {
         cmocka_unit_test(a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once),
         cmocka_unit_test(indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_move),
         cmocka_unit_test(indirect_light_keeps_up_with_a_lamp_that_is_carried),
+        cmocka_unit_test(gathers_see_a_texture_that_gets_another_colour_while_things_move),
         cmocka_unit_test(where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_have_some),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
