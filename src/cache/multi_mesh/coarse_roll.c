@@ -11,7 +11,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 
-enum { AN_UPDATE = 1024, MOST_VERTICES = 4 * AN_UPDATE };
+enum { MOST_VERTICES = 4 * SL_COARSE_VERTICES };
 
 /* ---- what the vertices have, anywhere between them ---- */
 
@@ -113,9 +113,9 @@ static uint32_t vertex_in_turn(const sl_coarse_rounds *r, size_t turn) {
 
 static sl_status light_some(sl_multi_mesh_state *s, size_t count, sl_error *error) {
     sl_coarse_rounds *r = &s->whole;
-    sl_root_place place[AN_UPDATE];
-    sl_mesh_point point[AN_UPDATE];
-    sl_rgb direct[AN_UPDATE], indirect[AN_UPDATE];
+    sl_root_place place[SL_COARSE_VERTICES];
+    sl_mesh_point point[SL_COARSE_VERTICES];
+    sl_rgb direct[SL_COARSE_VERTICES], indirect[SL_COARSE_VERTICES];
     sl_status status = SL_OK;
     if (count == 0) return SL_OK;
     for (size_t i = 0; i < count; i++) {
@@ -137,11 +137,10 @@ static sl_status light_some(sl_multi_mesh_state *s, size_t count, sl_error *erro
     return status;
 }
 
-static size_t fewer(size_t a, size_t b) { return a < b ? a : b; }
-
 static sl_status light_and_carry(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_rounds *r = &s->whole, before = *r;
-    const size_t all = r->coarse->vertex_count, count = fewer(r->left, sl_multi_mesh_share(s, AN_UPDATE));
+    const size_t all = r->coarse->vertex_count, share = sl_multi_mesh_share(s, SL_COARSE_VERTICES),
+                 count = r->left < share ? r->left : share;
     before.indirect = sl_allocate_unset(all, sizeof *before.indirect);
     if (!before.indirect) return sl_fail_memory(error, "the coarse mesh");
     memcpy(before.indirect, r->indirect, all * sizeof *before.indirect);

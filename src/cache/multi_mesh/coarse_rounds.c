@@ -9,9 +9,8 @@
 #include "base/math.h"
 #include "base/memory.h"
 
-/* An update's, beside refinement; where most shares of light are kept so many times as long as few are
- * sampled. */
-enum { COARSE_VERTICES = 1024, KEPT_TIMES = 16 };
+/* Where most shares of light are kept an update takes so many times as many, as long as few are sampled. */
+enum { KEPT_TIMES = 16 };
 
 /* ---- gathers ---- */
 
@@ -161,7 +160,7 @@ static sl_status light_coarse(sl_multi_mesh_state *s, size_t count, sl_error *er
     if (!s->plan.lights) return SL_OK;
     size_t lights = s->now.lights->count;
     sl_coarse_rounds *r = &s->next;
-    sl_root_place place[COARSE_VERTICES];
+    sl_root_place place[SL_COARSE_VERTICES];
     for (size_t i = 0; i < count; i++) place[i] = sl_coarse_lit_place(r->coarse, r->done + i);
     sl_count(&s->counters, SL_COUNT_COARSE_SAMPLES, count);
     return sl_coarse_light_take(&s->light, count, place, r->hasty,
@@ -255,7 +254,7 @@ static sl_status finish_direct(sl_multi_mesh_state *s, sl_error *error) {
 }
 
 static sl_status gather_for_coarse(sl_multi_mesh_state *s, size_t count, sl_error *error) {
-    sl_mesh_point points[COARSE_VERTICES];
+    sl_mesh_point points[SL_COARSE_VERTICES];
     for (size_t i = 0; i < count; i++)
         points[i] = sl_mesh_point_at(s->primitives, sl_coarse_lit_place(s->next.coarse, s->next.done + i));
     return sl_multi_mesh_gather(s, &s->next, is_quick_round(s) ? SL_GATHER_A_QUARTER : SL_GATHER_ALL, count,
@@ -274,7 +273,7 @@ static void finish_gathers(sl_multi_mesh_state *s) {
 
 /* Few rays a vertex are soon traced. */
 static size_t update_share(const sl_multi_mesh_state *s) {
-    return s->world > 1 && !s->next.hasty ? sl_multi_mesh_share(s, COARSE_VERTICES) : COARSE_VERTICES;
+    return s->world > 1 && !s->next.hasty ? sl_multi_mesh_share(s, SL_COARSE_VERTICES) : SL_COARSE_VERTICES;
 }
 
 static sl_status extend(sl_multi_mesh_state *s, sl_error *error) {

@@ -33,6 +33,7 @@ typedef enum sl_mesh_phase { SL_PHASE_VIEW, SL_PHASE_FIRST, SL_PHASE_REFINE, SL_
 
 enum {
     SL_DONE_VIEWS = 32,
+    SL_COARSE_VERTICES = 1024, /* of the coarse mesh, an update, beside refinement */
     SL_WORLDS_AN_EDIT = 2 /* worlds of a mesh by edit: values that were taken quickly are in between */
 };
 
@@ -257,7 +258,7 @@ sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error);
 void sl_multi_mesh_hasten_coarse(sl_multi_mesh_state *s);
 /* One round. Its last makes the coarse mesh whole: the displayed mesh of indirect light begins, or is old. */
 sl_status sl_multi_mesh_extend_coarse(sl_multi_mesh_state *s, sl_error *error);
-/* Makes the coarse mesh, its longest edges halved in so many halvings less than those of a still picture. */
+/* Makes a coarse mesh whose faces are cut so many times less often than for a still picture. */
 sl_status sl_multi_mesh_make_coarse(const sl_multi_mesh_state *s, int halvings, sl_coarse **coarse,
                                     sl_error *error);
 /* Makes what gathers see of what its vertices have. */

@@ -68,6 +68,10 @@ void sl_changes_drop(sl_changes *changes, sl_patches *patches, const sl_view *vi
         changes->object[i].dropped |= changes->object[i].changing;
 }
 
+void sl_changes_drop_again(sl_changes *changes) {
+    for (size_t i = 0; i < changes->object_count; i++) changes->object[i].dropped = false;
+}
+
 /* ---- blending ---- */
 
 /* Less than what a display of 255 levels can show. */

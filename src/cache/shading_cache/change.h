@@ -45,6 +45,8 @@ float sl_changes_coarsest(double visible_pixels, double rate, double seconds);
 /* Drops children that are at or below that, a quarter of their parent's projected area, where they belong to
  * changing objects, once for each change: what is left is no more than there is time for. */
 void sl_changes_drop(sl_changes *changes, sl_patches *patches, const sl_view *view, float coarsest);
+/* Things move again after a rest: what has been refined since is to be dropped once more. */
+void sl_changes_drop_again(sl_changes *changes);
 
 /* ---- blending ---- */
 

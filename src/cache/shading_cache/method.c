@@ -270,8 +270,7 @@ static void note_move(sl_shading_state *s, unsigned what) {
     const bool rested = !s->moves;
     s->moves = s->layers.kept && s->lit > 0 && s->now - s->lit <= SOON;
     s->lit = s->now;
-    for (size_t i = 0; i < s->changes.object_count && rested && s->moves; i++)
-        s->changes.object[i].dropped = false; /* what has been refined since goes once more */
+    if (rested && s->moves) sl_changes_drop_again(&s->changes);
 }
 
 static void begin_picture(sl_shading_state *s, unsigned what) {

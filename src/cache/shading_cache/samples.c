@@ -217,8 +217,8 @@ void sl_shading_commit_sample(sl_shading_state *s, size_t i) {
         sl_count(&s->counters, SL_COUNT_CHANGES_DETECTED, 1);
 }
 
-/* Returns how coarse patches of what changes are, so that there is time to renew their cheap layer. */
-/* T_c is what a change may take that is over; while one follows another there is a part of it. */
+/* Returns how coarse patches of what changes are, so that there is time to renew their cheap layer: T_c after
+ * a change, a part of it while one follows another. */
 float sl_shading_coarsest(const sl_shading_state *s) {
     enum { MOTION_PART = 8 };
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
