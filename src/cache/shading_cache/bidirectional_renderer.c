@@ -63,6 +63,11 @@ static float mean_variance(const double v[3]) {
     return (float)(deviation * deviation);
 }
 
+static uint32_t paths_of(const renderer *r, const sl_sample_request *q) {
+    const uint32_t paths = (uint32_t)r->settings.cache.indirect_samples;
+    return q->few_paths ? (paths + SL_FEW_PATHS - 1) / SL_FEW_PATHS : paths;
+}
+
 static void render_point(const void *state, const sl_sample_request *q, unsigned worker, sl_sample *sample,
                          sl_counters *counters) {
     const renderer *r = state;
@@ -74,7 +79,7 @@ static void render_point(const void *state, const sl_sample_request *q, unsigned
         return;
     }
     const sl_bidirectional_request request = {q->point.position, q->point.geometric_normal, q->point.normal,
-                                              q->point.triangle, q->material};
+                                              q->point.triangle, q->material, paths_of(r, q)};
     sl_bidirectional_value value;
     if (irradiance) {
         sl_bidirectional_irradiance(points, &request, r->scratch[worker], &value, counters);
@@ -88,8 +93,7 @@ static void render_point(const void *state, const sl_sample_request *q, unsigned
         sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     }
     if (irradiance || lobe)
-        sl_request_sky_light(&r->settings, &r->sequence, q, r->settings.cache.indirect_samples, sample,
-                             counters);
+        sl_request_sky_light(&r->settings, &r->sequence, q, (int)paths_of(r, q), sample, counters);
 }
 
 /* ---- the renderer ---------------------------------------------------------------------------- */

@@ -271,6 +271,9 @@ static void note_move(sl_shading_state *s, unsigned what) {
     s->moves = s->layers.kept && s->lit > 0 && s->now - s->lit <= SOON;
     s->lit = s->now;
     if (rested && s->moves) sl_changes_drop_again(&s->changes);
+    if (s->few_paths || !s->moves) return;
+    s->few_paths = true;
+    s->same_paths = s->layers.now + 1;
 }
 
 static void begin_picture(sl_shading_state *s, unsigned what) {

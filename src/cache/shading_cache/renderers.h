@@ -20,6 +20,7 @@ typedef struct sl_sample_request {
     sl_vec3 eye;               /* for radiance */
     bool dense;                /* shadows' edges want SL_DENSE_POINTS on area lights */
     bool quick;                /* a quarter of the points on lights do: it will be asked for again */
+    bool few_paths;            /* half of the paths do, likewise */
     bool radiance;             /* exitant radiance of the lobe is wanted too */
     /* which set of samples: 0, 1, ...; the same one gives the same bits for an unchanged scene */
     uint32_t set;
@@ -64,8 +65,10 @@ typedef struct sl_renderer_settings {
  * 64 points leave bands of 1/64 of it in a shadow's edge. They do not show between vertices some pixels
  * apart; the vertices of leaves as small as pixels have so many points there. */
 #define SL_DENSE_POINTS 400
-/* While things move light is not what it is for long: so small a part of the points do, everywhere. */
+/* While things move light is not what it is for long: so small parts of the points and of the paths do,
+ * everywhere. */
 #define SL_QUICK_PART 4
+#define SL_FEW_PATHS 2
 
 /* Glossy surfaces without a diffuse part count as mirrors for caustics from this exponent on: half of the
  * lobe's peak is then within 7 degrees. */

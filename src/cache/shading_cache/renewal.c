@@ -12,9 +12,11 @@
 /* ---- how many ---- */
 
 /* Rays that a sample of a layer takes, about, with what each vertex costs besides; while things move, with
- * few points on lights. */
+ * few points on lights, and few paths. */
 static double rays_of(const sl_shading_state *s, unsigned layer) {
-    const double vertex = 8.0, part = s->moves && layer == SL_LAYER_CHEAP ? 1.0 / SL_QUICK_PART : 1.0;
+    const double vertex = 8.0, cheap = s->moves ? 1.0 / SL_QUICK_PART : 1.0,
+                 dear = s->few_paths ? 1.0 / SL_FEW_PATHS : 1.0,
+                 part = layer == SL_LAYER_CHEAP ? cheap : dear;
     double rays = vertex;
     for (int r = 0; r < s->renderer_count; r++)
         if (s->renderer[r].layer == layer && s->renderer[r].rays)
@@ -176,6 +178,7 @@ static sl_status renew(sl_shading_state *s, renewals *r, size_t *count, sl_error
     take(s, r, 0, cheap, count);
     take(s, r, 1, dear, count);
     s->stale_left = r->count[0] - cheap + r->count[1] - dear + left;
+    s->dear_left = r->count[1] - dear;
     s->may_be_stale = r->count[0] + r->count[1] + left > 0;
     for (size_t i = 0; i < *count; i++) s->request[i].layers = r->layers[s->vertex[i]];
     return s->layers.kept && dear > 0 ? sl_layers_begin(&s->layers, s->patches, error) : SL_OK;
@@ -183,7 +186,7 @@ static sl_status renew(sl_shading_state *s, renewals *r, size_t *count, sl_error
 
 sl_status sl_shading_renew(sl_shading_state *s, size_t *count, sl_error *error) {
     sl_status status = sl_layers_reserve(&s->layers, s->patches, error);
-    s->stale_left = 0;
+    s->stale_left = s->dear_left = 0;
     for (size_t i = 0; i < *count && status == SL_OK; i++)
         s->request[i].layers = layers_of_new(s, s->vertex[i], false);
     if (status != SL_OK || !s->may_be_stale) return status;

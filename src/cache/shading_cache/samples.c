@@ -33,6 +33,7 @@ static void make_request(const sl_shading_state *s, uint32_t vertex, sl_sample_r
                                    .eye = s->scene->camera.eye,
                                    .dense = v->dense,
                                    .quick = s->moves,
+                                   .few_paths = s->few_paths,
                                    .radiance = sl_material_has_lobe(material),
                                    .set = more ? sets->count : 0,
                                    .layers = request->layers};
@@ -116,8 +117,10 @@ static sl_rgb exitant_of(const sl_shading_state *s, uint32_t vertex, bool with_r
 static compared compare_before(const sl_shading_state *s, uint32_t vertex, const sl_sample_request *request) {
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
     bool one_set = request->set == 0 && (!s->patches->sets || s->patches->sets[vertex].count == 1);
+    bool same_paths = !(request->layers & SL_LAYER_DEAR) || !s->layers.kept ||
+                      s->layers.version[vertex] >= s->same_paths;
     compared c = {.comparable = v->evaluated != SL_VERTEX_NEVER && !v->extrapolated && one_set &&
-                  v->dense == v->is_dense && v->is_quick == s->moves,
+                  same_paths && v->dense == v->is_dense && v->is_quick == s->moves,
                   .radiance = v->evaluated >= s->changes.eye_moved};
     if (c.comparable) c.before = exitant_of(s, vertex, c.radiance);
     return c;

@@ -228,7 +228,7 @@ bool sl_shading_is_done(const sl_shading_state *s) {
 /* Every visible leaf is as small as it gets, and as the scene is now. Objects that change are shown with
  * coarser leaves: they are not the end. */
 bool sl_shading_nothing_is_left(const sl_shading_state *s) {
-    if (s->now == 0 || s->fades.count > 0 || s->stale_left > 0 || s->moves) return false;
+    if (s->now == 0 || s->fades.count > 0 || s->stale_left > 0 || s->few_paths) return false;
     for (size_t i = 0; i < s->scene->object_count; i++) {
         if (s->changes.object[i].changing) return false;
     }

@@ -254,12 +254,18 @@ static sl_status build_display_arrays(sl_shading_state *s, sl_error *error) {
 
 /* ---- one update ---- */
 
-/* Things rest when REST updates have seen no edit: what was sampled quickly is sampled again. */
+/* Things rest when REST updates have seen no edit: what was sampled quickly is sampled again; by all paths
+ * when no dear layer is older than the scene. */
 static void note_rest(sl_shading_state *s) {
     enum { REST = 2 };
-    if (!s->moves || s->now - s->lit <= REST) return;
-    s->moves = false;
-    s->may_be_stale = true;
+    const bool stops = s->moves && s->now - s->lit > REST,
+               caught_up = s->few_paths && !s->moves && s->dear_left == 0;
+    if (stops) s->moves = false;
+    if (caught_up) {
+        s->few_paths = false;
+        s->layers.edited = s->same_paths = ++s->layers.now;
+    }
+    s->may_be_stale |= stops || caught_up;
 }
 
 sl_status sl_shading_update(sl_shading_state *s, sl_error *error) {

@@ -51,6 +51,7 @@ typedef struct sl_shading_state {
     sl_sample (*layer)[2];         /* by request: the cheap layer, the dear one */
     bool may_be_stale;             /* something that is seen is from before an edit, or was lately */
     size_t stale_left;             /* vertices that are stale after this update */
+    size_t dear_left;              /* ... and were old enough for their dear layer to be asked for again */
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
     double samples;                /* so far: parts of one count as what they cost */
@@ -63,6 +64,8 @@ typedef struct sl_shading_state {
     uint32_t edits;                /* ... of a series: frames */
     uint32_t lit;                  /* the update before the last edit of light or of objects; 0: none */
     bool moves;                    /* one such edit follows another: direct light is sampled quickly */
+    bool few_paths;                /* so is indirect light, until it has caught up with the last edit */
+    uint32_t same_paths;           /* the version of layers since which it is by as many paths */
     uint32_t edited;               /* the first update after an edit whose change is not found yet; 0: none */
     bool shows_only;               /* the next frame of a series waits for no update */
     double error_levels;           /* of what was seen when the last update began */

@@ -67,6 +67,7 @@ typedef struct sl_bidirectional_request {
     sl_vec3 normal;           /* unit shading normal, on the same side */
     uint32_t triangle;        /* its own; or SL_NO_INDEX, where it lies on an edge */
     const sl_material *material; /* whose lobe radiance is asked for; NULL: the triangle's */
+    uint32_t samples;         /* the first of the points' samples alone; 0: all */
 } sl_bidirectional_request;
 
 typedef struct sl_bidirectional_value {

@@ -46,9 +46,9 @@ static sl_status keep_subpath(sl_bidirectional_points *p, size_t i, const sl_sub
     return SL_OK;
 }
 
-static unsigned packet_of(const sl_bidirectional_points *p, uint32_t first, uint64_t key[SL_PACKET],
-                          uint32_t index[SL_PACKET]) {
-    unsigned count = p->settings.samples - first < SL_PACKET ? p->settings.samples - first : SL_PACKET;
+static unsigned packet_of(const sl_bidirectional_points *p, uint32_t first, uint32_t samples,
+                          uint64_t key[SL_PACKET], uint32_t index[SL_PACKET]) {
+    unsigned count = samples - first < SL_PACKET ? samples - first : SL_PACKET;
     for (unsigned i = 0; i < count; i++) {
         key[i] = p->key;
         index[i] = p->settings.first + first + i;
@@ -67,7 +67,7 @@ static sl_status walk_light_subpaths(sl_bidirectional_points *p, sl_bidirectiona
         uint64_t key[SL_PACKET];
         uint32_t index[SL_PACKET];
         sl_subpath *paths[SL_PACKET];
-        unsigned count = packet_of(p, first, key, index);
+        unsigned count = packet_of(p, first, p->settings.samples, key, index);
         for (unsigned i = 0; i < count; i++) paths[i] = &scratch->path[i];
         sl_walk_from_lights(&maker, count, key, index, paths, &uncounted);
         for (unsigned i = 0; i < count && status == SL_OK; i++)
@@ -196,19 +196,19 @@ static void add_samples(sums *total, const packet *p, unsigned count, sl_counter
 }
 
 /* Paths by way of v_1, or, where the point is NULL, along a ray. */
-static void estimate(const sl_bidirectional_points *points, const sl_path_maker *shared,
+static void estimate(const sl_bidirectional_points *points, const sl_path_maker *shared, uint32_t samples,
                      const sl_path_vertex *point, sl_vec3 origin, sl_vec3 direction,
                      sl_bidirectional_scratch *scratch, sl_bidirectional_value *value,
                      sl_counters *counters) {
     sums total = {{0.0}, {0.0}};
     sl_path_maker own = *shared, *maker = &own;
-    uint32_t samples = points->settings.samples;
+    if (samples == 0 || samples > points->settings.samples) samples = points->settings.samples;
     for (uint32_t first = 0; first < samples; first += SL_PACKET) {
         uint64_t key[SL_PACKET];
         uint32_t index[SL_PACKET];
         packet p = {.settings = &points->settings,
                     .without_caustics = points->settings.without_caustics && shared == &points->diffuse};
-        unsigned light_count[SL_PACKET], count = packet_of(points, first, key, index);
+        unsigned light_count[SL_PACKET], count = packet_of(points, first, samples, key, index);
         sl_vec3 directions[SL_PACKET];
         double pdf[SL_PACKET];
         for (unsigned i = 0; i < count; i++) {
@@ -263,7 +263,8 @@ void sl_bidirectional_irradiance(const sl_bidirectional_points *points,
                                  sl_bidirectional_value *irradiance, sl_counters *counters) {
     sl_path_vertex v = vertex_at(points->diffuse.scene, request, request->normal);
     v.bsdf.diffuse = sl_grey((float)SL_PI); /* f = 1: the radiance that leaves it is the irradiance */
-    estimate(points, &points->diffuse, &v, v.origin, v.back, scratch, irradiance, counters);
+    estimate(points, &points->diffuse, request->samples, &v, v.origin, v.back, scratch, irradiance,
+             counters);
 }
 
 void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
@@ -279,7 +280,8 @@ void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_b
     if (sl_material_is_mirror(material)) {
         sl_vec3 direction = sl_normalize_or(sl_reflect(to_eye, request->normal), request->normal);
         if (!(sl_dot(direction, request->geometric_normal) > 0.0f)) return;
-        estimate(points, &points->mirror, NULL, v.origin, direction, scratch, radiance, counters);
+        estimate(points, &points->mirror, request->samples, NULL, v.origin, direction, scratch, radiance,
+                 counters);
         const double tint[3] = {(double)material->mirror.r, (double)material->mirror.g,
                                 (double)material->mirror.b};
         for (int c = 0; c < 3; c++) {
@@ -289,6 +291,7 @@ void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_b
     } else if (sl_material_is_glossy(material)) {
         v.bsdf.specular = material->specular;
         v.bsdf.exponent = material->exponent;
-        estimate(points, &points->glossy, &v, v.origin, v.back, scratch, radiance, counters);
+        estimate(points, &points->glossy, request->samples, &v, v.origin, v.back, scratch, radiance,
+                 counters);
     }
 }
