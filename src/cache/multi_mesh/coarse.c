@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "scene/ambient.h"
 
 /* ---- what is to be sampled ------------------------------------------------------------------- */
 
@@ -93,6 +94,24 @@ static void place_vertices(sl_coarse *c) {
         int n = c->face[face].rows;
         for (int j = 0; c->level[face] != SL_COARSE_ABSENT && j <= n; j++)
             for (int i = 0; i <= n - j; i++) place_vertex(c, face, i, j);
+    }
+}
+
+/* Returns of how many coarse triangles of a face a lattice point is a corner. */
+static int corners_at(int n, int i, int j) {
+    static const int by_sides[3] = {6, 3, 1};
+    return by_sides[(i == 0) + (j == 0) + (i + j == n)];
+}
+
+void sl_coarse_areas(const sl_coarse *c, float *area) {
+    for (size_t v = 0; v < c->vertex_count; v++) area[v] = 0.0f;
+    for (uint32_t face = 0; face < c->face_count; face++) {
+        if (c->level[face] == SL_COARSE_ABSENT) continue;
+        const int n = c->face[face].rows;
+        const double third = sl_triangle_area(c->scene, face / 2) / (3.0 * n * n);
+        for (int j = 0; j <= n; j++)
+            for (int i = 0; i <= n - j; i++)
+                area[sl_coarse_lattice_vertex(c, face, i, j)] += (float)(corners_at(n, i, j) * third);
     }
 }
 

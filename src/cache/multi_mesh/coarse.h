@@ -60,6 +60,8 @@ void sl_coarse_finish(sl_coarse *coarse, unsigned threads);
 /* Returns the brightest of all colours, by channel. */
 sl_rgb sl_coarse_brightest(const sl_coarse *coarse);
 
+/* Gives each vertex the area that it stands for: a third of each coarse triangle's that it is a corner of. */
+void sl_coarse_areas(const sl_coarse *coarse, float *area);
 /* Returns where a vertex is asked for light: at a face's rim a little within. */
 sl_root_place sl_coarse_lit_place(const sl_coarse *coarse, size_t vertex);
 /* Returns the vertex at lattice point (i, j) of a face that is in the mesh. */

@@ -1,11 +1,12 @@
 /* The coarse mesh while things move: it rolls. Some of its vertices an update are lit anew, by lamps through
  * few rays, and by what they gather of all others as these are, so that with each turn light comes a bounce
- * further. Vertices take turns in a scattered order: what a gather sees is everywhere as old as anywhere
- * else. What was gathered from it follows by its vertices' irradiance, and gathers anew beside that. */
+ * further. Those that stand for large areas come first, and most often. What was gathered from it follows by
+ * its vertices' irradiance, and gathers anew beside that. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include <string.h>
 
+#include "base/code_sort.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
@@ -93,12 +94,16 @@ static sl_status begin(sl_multi_mesh_state *s, sl_error *error) {
     sl_coarse_rounds r = {.rolls = true, .world = s->whole.world, .lit = s->whole.lit};
     sl_status status = make(s, &r.coarse, error);
     if (status != SL_OK) return status;
-    r.direct = sl_allocate(r.coarse->vertex_count, sizeof *r.direct);
-    r.indirect = sl_allocate(r.coarse->vertex_count, sizeof *r.indirect);
-    if (!r.direct || !r.indirect) {
+    const size_t count = r.coarse->vertex_count;
+    r.direct = sl_allocate(count, sizeof *r.direct);
+    r.indirect = sl_allocate(count, sizeof *r.indirect);
+    r.area = sl_allocate(count, sizeof *r.area);
+    r.lit_in = sl_allocate(count, sizeof *r.lit_in);
+    if (!r.direct || !r.indirect || !r.area || !r.lit_in) {
         sl_multi_mesh_forget_coarse(&r);
         return sl_fail_memory(error, "the coarse mesh");
     }
+    sl_coarse_areas(r.coarse, r.area);
     take_over(s, &r);
     sl_multi_mesh_colour_coarse(s, &r);
     sl_multi_mesh_forget_coarse(&s->whole);
@@ -106,12 +111,23 @@ static sl_status begin(sl_multi_mesh_state *s, sl_error *error) {
     return SL_OK;
 }
 
-/* Returns the vertex whose turn it is: a prime above any number of them scatters all. */
-static uint32_t vertex_in_turn(const sl_coarse_rounds *r, size_t turn) {
-    return (uint32_t)((uint64_t)turn * 2654435761u % r->coarse->vertex_count);
+/* Gathers see areas, and errors grow with age: as of the Shading Cache's corners (renewal.c), those come
+ * first that have the greatest area age^3. Those of one area and age come in a scattered order. */
+static sl_coded turn_of(const sl_coarse_rounds *r, uint32_t vertex) {
+    const float age = (float)(r->updates - r->lit_in[vertex]), urgency = r->area[vertex] * age * age * age;
+    return (sl_coded){(uint64_t)~sl_float_bits(urgency) << 32 | (vertex + 1) * 2654435761u, vertex};
 }
 
-static sl_status light_some(sl_multi_mesh_state *s, size_t count, sl_error *error) {
+/* Returns how many vertices are from before the last edit; the most urgent ones first. */
+static size_t list_old(const sl_coarse_rounds *r, sl_coded *list) {
+    size_t count = 0;
+    for (size_t v = 0; v < r->coarse->vertex_count; v++)
+        if (r->lit_in[v] < r->old) list[count++] = turn_of(r, (uint32_t)v);
+    sl_sort_coded(list, count);
+    return count;
+}
+
+static sl_status light_some(sl_multi_mesh_state *s, size_t count, const sl_coded *turn, sl_error *error) {
     sl_coarse_rounds *r = &s->whole;
     sl_root_place place[SL_COARSE_VERTICES];
     sl_mesh_point point[SL_COARSE_VERTICES];
@@ -119,7 +135,7 @@ static sl_status light_some(sl_multi_mesh_state *s, size_t count, sl_error *erro
     sl_status status = SL_OK;
     if (count == 0) return SL_OK;
     for (size_t i = 0; i < count; i++) {
-        place[i] = sl_coarse_lit_place(r->coarse, vertex_in_turn(r, r->done + i));
+        place[i] = sl_coarse_lit_place(r->coarse, turn[i].item);
         point[i] = sl_mesh_point_at(s->primitives, place[i]);
         direct[i] = sl_grey(0.0f);
     }
@@ -130,29 +146,26 @@ static sl_status light_some(sl_multi_mesh_state *s, size_t count, sl_error *erro
     if (status == SL_OK)
         status = sl_multi_mesh_gather(s, r, SL_GATHER_A_QUARTER, count, point, indirect, error);
     for (size_t i = 0; i < count && status == SL_OK; i++) {
-        uint32_t vertex = vertex_in_turn(r, r->done + i);
-        r->direct[vertex] = direct[i];
-        r->indirect[vertex] = indirect[i];
+        r->direct[turn[i].item] = direct[i];
+        r->indirect[turn[i].item] = indirect[i];
+        r->lit_in[turn[i].item] = r->updates;
     }
     return status;
 }
 
-static sl_status light_and_carry(sl_multi_mesh_state *s, sl_error *error) {
+/* left: how many vertices are older than the last edit. */
+static sl_status light_and_carry(sl_multi_mesh_state *s, sl_coded *turn, sl_rgb *indirect, size_t *left,
+                                 sl_error *error) {
     sl_coarse_rounds *r = &s->whole, before = *r;
-    const size_t all = r->coarse->vertex_count, share = sl_multi_mesh_share(s, SL_COARSE_VERTICES),
-                 count = r->left < share ? r->left : share;
-    before.indirect = sl_allocate_unset(all, sizeof *before.indirect);
-    if (!before.indirect) return sl_fail_memory(error, "the coarse mesh");
-    memcpy(before.indirect, r->indirect, all * sizeof *before.indirect);
-    sl_status status = light_some(s, count, error);
-    if (status == SL_OK) {
-        r->done = (r->done + count) % all;
-        r->left -= count;
-        sl_multi_mesh_colour_coarse(s, r);
-        sl_multi_mesh_carry(s, &before, r);
-    }
-    sl_free(before.indirect);
-    return status;
+    const size_t old = list_old(r, turn), share = sl_multi_mesh_share(s, SL_COARSE_VERTICES),
+                 count = old < share ? old : share;
+    before.indirect = memcpy(indirect, r->indirect, r->coarse->vertex_count * sizeof *indirect);
+    *left = old - count;
+    sl_status status = light_some(s, count, turn, error);
+    if (status != SL_OK) return status;
+    sl_multi_mesh_colour_coarse(s, r);
+    sl_multi_mesh_carry(s, &before, r);
+    return SL_OK;
 }
 
 sl_status sl_multi_mesh_roll(sl_multi_mesh_state *s, sl_error *error) {
@@ -160,10 +173,17 @@ sl_status sl_multi_mesh_roll(sl_multi_mesh_state *s, sl_error *error) {
     sl_multi_mesh_forget_coarse(&s->next); /* of light as it was */
     sl_status status = r->rolls ? SL_OK : begin(s, error);
     if (status != SL_OK) return status;
-    if (r->rolls_to != s->lit) r->left = r->coarse->vertex_count;
+    r->updates++;
+    if (r->rolls_to != s->lit) r->old = r->updates;
     r->rolls_to = s->lit;
-    status = light_and_carry(s, error);
-    if (status != SL_OK || r->left) return status;
+    const size_t all = r->coarse->vertex_count;
+    size_t left = 0;
+    sl_coded *turn = sl_allocate_unset(all, sizeof *turn);
+    sl_rgb *indirect = sl_allocate_unset(all, sizeof *indirect);
+    status = turn && indirect ? light_and_carry(s, turn, indirect, &left, error)
+                              : sl_fail_memory(error, "the coarse mesh");
+    SL_FREE_ALL(turn, indirect);
+    if (status != SL_OK || left) return status;
     r->lit = s->lit;
     r->world = s->world;
     sl_announce_pass(&s->announcer, "coarse mesh, one more bounce", "for equation (7)");

@@ -114,7 +114,7 @@ sl_status sl_multi_mesh_gather(sl_multi_mesh_state *s, sl_coarse_rounds *rounds,
 
 void sl_multi_mesh_forget_coarse(sl_coarse_rounds *rounds) {
     sl_multi_mesh_forget_eyes(rounds);
-    SL_FREE_ALL(rounds->shares, rounds->direct, rounds->indirect);
+    SL_FREE_ALL(rounds->shares, rounds->direct, rounds->indirect, rounds->area, rounds->lit_in);
     sl_coarse_destroy(rounds->coarse);
     *rounds = (sl_coarse_rounds){.coarse = NULL};
 }

@@ -51,10 +51,13 @@ typedef struct sl_coarse_rounds {
     uint32_t world, lit;        /* in which it was begun */
     sl_coarse_share *shares;    /* F by vertex and light; NULL: few_rays, hasty, or all are there */
     bool hasty;                 /* the first of all, while things move: few vertices, by few rays */
-    bool rolls;                 /* its vertices are lit anew in turns: coarse_roll.c */
-    uint32_t rolls_to;          /* ... for light as of this world, ... */
-    size_t left;                /* ... in which so many of them have not been lit yet */
-    size_t done;                /* vertices of the round, or turn, under way */
+    bool rolls;                 /* its vertices are lit anew, some an update: coarse_roll.c */
+    float *area;                /* ... by vertex: what it stands for */
+    uint32_t *lit_in;           /* ... by vertex: the update that lit it; 0: none did */
+    uint32_t updates;           /* ... so far */
+    uint32_t old;               /* ... what was lit before this one is from before an edit, ... */
+    uint32_t rolls_to;          /* ... which made this world */
+    size_t done;                /* vertices of the round under way */
     sl_rgb *direct;             /* U_dd of lamps at its vertices, and ... */
     sl_rgb *indirect;           /* ... E_i of the environment or of later bounces; NULL: not yet, or none */
     uint32_t gathers;           /* rounds of these that are left */

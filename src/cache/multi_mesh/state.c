@@ -216,7 +216,8 @@ const char *sl_multi_mesh_filled(const void *state) {
 static size_t bytes_of_rounds(const sl_coarse_rounds *r, size_t lights) {
     if (!r->coarse) return 0;
     size_t of_vertex = (r->direct ? sizeof *r->direct : 0) + (r->indirect ? sizeof *r->indirect : 0) +
-                       (r->shares ? lights * sizeof *r->shares : 0);
+                       (r->shares ? lights * sizeof *r->shares : 0) +
+                       (r->rolls ? sizeof *r->area + sizeof *r->lit_in : 0);
     size_t bytes = sl_coarse_memory_bytes(r->coarse) + r->coarse->vertex_count * of_vertex;
     for (int i = 0; i < SL_GATHER_DETAILS; i++)
         if (r->eye[i].gather) bytes += sl_gather_memory_bytes(r->eye[i].gather);

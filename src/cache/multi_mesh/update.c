@@ -29,10 +29,26 @@ static bool is_coarse_left(const sl_multi_mesh_state *s) {
     return s->plan.indirect && !sl_coarse_is_of_now(s) && sl_is_in_view(s->part[SL_INDIRECT]);
 }
 
+/* While light moves an update takes long where the coarse mesh is large, and shadows are to be found soon:
+ * batches go on while a leaf counts as much as a 512th of the picture by a threshold. */
+static sl_status refine_more(sl_multi_mesh_state *s, sl_error *error) {
+    enum { BATCHES = 16, PART = 512 };
+    const float large = (float)s->settings.width * (float)s->settings.height / PART;
+    sl_status status = SL_OK;
+    size_t served = 1;
+    for (int k = 1; k < BATCHES && status == SL_OK && served > 0; k++) {
+        const int part = sl_multi_mesh_most_urgent(s);
+        if (part < 0 || sl_displayed_priority(s->part[part]) < large) break;
+        status = sl_multi_mesh_refine(s, &served, error);
+    }
+    return status;
+}
+
 static sl_status refine_or_end(sl_multi_mesh_state *s, sl_error *error) {
     size_t served = 0;
     bool full = sl_multi_mesh_is_full(s);
     sl_status status = full ? SL_OK : sl_multi_mesh_refine(s, &served, error);
+    if (status == SL_OK && s->moves && served > 0) status = refine_more(s, error);
     bool idle = served == 0 && !s->old_left && !is_coarse_left(s);
     if (status == SL_OK && idle && (full || !look_again(s))) end_picture(s);
     return status;
