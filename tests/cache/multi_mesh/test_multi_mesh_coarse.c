@@ -58,6 +58,22 @@ static void edges_are_split_until_they_are_short_or_deep_enough(void **state) {
     }
 }
 
+/* A square of eight coarse triangles, each side: 6 at its middle, 3 amid its sides, 1 or 2 at its corners. */
+static void a_vertex_stands_for_a_third_of_the_coarse_triangles_around_it(void **state) {
+    meshed m = mesh_of(quad_scene(0.5f), 1.0f, 5);
+    float area[18];
+    int thirds[7] = {0};
+    assert_int_equal(m.coarse->vertex_count, 18);
+    sl_coarse_areas(m.coarse, area);
+    for (int v = 0; v < 18; v++) {
+        double triangles = 24.0 * (double)area[v];
+        assert_true(near(triangles, round(triangles), 1e-4) && triangles < 6.5);
+        thirds[(int)round(triangles)]++;
+    }
+    assert_true(thirds[1] == 4 && thirds[2] == 4 && thirds[3] == 8 && thirds[6] == 2);
+    meshed_destroy(&m);
+}
+
 /* Two quads side by side, one of large triangles, one of small ones: where they meet the finer ones' vertices
  * are those of the coarser one. */
 static sl_scene *uneven_scene(void) {
@@ -257,6 +273,7 @@ static void every_kind_of_light_counts_with_its_power(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edges_are_split_until_they_are_short_or_deep_enough),
+        cmocka_unit_test(a_vertex_stands_for_a_third_of_the_coarse_triangles_around_it),
         cmocka_unit_test(no_point_of_a_flat_surface_is_sampled_twice),
         cmocka_unit_test(faces_that_reflect_nothing_are_not_sampled),
         cmocka_unit_test(the_inner_side_of_a_solid_is_not_sampled),

@@ -309,6 +309,40 @@ static void indirect_light_keeps_up_with_a_lamp_that_is_carried(void **state) {
     destroy_method(method, scene);
 }
 
+/* Its vertices are more than an update lights; those of the box stand for a sixteenth of the wall's areas. */
+static void of_the_coarse_mesh_what_is_large_is_lit_first(void **state) {
+    sl_scene *scene = moving_room();
+    sl_settings settings = mesh_settings(2);
+    sl_method *method = created_method(scene, &settings);
+    const sl_coarse_rounds *r = &((const sl_multi_mesh_state *)method->state)->whole;
+    for (int i = 1; i <= 40 && !r->rolls; i++) move_to(method, scene, 0.04 * i);
+    assert_true(r->rolls && r->updates == 1);
+    float least = INFINITY, most = 0.0f;
+    for (size_t v = 0; v < r->coarse->vertex_count; v++) {
+        if (r->lit_in[v]) least = fminf(least, r->area[v]);
+        else most = fmaxf(most, r->area[v]);
+    }
+    print_message("lit: areas from %g; not yet: to %g\n", (double)least, (double)most);
+    assert_true(most > 0.0f && least >= most);
+    destroy_method(method, scene);
+}
+
+static void while_something_moves_an_update_cuts_until_nothing_large_is_coarse(void **state) {
+    sl_scene *scene = moving_room();
+    sl_settings settings = mesh_settings(2);
+    settings.multi_mesh.batch = 1;
+    sl_method *method = created_method(scene, &settings);
+    uint64_t most = 0, before = 0;
+    for (int i = 1; i <= 20; i++) {
+        move_to(method, scene, 0.04 * i);
+        const uint64_t splits = sl_method_counters(method)->value[SL_COUNT_SPLITS];
+        most = splits - before > most ? splits - before : most;
+        before = splits;
+    }
+    assert_true(most > 8);
+    destroy_method(method, scene);
+}
+
 static void carry_light(sl_method *method, sl_scene *scene, edited_room *room, bool paint) {
     sl_scene_edit *edit;
     room->place[0][0] += 0.02;
@@ -397,6 +431,8 @@ int main(void) {
         cmocka_unit_test(a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once),
         cmocka_unit_test(indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_move),
         cmocka_unit_test(indirect_light_keeps_up_with_a_lamp_that_is_carried),
+        cmocka_unit_test(of_the_coarse_mesh_what_is_large_is_lit_first),
+        cmocka_unit_test(while_something_moves_an_update_cuts_until_nothing_large_is_coarse),
         cmocka_unit_test(gathers_see_a_texture_that_gets_another_colour_while_things_move),
         cmocka_unit_test(where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_have_some),
     };
