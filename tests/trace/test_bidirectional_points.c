@@ -42,7 +42,7 @@ static sl_bidirectional_request point_of(const sl_scene *scene, uint32_t triangl
     sl_surface s;
     sl_scene_surface(scene, triangle, w1, w2,
                      sl_scale(sl_scene_geometric_normal(scene, triangle), front ? 1.0f : -1.0f), &s);
-    return (sl_bidirectional_request){s.position, s.geometric_normal, s.normal, triangle, NULL};
+    return (sl_bidirectional_request){s.position, s.geometric_normal, s.normal, triangle, NULL, 0};
 }
 
 static sl_bidirectional_value irradiance(world *w, const sl_bidirectional_request *request) {
@@ -84,6 +84,26 @@ static void furnace_irradiance_is_the_geometric_series(void **unused) {
         }
         close_world(&w);
     }
+}
+
+static world box_world(uint32_t samples) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t wall = trace_mesh_diffuse(&mesh, 0.5f), lamp = trace_mesh_material(&mesh, 0.5f, 0, 0, 0, 3.0f);
+    trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, wall);
+    trace_mesh_quad(&mesh, sl_v3(-0.5f, -0.5f, 0.9f), sl_v3(0, 1, 0), sl_v3(1, 0, 0), lamp);
+    return open_world(trace_mesh_build(&mesh), &(sl_bidirectional_point_settings){.samples = samples});
+}
+
+static void the_first_samples_alone_give_what_as_few_points_samples_give(void **unused) {
+    world all = box_world(64), few = box_world(24);
+    sl_bidirectional_request request = point_of(all.scene, 3, 0.2f, 0.3f, true);
+    sl_bidirectional_value of_few = irradiance(&few, &request), of_all = irradiance(&all, &request);
+    request.samples = 24;
+    sl_bidirectional_value first = irradiance(&all, &request);
+    assert_memory_equal(&first, &of_few, sizeof first);
+    assert_true(memcmp(&first, &of_all, sizeof first) != 0);
+    close_world(&all);
+    close_world(&few);
 }
 
 /* ---- against the path tracer ----------------------------------------------------------------- */
@@ -236,6 +256,7 @@ static void degenerate_points_have_finite_values(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_first_samples_alone_give_what_as_few_points_samples_give),
         cmocka_unit_test(furnace_irradiance_is_the_geometric_series),
         cmocka_unit_test(points_have_the_path_tracers_values),
         cmocka_unit_test(values_are_the_same_bits_at_any_time_and_with_any_threads),
