@@ -51,7 +51,7 @@ typedef struct sl_shading_state {
     sl_sample (*layer)[2];         /* by request: the cheap layer, the dear one */
     bool may_be_stale;             /* something that is seen is from before an edit, or was lately */
     size_t stale_left;             /* vertices that are stale after this update */
-    size_t dear_left;              /* ... and were old enough for their dear layer to be asked for again */
+    size_t dear_left;              /* of these, whose dear layer is older than the scene */
 
     uint32_t now;                  /* the update under way: 1, 2, ... */
     double samples;                /* so far: parts of one count as what they cost */
