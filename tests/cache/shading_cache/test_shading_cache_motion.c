@@ -114,17 +114,28 @@ static sl_image *after_moves(const char *path, unsigned threads) {
     return image;
 }
 
-/* Corners of leaves seen in the last update whose direct light is by few points on lights. */
-static size_t quick_corners(const sl_method *method) {
+typedef bool is_so(const sl_shading_state *s, uint32_t vertex);
+
+static bool is_quick(const sl_shading_state *s, uint32_t vertex) {
+    return s->patches->vertex[vertex].is_quick;
+}
+
+/* Tells whether indirect light is not by as many paths as is asked for now. */
+static bool is_by_other_paths(const sl_shading_state *s, uint32_t vertex) {
+    return !s->patches->vertex[vertex].extrapolated && s->layers.version[vertex] < s->same_paths;
+}
+
+/* Counts corners of leaves seen in the last update. */
+static size_t corners_that_are(is_so *is, const sl_method *method) {
     const sl_shading_state *s = method->state;
-    size_t quick = 0;
+    size_t count = 0;
     for (size_t i = 0; i < s->leaf_count; i++) {
         uint32_t leaf = s->leaf[i].patch;
         if (!is_seen_leaf(s, leaf)) continue;
         for (int c = 0; c < sl_patch_corners(s->patches, leaf); c++)
-            quick += s->patches->vertex[sl_patch_corner(s->patches, leaf, c)].is_quick;
+            count += is(s, sl_patch_corner(s->patches, leaf, c));
     }
-    return quick;
+    return count;
 }
 
 static void lights_are_sampled_quickly_while_they_move_and_in_full_at_rest(void **state) {
@@ -134,30 +145,15 @@ static void lights_are_sampled_quickly_while_they_move_and_in_full_at_rest(void 
     for (int i = 0; i < 20; i++) update(method);
     go_to_time(scene, method, time_of(1)); /* a single move is sampled in full */
     update(method);
-    assert_int_equal(quick_corners(method), 0);
+    assert_int_equal(corners_that_are(is_quick, method), 0);
     for (int i = 2; i < 12; i++) {
         go_to_time(scene, method, time_of(i));
         update(method);
     }
-    assert_true(quick_corners(method) > 0);
+    assert_true(corners_that_are(is_quick, method) > 0);
     to_the_end(method);
-    assert_int_equal(quick_corners(method), 0);
+    assert_int_equal(corners_that_are(is_quick, method), 0);
     destroy_method(method, scene);
-}
-
-/* Corners seen in the last update whose indirect light is not by as many paths as is asked for now. */
-static size_t other_paths(const sl_method *method) {
-    const sl_shading_state *s = method->state;
-    size_t other = 0;
-    for (size_t i = 0; i < s->leaf_count; i++) {
-        uint32_t leaf = s->leaf[i].patch;
-        if (!is_seen_leaf(s, leaf)) continue;
-        for (int c = 0; c < sl_patch_corners(s->patches, leaf); c++) {
-            uint32_t vertex = sl_patch_corner(s->patches, leaf, c);
-            other += !s->patches->vertex[vertex].extrapolated && s->layers.version[vertex] < s->same_paths;
-        }
-    }
-    return other;
 }
 
 static double paths_a_sample(const sl_counters *before, const sl_counters *now) {
@@ -181,7 +177,7 @@ static void indirect_light_is_by_half_of_the_paths_in_motion_and_by_all_again_at
     assert_true(paths_a_sample(&before, sl_method_counters(method)) == 16.0);
     uint32_t in_motion = s->same_paths;
     to_the_end(method);
-    assert_true(s->same_paths > in_motion && other_paths(method) == 0);
+    assert_true(s->same_paths > in_motion && corners_that_are(is_by_other_paths, method) == 0);
     destroy_method(method, scene);
 }
 
