@@ -178,22 +178,23 @@ static sl_status shading_update(void *state, sl_progress *progress, sl_error *er
 }
 
 static sl_status shading_resolve(void *state, sl_image **image, sl_error *error) {
+    static const char *const names[6] = {"R", "G", "B", "emission.R", "emission.G", "emission.B"};
     sl_shading_state *s = state;
     size_t pixels = sl_shading_pixels(s);
-    float *memory = sl_allocate(3 * pixels, sizeof *memory);
+    float *memory = sl_allocate(6 * pixels, sizeof *memory), *planes[6];
     if (!memory) return sl_fail_memory(error, "the picture");
-    float *const planes[3] = {memory, memory + pixels, memory + 2 * pixels};
+    for (size_t k = 0; k < 6; k++) planes[k] = memory + k * pixels;
     sl_status status = take_view(s, error);
     if (status == SL_OK)
         status = sl_display_draw(s->display, s->settings.threads, planes, &s->counters, error);
     if (status == SL_OK)
-        status = sl_image_create(s->settings.width, s->settings.height, 3, NULL, image, error);
+        status = sl_image_create(s->settings.width, s->settings.height, 6, names, image, error);
     sl_count(&s->counters, SL_COUNT_FRAMES_DISPLAYED, status == SL_OK);
     if (status == SL_OK)
         sl_announce(&s->announcer, "display", "display loop", s->settings.width, s->settings.height, 3,
                     memory, true);
     if (status == SL_OK) sl_shading_announce_patches(s);
-    for (int k = 0; k < 3 && status == SL_OK; k++)
+    for (int k = 0; k < 6 && status == SL_OK; k++)
         sl_raster_flip(planes[k], s->settings.width, s->settings.height,
                        (*image)->planes + (size_t)k * pixels);
     sl_free(memory);

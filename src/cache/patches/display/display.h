@@ -53,9 +53,9 @@ typedef struct sl_display_ids {
     float *u, *v;              /* of its root; 0 on the background */
 } sl_display_ids;
 
-/* A frame from the camera as it stands: radiance, three planes of width*height, bottom row first: L_e + kd E
- * / pi + L_s. */
-sl_status sl_display_draw(sl_display *display, unsigned threads, float *const planes[3],
+/* A frame from the camera as it stands, planes of width*height, bottom row first: three of radiance L_e + kd E
+ * / pi + L_s, three of L_e alone (NULL: not wanted). */
+sl_status sl_display_draw(sl_display *display, unsigned threads, float *const planes[6],
                           sl_counters *counters, sl_error *error);
 /* The id map of the same arrays, read back. Planes are the caller's. */
 /* The rasterizer of the scene that the display's own window draws with. */
@@ -78,7 +78,7 @@ const uint32_t *sl_window_ids(const void *window);
 /* A frame as a picture; *builds: how many its arrays have seen. */
 sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_counters *counters,
                             sl_error *error);
-sl_status sl_window_draw(sl_display *display, sl_window *window, unsigned threads, float *const planes[3],
+sl_status sl_window_draw(sl_display *display, sl_window *window, unsigned threads, float *const planes[6],
                          sl_counters *counters, sl_error *error);
 
 #endif

@@ -40,7 +40,7 @@ typedef struct frame_job {
     const sl_display_copy *copy;
     const sl_window *window;
     sl_view view;
-    /* one of these: a picture, an id map, one pixel */
+    /* one of these: a picture (sl_display_draw()), an id map, one pixel */
     float *const *out;
     const sl_display_ids *ids;
     sl_shown_pixel *shown;
@@ -150,10 +150,15 @@ static sl_rgb shade(const frame_job *job, triangle_run *run, const float place[2
                     run->emission.b + kd.b * e[2] * over_pi + e[5]};
 }
 
-static void put(const frame_job *job, size_t pixel, sl_rgb radiance) {
-    job->out[0][pixel] = sl_picture_value(radiance.r);
-    job->out[1][pixel] = sl_picture_value(radiance.g);
-    job->out[2][pixel] = sl_picture_value(radiance.b);
+static void put(float *const planes[3], size_t pixel, sl_rgb light) {
+    planes[0][pixel] = sl_picture_value(light.r);
+    planes[1][pixel] = sl_picture_value(light.g);
+    planes[2][pixel] = sl_picture_value(light.b);
+}
+
+static void put_pixel(const frame_job *job, size_t pixel, sl_rgb radiance, sl_rgb emission) {
+    put(job->out, pixel, radiance);
+    if (job->out[3]) put(job->out + 3, pixel, emission);
 }
 
 static void name_pixel(const sl_display_ids *ids, size_t pixel, uint32_t patch, uint32_t root, int32_t u,
@@ -167,14 +172,14 @@ static void name_pixel(const sl_display_ids *ids, size_t pixel, uint32_t patch, 
 static void do_background(const frame_job *job, size_t pixel) {
     if (job->ids) name_pixel(job->ids, pixel, SL_NO_INDEX, SL_NO_INDEX, 0, 0);
     else if (job->shown) job->shown->emission = background(job, pixel);
-    else put(job, pixel, background(job, pixel));
+    else put_pixel(job, pixel, background(job, pixel), background(job, pixel));
 }
 
 static void do_pixel(const frame_job *job, size_t pixel, triangle_run *run, const float place[2],
                      const sl_rgb *textured) {
     int32_t u, v;
     if (job->out) {
-        put(job, pixel, shade(job, run, place, textured));
+        put_pixel(job, pixel, shade(job, run, place, textured), run->emission);
         return;
     }
     find_leaf(job, run, place, &u, &v);
@@ -243,7 +248,7 @@ static void draw_gouraud(frame_job *job, unsigned threads, size_t first, size_t 
 }
 
 /* The display's own window is seen to by builds. */
-sl_status sl_window_draw(sl_display *d, sl_window *window, unsigned threads, float *const planes[3],
+sl_status sl_window_draw(sl_display *d, sl_window *window, unsigned threads, float *const planes[6],
                          sl_counters *counters, sl_error *error) {
     const sl_display_copy *copy = sl_display_take(d);
     sl_status status = SL_OK;
@@ -261,7 +266,7 @@ sl_status sl_window_draw(sl_display *d, sl_window *window, unsigned threads, flo
     return status;
 }
 
-sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[3], sl_counters *counters,
+sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[6], sl_counters *counters,
                           sl_error *error) {
     return sl_window_draw(d, &d->own, threads, planes, counters, error);
 }

@@ -65,7 +65,7 @@ sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_
                             sl_error *error) {
     sl_window *w = window;
     size_t pixels = pixels_of(w->display);
-    float *const planes[3] = {w->picture, w->picture + pixels, w->picture + 2 * pixels};
+    float *const planes[6] = {w->picture, w->picture + pixels, w->picture + 2 * pixels};
     sl_status status = sl_window_draw(w->display, w, w->threads, planes, counters, error);
     for (size_t k = 0; k < 3 && status == SL_OK; k++)
         sl_raster_flip(planes[k], image->width, image->height, image->planes + k * pixels);

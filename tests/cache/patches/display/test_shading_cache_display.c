@@ -25,7 +25,7 @@ static const sl_rgb guess = {0.25f, 0.5f, 0.75f};
 
 static void draw(sl_display *display, unsigned threads, picture *out) {
     sl_counters counters = {0};
-    float *planes[3] = {out->plane[0], out->plane[1], out->plane[2]};
+    float *planes[6] = {out->plane[0], out->plane[1], out->plane[2]};
     assert_int_equal(sl_display_draw(display, threads, planes, &counters, NULL), SL_OK);
 }
 

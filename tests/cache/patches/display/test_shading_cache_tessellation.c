@@ -242,7 +242,7 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
     size_t patches = h.patches->patches_alive, vertices = h.patches->vertices_alive, curved = 0;
     static uint32_t root[PIXELS];
     static float u[PIXELS], v[PIXELS], plane[3][PIXELS];
-    float *planes[3] = {plane[0], plane[1], plane[2]};
+    float *planes[6] = {plane[0], plane[1], plane[2]};
     for (int k = 0; k < 3; k++) {
         look_from(h.scene, k);
         build_display(display, &h);
@@ -279,7 +279,7 @@ static void an_eye_within_or_on_a_surface_is_no_trouble(void **state) {
     sl_bicubic_at(&h.scene->bicubics[9], 0.5, 0.5, &on_it, NULL);
     const sl_vec3 eye[3] = {{260, 150, 270}, on_it, {260, 0, 270}}; /* inside, on it, at the pole */
     static float plane[3][PIXELS];
-    float *planes[3] = {plane[0], plane[1], plane[2]};
+    float *planes[6] = {plane[0], plane[1], plane[2]};
     for (int k = 0; k < 3; k++) {
         assert_true(sl_camera_look_at(&h.scene->camera, eye[k], sl_v3(100, 200, 300), sl_v3(0, 1, 0), 1.2f));
         build_display(display, &h);

@@ -23,13 +23,13 @@ static const sl_rgb guess = {0.25f, 0.25f, 0.25f};
 
 static void draw(sl_display *display, picture *out) {
     sl_counters counters = {0};
-    float *planes[3] = {out->plane[0], out->plane[1], out->plane[2]};
+    float *planes[6] = {out->plane[0], out->plane[1], out->plane[2]};
     assert_int_equal(sl_display_draw(display, 1, planes, &counters, NULL), SL_OK);
 }
 
 static void draw_window(sl_display *display, sl_window *window, picture *out) {
     sl_counters counters = {0};
-    float *planes[3] = {out->plane[0], out->plane[1], out->plane[2]};
+    float *planes[6] = {out->plane[0], out->plane[1], out->plane[2]};
     assert_int_equal(sl_window_draw(display, window, 1, planes, &counters, NULL), SL_OK);
 }
 
@@ -86,7 +86,7 @@ static void draw_on_and_on(void *context) {
     uint64_t before = 0;
     while (!atomic_load(&b->stop)) {
         sl_counters counters = {0};
-        float *planes[3] = {frame.plane[0], frame.plane[1], frame.plane[2]};
+        float *planes[6] = {frame.plane[0], frame.plane[1], frame.plane[2]};
         bool ok = sl_window_draw(b->display, b->window, 1, planes, &counters, NULL) == SL_OK;
         uint64_t builds = b->window->builds;
         for (int i = 0; i < PIXELS; i++) {
