@@ -50,6 +50,14 @@ static sl_status make_parts(sl_gather *gather, unsigned threads, sl_error *error
     return sl_projection_create(gather->tables, s->harmonics_order, threads, &gather->projection, error);
 }
 
+static void find_lobes(sl_gather *g) {
+    if (!g->settings.all_lobes || g->settings.maps || !g->tracer) return;
+    for (size_t i = 0; i < g->scene->material_count; i++) {
+        g->glossy = g->glossy || sl_material_is_glossy(&g->scene->materials[i]);
+        g->mirrors = g->mirrors || sl_material_is_mirror(&g->scene->materials[i]);
+    }
+}
+
 sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
                            const sl_gather_settings *settings, unsigned threads, sl_gather **out,
                            sl_error *error) {
@@ -60,6 +68,7 @@ sl_status sl_gather_create(const sl_scene *scene, const sl_raster *raster, const
     gather->raster = raster;
     gather->tracer = tracer;
     gather->settings = *settings;
+    find_lobes(gather);
     if (gather->settings.hit_samples < 1) gather->settings.hit_samples = 1;
     if (!(gather->settings.more_rays >= 0.0f)) gather->settings.more_rays = 0.0f;
     if (gather->settings.more_rays > 4.0f) gather->settings.more_rays = 4.0f;
@@ -94,7 +103,7 @@ size_t sl_gather_memory_bytes(const sl_gather *gather) {
 
 /* Float planes of `stride` each, then those of whole numbers; behind `lead` zeros what belongs to cells. */
 static bool allocate_planes(sl_gather_scratch *s, size_t lead, size_t stride) {
-    enum { PLANES = 39, CELL_PLANES = 7, IDS = 5 };
+    enum { PLANES = 42, CELL_PLANES = 7, IDS = 5 };
     sl_gather_hits *h = &s->hits;
     sl_gather_planes *p = &s->planes;
     float **const plane[PLANES] = {
@@ -103,6 +112,7 @@ static bool allocate_planes(sl_gather_scratch *s, size_t lead, size_t stride) {
         &h->position_x, &h->position_y, &h->position_z, &h->normal_x, &h->normal_y, &h->normal_z,
         &h->geometric_x, &h->geometric_y, &h->geometric_z, &h->cosine, &h->back,
         &h->diffuse_r, &h->diffuse_g, &h->diffuse_b, &h->irradiance_r, &h->irradiance_g, &h->irradiance_b,
+        &h->glossy_r, &h->glossy_g, &h->glossy_b,
         &s->slot_share, &s->more_a, &s->more_b, &s->target_depth, &s->target_w1, &s->target_w2,
         &s->cell_depth, &s->cell_w1, &s->cell_w2};
     uint32_t **const id[IDS] = {&h->triangle, &s->slot_cell, &s->more_bits, &s->target_id, &s->cell_id};
@@ -122,7 +132,8 @@ static bool allocate_slots(const sl_gather *gather, sl_gather_scratch *s) {
     size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded,
            stride = lead + (slots + 15) / 16 * 16;
     s->texel = sl_allocate(slots, sizeof *s->texel);
-    if (!allocate_planes(s, lead, stride) || !s->texel) return false;
+    if (gather->mirrors) s->mirrored = sl_allocate(slots, sizeof *s->mirrored);
+    if (!allocate_planes(s, lead, stride) || !s->texel || (gather->mirrors && !s->mirrored)) return false;
     for (size_t k = 0; k < t->used; k++) s->slot_cell[k] = t->order[k];
     return !gather->sources || sl_light_scratch_create(gather, slots, &s->light, NULL) == SL_OK;
 }
@@ -164,7 +175,7 @@ void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
     if (!scratch) return;
     sl_raster_scratch_destroy(scratch->raster);
     sl_light_scratch_destroy(scratch->light);
-    SL_FREE_ALL(scratch->block, scratch->ids, scratch->pixels, scratch->texel, scratch);
+    SL_FREE_ALL(scratch->block, scratch->ids, scratch->pixels, scratch->texel, scratch->mirrored, scratch);
 }
 
 sl_status sl_gathers_create(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,

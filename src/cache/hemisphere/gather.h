@@ -51,6 +51,9 @@ typedef struct sl_gather_settings {
                                          carries; or NULL. It must outlive the gather */
     uint32_t hit_samples;     /* shadow rays: light samples a hit; 0 counts as 1, the default */
     const sl_shadow_maps *maps; /* that light what is seen, and must outlive the gather; NULL: shadow rays */
+    /* shadow rays: glossy lobes of what is seen reflect light, too, of `second` as if they were diffuse; and
+     * mirrors show what they reflect, lamps in */
+    bool all_lobes;
     const sl_second_light *second; /* more light on what is seen, or NULL; must outlive the gather */
     uint64_t seed;
     /* plane, N a power of two from SL_GATHER_COLOURED_LEAST on: the colours of all surfaces, to be summed as

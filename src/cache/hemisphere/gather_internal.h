@@ -55,8 +55,17 @@ struct sl_gather {
     float unit;
     float sky_irradiance[6];     /* in units, on planes that face +x, -x, +y, -y, +z, -z */
     sl_light_sampler *sampler;   /* all that samples are drawn from, where they are many */
+    bool glossy, mirrors;        /* settings.all_lobes, where the scene has any */
     bool every_light;            /* lights without extent are few: each lights every hit */
 };
+
+/* What the ray of a slot met behind mirrors (hit_mirrors.c). */
+typedef struct sl_mirrored_hit {
+    bool any;           /* the ray met a mirror */
+    float cosine, back; /* of the first one, as in sl_gather_hits */
+    sl_rgb share;       /* product of the mirrors' reflectances */
+    sl_vec3 position;   /* of what is seen */
+} sl_mirrored_hit;
 
 /* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be
  * read. */
@@ -78,6 +87,7 @@ struct sl_gather_scratch {
     float *more_a, *more_b;
     uint32_t *more_bits;
     sl_gather_hits hits;
+    sl_mirrored_hit *mirrored; /* by slot; NULL: mirrors are black */
     sl_gather_planes planes;
     sl_light_scratch *light; /* or NULL */
     sl_raster_scratch *raster;
@@ -119,6 +129,20 @@ void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
  */
 void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters);
+
+/* Slots first to first + count that show a mirror: what is seen in it. Directions become those of the last
+ * part of the way, depths stay. */
+void sl_gather_follow_mirrors(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters);
+/* Returns NULL where slot k shows no mirror. */
+static inline const sl_mirrored_hit *sl_gather_mirrored(const sl_gather_view *view, size_t k) {
+    const sl_mirrored_hit *m = view->scratch->mirrored;
+    return m && m[k].any ? &m[k] : NULL;
+}
+/* Returns what mirrors leave of the light of slot k: 1 where there are none. */
+static inline sl_rgb sl_gather_mirrored_share(const sl_gather_view *view, size_t k) {
+    const sl_mirrored_hit *m = sl_gather_mirrored(view, k);
+    return m ? m->share : sl_grey(1.0f);
+}
 
 /* Returns the emission of what slot k sees. */
 sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);

@@ -41,6 +41,7 @@ typedef struct sl_gather_hits {
     float *cosine;
     float *diffuse_r, *diffuse_g, *diffuse_b;
     float *irradiance_r, *irradiance_g, *irradiance_b;
+    float *glossy_r, *glossy_g, *glossy_b; /* radiance by way of glossy lobes */
     float *back;                                    /* 1: seen from the clockwise side */
 } sl_gather_hits;
 

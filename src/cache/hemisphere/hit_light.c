@@ -10,6 +10,7 @@
 
 #include "base/math.h"
 #include "base/random.h"
+#include "trace/bsdf.h"
 
 /* ---- shadow rays ---- */
 
@@ -23,8 +24,25 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
         h->irradiance_r[q->slot[i]] += q->light[i].r;
         h->irradiance_g[q->slot[i]] += q->light[i].g;
         h->irradiance_b[q->slot[i]] += q->light[i].b;
+        if (!q->view->gather->glossy) continue;
+        h->glossy_r[q->slot[i]] += q->glossy[i].r;
+        h->glossy_g[q->slot[i]] += q->glossy[i].g;
+        h->glossy_b[q->slot[i]] += q->glossy[i].b;
     }
     q->count = 0;
+}
+
+/* Returns the radiance that irradiance from there sends back to the gather by the surface's lobe. */
+static sl_rgb glossy_radiance(const sl_gather_view *view, size_t k, sl_vec3 to_light, sl_rgb irradiance) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_material *m = sl_hit_material(view, k);
+    if (!sl_material_is_glossy(m)) return sl_grey(0.0f);
+    const sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]),
+                  way = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+    const sl_surface surface = {.normal = n, .geometric_normal = n, .material = m};
+    const sl_bsdf lobe = sl_bsdf_make(&surface, sl_normalize_or(sl_neg(way), n), SL_LOBE_GLOSSY);
+    const sl_rgb f = sl_bsdf_value(&lobe, sl_normalize_or(to_light, n), SL_LOBE_GLOSSY);
+    return sl_rgb_mul(sl_rgb_mul(irradiance, f), sl_gather_mirrored_share(view, k));
 }
 
 void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, bool far_away, sl_rgb irradiance) {
@@ -36,6 +54,7 @@ void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, bool far
                         far_away, h->triangle[k]);
     q->slot[i] = (uint32_t)k;
     q->light[i] = irradiance;
+    if (q->view->gather->glossy) q->glossy[i] = glossy_radiance(q->view, k, to_light, irradiance);
     if (q->count == SL_PACKET) sl_flush_shadow_rays(q);
 }
 
@@ -66,12 +85,18 @@ static void light_by_each(const sl_gather_view *view, size_t first, size_t count
 
 static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
-/* Given its emitter, a sample stands for 1 / pdf of solid angle; very near to the emitter that grows beyond a
- * hemisphere, which none fills, and single hits would outshine the gather. So it is cut there. */
-static float bounded(const sl_light_sample *sample) {
-    if (sample->triangle == SL_NO_INDEX || !(sample->chance > 0.0f)) return 1.0f;
-    float share = sample->pdf / sample->chance * (float)(2.0 * SL_PI);
-    return share < 1.0f ? share : 1.0f;
+/* Aims anew at the emitter that the sampler has chosen: at what is near by solid angle, or single hits would
+ * outshine the gather. */
+static void aim_at_emitter(const sl_gather_view *view, size_t k, const sl_light_sample *sample, float u1,
+                           float u2, sl_vec3 *to_light, sl_rgb *irradiance) {
+    const sl_scene *scene = view->gather->scene;
+    if (sample->triangle == SL_NO_INDEX || sl_scene_has_alpha(scene, sample->triangle)) return;
+    const sl_emitter *emitter = &scene->emitters[sample->entry];
+    const sl_polygon_light front = sl_polygon_light_of(scene, emitter, false);
+    const bool back = sl_dot(front.normal, sample->to_light) > 0.0f;
+    const sl_polygon_light light = back ? sl_polygon_light_of(scene, emitter, true) : front;
+    const float form = sl_hit_aim(&view->scratch->hits, &light, k, u1, u2, to_light);
+    *irradiance = sl_rgb_scale(emitter->radiance, form / sample->chance);
 }
 
 /* One light sample at slot k, one of 1 / share. */
@@ -82,11 +107,12 @@ static void light_by_one_of_many(const sl_gather_view *view, sl_shadow_queue *q,
     sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
     if (!sl_light_sampler_sample_at(view->gather->sampler, sl_hit_position(h, k), n, select, u1, u2, &sample))
         return;
-    float cosine = sl_hit_cosine(h, k, sample.to_light);
-    if (!(cosine > 0.0f)) return;
-    bool far_away = isinf(sample.distance);
-    sl_push_shadow_ray(q, k, far_away ? sample.to_light : sl_scale(sample.to_light, sample.distance),
-                       far_away, sl_rgb_scale(sample.radiance, share * cosine * bounded(&sample)));
+    const bool far_away = isinf(sample.distance);
+    sl_vec3 to_light = far_away ? sample.to_light : sl_scale(sample.to_light, sample.distance);
+    sl_rgb irradiance = sl_rgb_scale(sample.radiance, sl_hit_cosine(h, k, sample.to_light));
+    aim_at_emitter(view, k, &sample, u1, u2, &to_light, &irradiance);
+    if (sl_rgb_max(irradiance) > 0.0f && sl_rgb_is_finite(irradiance))
+        sl_push_shadow_ray(q, k, to_light, far_away, sl_rgb_scale(irradiance, share));
 }
 
 /* Steps of the R3 sequence: powers of 1/g, g^4 = g + 1, as fractions of 2^32. */

@@ -12,7 +12,7 @@ typedef struct sl_shadow_queue {
     bool coherent;
     sl_ray16 rays;
     uint32_t slot[SL_PACKET];
-    sl_rgb light[SL_PACKET];
+    sl_rgb light[SL_PACKET], glossy[SL_PACKET];
 } sl_shadow_queue;
 
 /* Irradiance arrives at slot k from a light `to_light` away, or from far away in that direction, unless
@@ -20,10 +20,17 @@ typedef struct sl_shadow_queue {
 void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, bool far_away, sl_rgb irradiance);
 void sl_flush_shadow_rays(sl_shadow_queue *q);
 
-/* Returns the sum of kd over the channels; 0 where nothing is seen. */
+static inline const sl_material *sl_hit_material(const sl_gather_view *view, size_t k) {
+    const sl_scene *s = view->gather->scene;
+    return &s->materials[s->material_index[view->scratch->hits.triangle[k]]];
+}
+
+/* Returns the sum of kd over the channels, of ks too where lobes count; 0 where nothing is seen. */
 static inline float sl_hit_reflectance(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
-    return h->triangle[k] == SL_NO_INDEX ? 0.0f : h->diffuse_r[k] + h->diffuse_g[k] + h->diffuse_b[k];
+    if (h->triangle[k] == SL_NO_INDEX) return 0.0f;
+    const float diffuse = h->diffuse_r[k] + h->diffuse_g[k] + h->diffuse_b[k];
+    return view->gather->glossy ? diffuse + 3.0f * sl_rgb_mean(sl_hit_material(view, k)->specular) : diffuse;
 }
 static inline bool sl_hit_reflects(const sl_gather_view *view, size_t k) {
     return sl_hit_reflectance(view, k) > 0.0f;
@@ -46,6 +53,11 @@ static inline float sl_hit_cosine(const sl_gather_hits *h, size_t k, sl_vec3 d) 
     float above = h->geometric_x[k] * d.x + h->geometric_y[k] * d.y + h->geometric_z[k] * d.z;
     return cosine > 0.0f && above > 0.0f ? cosine : 0.0f;
 }
+
+/* A way from slot k to a point of an emitter, uniform in area, or, of what is near, by solid angle
+ * (near_light.h); returns the irradiance of radiance 1 that it stands for. */
+float sl_hit_aim(const sl_gather_hits *h, const sl_polygon_light *light, size_t k, float u1, float u2,
+                 sl_vec3 *to_light);
 
 /* Direct light by shadow rays (hit_light.c): from the lights that light every hit, on slots first to first +
  * count, and what is expected of the others there; then samples of these on all slots. */

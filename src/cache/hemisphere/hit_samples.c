@@ -235,23 +235,22 @@ static float form_of(const sl_gather_hits *h, const sl_polygon_light *light, siz
     return squared > 0.0f && emitted > 0.0f ? (light->area * over) * (cosine * over) * emitted : 0.0f;
 }
 
-static void light_by_side(const sl_gather_view *view, sl_shadow_queue *q, const sl_hit_sample *sample,
-                          float u1, float u2) {
-    const sl_gather_hits *h = &view->scratch->hits;
-    const sl_light_sides *sides = &view->gather->sides;
-    const sl_polygon_light *light = &sides->polygon[sample->source];
-    const size_t k = sample->slot;
+float sl_hit_aim(const sl_gather_hits *h, const sl_polygon_light *light, size_t k, float u1, float u2,
+                 sl_vec3 *to_light) {
     const sl_vec3 p = sl_hit_position(h, k);
     sl_near_light near = {.seen = {.parts = 0}};
-    sl_vec3 to_light;
-    float form;
     if (sl_light_is_near(light, p)) sl_near_light_make(light, p, hit_normal(h, k), &near);
-    if (near.seen.parts) {
-        form = aim_by_angle(h, &near, k, u1, u2, &to_light);
-    } else {
-        to_light = aim_by_area(light, p, u1, u2);
-        form = form_of(h, light, k, to_light);
-    }
+    if (near.seen.parts) return aim_by_angle(h, &near, k, u1, u2, to_light);
+    *to_light = aim_by_area(light, p, u1, u2);
+    return form_of(h, light, k, *to_light);
+}
+
+static void light_by_side(const sl_gather_view *view, sl_shadow_queue *q, const sl_hit_sample *sample,
+                          float u1, float u2) {
+    const sl_light_sides *sides = &view->gather->sides;
+    const size_t k = sample->slot;
+    sl_vec3 to_light;
+    float form = sl_hit_aim(&view->scratch->hits, &sides->polygon[sample->source], k, u1, u2, &to_light);
     sl_rgb radiance = view->gather->scene->emitters[sides->emitter[sample->source]].radiance,
            irradiance = sl_rgb_scale(radiance, form * sample->share);
     if (form > 0.0f && sl_rgb_is_finite(irradiance)) sl_push_shadow_ray(q, k, to_light, false, irradiance);

@@ -47,6 +47,42 @@ static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k
     __builtin_prefetch(*texel);
 }
 
+/* The surface of slot k is where the last mirror shows it; how far away and askew it is, is the first one's.
+ */
+static void put_mirrored(const sl_gather_view *view, size_t k) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_mirrored_hit *m = sl_gather_mirrored(view, k);
+    if (!m || h->triangle[k] == SL_NO_INDEX) return;
+    h->position_x[k] = m->position.x;
+    h->position_y[k] = m->position.y;
+    h->position_z[k] = m->position.z;
+    h->diffuse_r[k] *= m->share.r;
+    h->diffuse_g[k] *= m->share.g;
+    h->diffuse_b[k] *= m->share.b;
+    h->cosine[k] = m->cosine;
+}
+
+/* Returns about what the lobe at slot k reflects to the gather of light that is the same from everywhere: all
+ * of ks where the lobe is as wide as the hemisphere, and ks times the cosine where it is narrow. */
+static sl_rgb lobe_of(const sl_gather_view *view, size_t k) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    if (h->triangle[k] == SL_NO_INDEX) return sl_grey(0.0f);
+    const sl_material *m = sl_hit_material(view, k);
+    const sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]),
+                  way = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+    const float cosine = fmaxf(0.0f, -sl_dot(n, sl_normalize_or(way, n)));
+    const float part = (1.0f + m->exponent * cosine) / (1.0f + m->exponent);
+    return sl_rgb_scale(sl_rgb_mul(m->specular, sl_gather_mirrored_share(view, k)), part);
+}
+
+static void take_lobe_for_diffuse(const sl_gather_view *view, size_t k) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    const sl_rgb ks = lobe_of(view, k);
+    h->diffuse_r[k] += ks.r;
+    h->diffuse_g[k] += ks.g;
+    h->diffuse_b[k] += ks.b;
+}
+
 /* A texel that a ray finds is mostly in no cache: all are sent for before the first is read. */
 static void make_surfaces(const sl_gather_view *view, size_t first, size_t count) {
     const uint8_t **texel = view->scratch->texel;
@@ -57,6 +93,7 @@ static void make_surfaces(const sl_gather_view *view, size_t first, size_t count
         if (h->triangle[k] == SL_NO_INDEX) clear_slot(h, k);
         else load_slot(gather, h, k, &texel[k]);
         h->irradiance_r[k] = h->irradiance_g[k] = h->irradiance_b[k] = 0.0f;
+        h->glossy_r[k] = h->glossy_g[k] = h->glossy_b[k] = 0.0f;
     }
     for (size_t k = first; k < first + count; k++) {
         if (!texel[k]) continue;
@@ -65,6 +102,9 @@ static void make_surfaces(const sl_gather_view *view, size_t first, size_t count
         h->diffuse_b[k] *= sl_srgb_to_linear[texel[k][2]];
     }
     SL_KERNEL_OF(gather->isa, sl_gather_surfaces)(h, first, count, view->eye);
+    for (size_t k = first; gather->mirrors && k < first + count; k++) put_mirrored(view, k);
+    for (size_t k = first; gather->glossy && view->second_alone && k < first + count; k++)
+        take_lobe_for_diffuse(view, k);
 }
 
 /* A shading normal may tilt the gather below the geometric horizon: nothing arrives from there, neither from
@@ -96,12 +136,27 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
     }
 }
 
+/* Adds what lobes would send back of the irradiance at all hits if they were diffuse. */
+static void add_as_diffuse(const sl_gather_view *view, float sign) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    const float per_pi = sign * (float)(1.0 / SL_PI);
+    for (size_t k = 0; k < view->scratch->slots; k++) {
+        const sl_rgb ks = lobe_of(view, k);
+        h->glossy_r[k] += per_pi * ks.r * h->irradiance_r[k];
+        h->glossy_g[k] += per_pi * ks.g * h->irradiance_g[k];
+        h->glossy_b[k] += per_pi * ks.b * h->irradiance_b[k];
+    }
+}
+
 /* Light that has met more than one surface before it arrives at what the gather sees. */
 static void add_second_light(const sl_gather_view *view, sl_counters *counters) {
     const sl_second_light *second = view->gather->settings.second;
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_second_points points = sl_gather_last_hits(view->scratch).points;
+    const bool lobes = view->gather->glossy && !view->second_alone; /* elsewhere they are in k_d */
+    if (lobes) add_as_diffuse(view, -1.0f);
     second->irradiance(second->context, &points, h->irradiance_r, h->irradiance_g, h->irradiance_b, counters);
+    if (lobes) add_as_diffuse(view, 1.0f);
 }
 
 sl_gather_hits_seen sl_gather_last_hits(const sl_gather_scratch *scratch) {
@@ -128,20 +183,25 @@ static float sane(float radiance, uint64_t *nonfinite) {
     return radiance >= RADIANCE_MIN ? radiance : 0.0f;
 }
 
-sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k) {
+static sl_rgb emission_seen(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_scene *scene = view->gather->scene;
-    const sl_gather_settings *settings = &view->gather->settings;
-    if (view->second_alone) return sl_grey(0.0f);
+    const bool mirrored = sl_gather_mirrored(view, k), emission = view->gather->settings.emission || mirrored;
     if (h->triangle[k] == SL_NO_INDEX) {
-        const sl_environment *environment = settings->emission ? &scene->environment : settings->background;
-        if (!environment || is_below_horizon(view, k)) return sl_grey(0.0f);
+        const sl_environment *environment = emission ? &scene->environment
+                                                     : view->gather->settings.background;
+        if (!environment || (!mirrored && is_below_horizon(view, k))) return sl_grey(0.0f);
         sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
         return sl_environment_radiance(environment, sl_normalize_or(d, view->frame.z));
     }
-    if (!settings->emission) return sl_grey(0.0f);
-    const sl_material *material = &scene->materials[scene->material_index[h->triangle[k]]];
+    if (!emission) return sl_grey(0.0f);
+    const sl_material *material = sl_hit_material(view, k);
     return h->back[k] > 0.0f && !material->emission_two_sided ? sl_grey(0.0f) : material->emission;
+}
+
+sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k) {
+    if (view->second_alone) return sl_grey(0.0f);
+    return sl_rgb_mul(sl_gather_mirrored_share(view, k), emission_seen(view, k));
 }
 
 /* The mean of the rays of a cell; the nearest thing that they met, and what the first one did. */
@@ -151,9 +211,9 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
     uint32_t cell = view->scratch->slot_cell[k];
     float share = view->scratch->slot_share[k];
     const float inverse_pi = (float)(1.0 / SL_PI);
-    sl_rgb radiance = {h->diffuse_r[k] * inverse_pi * h->irradiance_r[k],
-                       h->diffuse_g[k] * inverse_pi * h->irradiance_g[k],
-                       h->diffuse_b[k] * inverse_pi * h->irradiance_b[k]};
+    sl_rgb radiance = {h->diffuse_r[k] * inverse_pi * h->irradiance_r[k] + h->glossy_r[k],
+                       h->diffuse_g[k] * inverse_pi * h->irradiance_g[k] + h->glossy_g[k],
+                       h->diffuse_b[k] * inverse_pi * h->irradiance_b[k] + h->glossy_b[k]};
     radiance = sl_rgb_add(radiance, sl_gather_emission(view, k));
     radiance = (sl_rgb){share * sane(radiance.r, nonfinite), share * sane(radiance.g, nonfinite),
                         share * sane(radiance.b, nonfinite)};
@@ -174,11 +234,29 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
     p->distance[cell] = hit ? h->depth[k] * length : INFINITY;
 }
 
+/* ---- geometry ---- */
+
+/* Of the first ray of a cell, whatever the light, and of the mirror where it met one. */
+static void note_geometry(const sl_gather_view *view, size_t k, float length, float *nearest,
+                          double *back_weight) {
+    const sl_gather_tables *t = view->gather->tables;
+    const sl_gather_scratch *s = view->scratch;
+    const sl_gather_hits *h = &s->hits;
+    const sl_mirrored_hit *m = sl_gather_mirrored(view, k);
+    if (h->triangle[k] == SL_NO_INDEX) return;
+    *back_weight += (double)((m ? m->back : h->back[k]) * t->weight[s->slot_cell[k]]);
+    sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+    if (!(h->cosine[k] > 0.0f) || !(m || sl_dot(d, view->point->geometric_normal) > 0.0f)) return;
+    float reach = h->depth[k] * length * length / h->cosine[k]; /* r / cos theta' */
+    if (reach < *nearest) *nearest = reach;
+}
+
 /* ---- all of it ---- */
 
 /* Slots first to first + count: what they see, lit by all but samples. */
 static void begin_slots(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
     drop_below_horizon(view, first, count);
+    if (view->gather->mirrors) sl_gather_follow_mirrors(view, first, count, counters);
     make_surfaces(view, first, count);
     if (view->second_alone) return;
     if (view->gather->settings.maps) light_by_maps(view, first, count, counters);
@@ -196,7 +274,6 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
     const sl_gather *gather = view->gather;
     const sl_gather_tables *t = gather->tables;
     const sl_gather_scratch *s = view->scratch;
-    const sl_gather_hits *h = &s->hits;
     uint64_t nonfinite = 0;
     *nearest = INFINITY;
     *back_weight = 0.0;
@@ -206,13 +283,7 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
     for (size_t k = 0; k < s->slots; k++) {
         float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[s->slot_cell[k]];
         write_slot(view, k, length, &nonfinite);
-        /* geometry by the first rays alone, whatever the light */
-        if (k >= t->used || h->triangle[k] == SL_NO_INDEX) continue;
-        *back_weight += (double)(h->back[k] * t->weight[s->slot_cell[k]]);
-        sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
-        if (!(h->cosine[k] > 0.0f) || !(sl_dot(d, view->point->geometric_normal) > 0.0f)) continue;
-        float reach = h->depth[k] * length * length / h->cosine[k]; /* r / cos theta' */
-        if (reach < *nearest) *nearest = reach;
+        if (k < t->used) note_geometry(view, k, length, nearest, back_weight);
     }
     if (nonfinite) sl_count(counters, SL_COUNT_NONFINITE, nonfinite);
 }

@@ -21,7 +21,8 @@ static void estimate_radiance(const sl_gather_view *view, float *radiance) {
     const sl_gather_scratch *s = view->scratch;
     const sl_gather_hits *h = &s->hits;
     const sl_gather *g = view->gather;
-    bool sampled = g->sources > 0, emission = g->settings.emission || g->settings.background;
+    bool sampled = g->sources > 0,
+         emission = g->settings.emission || g->settings.background || g->mirrors;
     float scale = sampled ? g->unit : 0.0f;
     for (size_t k = 0; k < g->tables->used; k++) {
         float light = sampled ? s->light->expected[k] * scale : 0.0f;

@@ -37,6 +37,7 @@ static sl_gather_settings chosen_gather(const sl_settings *settings) {
     g.size = settings->gather_size;
     g.hit_samples = settings->hit_samples ? settings->hit_samples : 1;
     g.seed = settings->seed;
+    g.all_lobes = settings->bounces > 1;
     g.emission = false; /* what the direct pass samples is black in the gather */
     return g;
 }
@@ -56,8 +57,8 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
     };
 }
 
-/* L S* E, L (D|G) S* E, L D+ (D|G) S* E: as many diffuse bounces as asked for, mirrors S before the eye
- * alone. */
+/* L S* E, L (D|G) S* E, and with one bounce, as in the paper, L D (D|G) S* E; with more of them all that
+ * lies between light and eye reflects with all its lobes. */
 void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
     *transport = (sl_transport){
         .emission = true,
@@ -65,7 +66,7 @@ void sl_splat_transport(const sl_settings *settings, sl_transport *transport) {
         .eye_mirrors = true,
         .direct_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
         .receiver_lobes = SL_LOBE_DIFFUSE | SL_LOBE_GLOSSY,
-        .bounce_lobes = SL_LOBE_DIFFUSE,
+        .bounce_lobes = settings->bounces > 1 ? SL_LOBE_ALL : SL_LOBE_DIFFUSE,
         .bounces = settings->bounces ? settings->bounces : 1,
         .direct_visibility = true,
         .bounce_visibility = true,
@@ -116,8 +117,8 @@ void sl_splat_plan_write(const sl_scene *scene, const sl_settings *settings, sl_
                  more ? "s: what gathers see receives indirect light too"
                       : ": what gathers see receives direct light alone");
     sl_plan_pass(writer, plan.mirrors, "mirrors",
-                 "%zu mirror triangles, rays from the eye follow them; gathers see them black",
-                 f.mirror_triangles);
+                 "%zu mirror triangles, rays from the eye follow them; %s", f.mirror_triangles,
+                 more ? "gathers see what they show" : "gathers see them black");
     sl_plan_pass(writer, f.emitters || f.environment, "emission", "%zu emissive triangles%s", f.emitters,
                  f.environment ? ", environment" : "");
 }

@@ -193,6 +193,61 @@ static void more_rays_are_as_many_as_asked_for_at_most(void **state) {
     world_free(w);
 }
 
+/* A row of lamps that stand on the floor, more than are weighed at every hit: half of what it gets arrives
+ * within a lamp's height. */
+static void what_many_lamps_give_close_by_is_not_cut(void **state) {
+    enum { LAMPS = 40 };
+    world *w = world_new();
+    uint32_t floor = world_material(w, sl_grey((float)FLOOR_ALBEDO), sl_grey(0)),
+             bright = world_material(w, sl_grey(0), sl_grey(2));
+    world_quad(w, sl_v3(-30, -30, 0), sl_v3(30, -30, 0), sl_v3(30, 30, 0), sl_v3(-30, 30, 0), floor);
+    for (int i = 0; i < LAMPS; i++) {
+        const float y = 0.1f * (float)(i - LAMPS / 2);
+        world_quad(w, sl_v3(0.2f, y, 0), sl_v3(0.2f, y, 0.1f), sl_v3(0.2f, y + 0.1f, 0.1f),
+                   sl_v3(0.2f, y + 0.1f, 0), bright);
+    }
+    world_build(w);
+    const lamp row = {{{0.2, -2, 0}, {0.2, -2, 0.1}, {0.2, 2, 0.1}, {0.2, 2, 0}}, 2.0};
+    const double truth = light_from_floor(1, &row, 0.0, 0.5);
+    const sl_gather_settings s = rays_of(24);
+    const spread e = many_keys(w, &s, sl_v3(0, 0, 0.5f), sl_v3(0, 0, -1), 600);
+    assert_within(e.mean / truth, 1.0, 0.025);
+    world_free(w);
+}
+
+/* Of a lobe ks (n + 2) / (2 pi) cos^n lit from straight above, an eye that looks down gathers ks E. */
+static void glossy_floors_send_back_what_their_lobes_reflect(void **state) {
+    world *w = world_new();
+    const uint32_t floor = world_material(w, sl_grey(0), sl_grey(0));
+    w->materials[floor].specular = sl_grey(0.5f), w->materials[floor].exponent = 20.0f;
+    world_quad(w, sl_v3(-30, -30, 0), sl_v3(30, -30, 0), sl_v3(30, 30, 0), sl_v3(-30, 30, 0), floor);
+    w->lights[w->light_count++] =
+        (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = sl_grey(3)};
+    world_build(w);
+    sl_gather_settings s = rays_of(24);
+    assert_true(gather_once(w, &s, sl_v3(0, 0, 0.5f), sl_v3(0, 0, -1)).value.g == 0.0f);
+    s.all_lobes = true;
+    assert_within((double)gather_once(w, &s, sl_v3(0, 0, 0.5f), sl_v3(0, 0, -1)).value.g, 1.5, 0.015);
+    world_free(w);
+}
+
+/* An eye that looks down on a mirror sees a lamp above it as if it were below. */
+static void mirrors_show_lamps_to_gathers(void **state) {
+    world *w = world_new();
+    const uint32_t mirror = world_material(w, sl_grey(0), sl_grey(0)),
+                   bright = world_material(w, sl_grey(0), sl_grey(2));
+    w->materials[mirror].mirror = sl_grey(0.8f);
+    world_quad(w, sl_v3(-30, -30, 0), sl_v3(30, -30, 0), sl_v3(30, 30, 0), sl_v3(-30, 30, 0), mirror);
+    world_quad(w, sl_v3(-1, -1, 2), sl_v3(-1, 1, 2), sl_v3(1, 1, 2), sl_v3(1, -1, 2), bright);
+    world_build(w);
+    const sl_vec3d seen[4] = {{-1, -1, -2}, {1, -1, -2}, {1, 1, -2}, {-1, 1, -2}};
+    const double truth = 0.8 * 2.0 * polygon_irradiance(sl_v3d(0, 0, 0.5), sl_v3d(0, 0, -1), seen, 4, NULL);
+    sl_gather_settings s = rays_of(24);
+    s.all_lobes = true;
+    assert_within(many_keys(w, &s, sl_v3(0, 0, 0.5f), sl_v3(0, 0, -1), 60).mean / truth, 1.0, 0.01);
+    world_free(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_mean_what_the_closed_form_says),
@@ -200,6 +255,9 @@ int main(void) {
         cmocka_unit_test(open_floor_under_an_even_sky_has_no_noise),
         cmocka_unit_test(more_rays_keep_the_mean_and_scatter_less),
         cmocka_unit_test(more_rays_are_as_many_as_asked_for_at_most),
+        cmocka_unit_test(what_many_lamps_give_close_by_is_not_cut),
+        cmocka_unit_test(glossy_floors_send_back_what_their_lobes_reflect),
+        cmocka_unit_test(mirrors_show_lamps_to_gathers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

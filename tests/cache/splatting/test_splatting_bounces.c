@@ -281,17 +281,22 @@ static void second_level_records_stay_as_long_as_the_light_does(void **state) {
     destroy_method(method, scene);
 }
 
-/* Two rooms without a door between them, each with its light: seen from one, the other has no second-level
- * records. */
-static void a_camera_that_goes_elsewhere_brings_second_level_records_there(void **state) {
+/* Rooms of that many metres at x = 0 and 5, without a door between them, each with its light. */
+static world *two_rooms(float one, float other, float other_light) {
     world *w = world_new();
     uint32_t wall = world_material(w, sl_grey(0.6f), sl_grey(0.0f));
     const uint32_t walls[6] = {wall, wall, wall, wall, wall, wall};
-    world_box(w, sl_v3(0, 0, 0), sl_v3(2, 2, 2), true, walls);
-    world_box(w, sl_v3(5, 0, 0), sl_v3(7, 2, 2), true, walls);
-    world_point_light(w, sl_v3(1.0f, 1.5f, 1.0f), 3.0f);
-    world_point_light(w, sl_v3(6.0f, 1.5f, 1.0f), 3.0f);
+    world_box(w, sl_v3(0, 0, 0), sl_v3(one, one, one), true, walls);
+    world_box(w, sl_v3(5, 0, 0), sl_v3(5 + other, other, other), true, walls);
+    world_point_light(w, sl_v3(0.5f * one, 0.75f * one, 0.5f * one), 3.0f);
+    world_point_light(w, sl_v3(5 + 0.5f * other, 0.75f * other, 0.5f * other), other_light);
     world_build(w);
+    return w;
+}
+
+/* Seen from one, the other has no second-level records. */
+static void a_camera_that_goes_elsewhere_brings_second_level_records_there(void **state) {
+    world *w = two_rooms(2.0f, 2.0f, 3.0f);
     const sl_vec3 there = sl_v3(5, 0, 0);
     const sl_gather_point here = {sl_v3(0.7f, 0, 0.8f), sl_v3(0, 1, 0), sl_v3(0, 1, 0), SL_NO_INDEX, 3};
     sl_gather_point far_off = here;
@@ -317,14 +322,7 @@ static void a_camera_that_goes_elsewhere_brings_second_level_records_there(void 
 /* A large room, and a closet without a door: few records, whose light is that of each other. */
 static void a_camera_that_sees_a_little_more_has_that_gathered_and_no_more(void **state) {
     (void)state;
-    world *w = world_new();
-    uint32_t wall = world_material(w, sl_grey(0.6f), sl_grey(0.0f));
-    const uint32_t walls[6] = {wall, wall, wall, wall, wall, wall};
-    world_box(w, sl_v3(0, 0, 0), sl_v3(4, 4, 4), true, walls);
-    world_box(w, sl_v3(5, 0, 0), sl_v3(5.5f, 0.5f, 0.5f), true, walls);
-    world_point_light(w, sl_v3(2.0f, 3.0f, 2.0f), 3.0f);
-    world_point_light(w, sl_v3(5.25f, 0.375f, 0.25f), 0.1f);
-    world_build(w);
+    world *w = two_rooms(4.0f, 0.5f, 0.1f);
     const sl_gather_point inside = {sl_v3(5.175f, 0, 0.2f), sl_v3(0, 1, 0), sl_v3(0, 1, 0), SL_NO_INDEX, 3};
     sl_error error;
     look_from(w, sl_v3(3.9f, 2.4f, 3.9f), sl_v3(2, 2, 2));
