@@ -3,8 +3,8 @@
  *
  *     direct      straight from the lights
  *     one bounce  and by one diffuse surface
- *     surfaces    and by any number of surfaces that are no mirrors
- *     all         and thrown on surfaces by mirrors (caustics)
+ *     surfaces    and by any number of surfaces, mirrors too
+ *     all         and of lights without extent by mirrors, which no path from the eye meets
  *
  * Their differences in the mean, and what surfaces and lights there are, say which method is soonest within
  * the error that the picture may have, as measured in many scenes (docs/error-estimates.md). */
@@ -19,38 +19,28 @@
 
 /* ---- where its light comes from -------------------------------------------------------------- */
 
-enum { SAMPLES = 16, MANY_BOUNCES = 64 };
+enum { SAMPLES = 16, MANY = 50 };
 
 /* A summary of a scene. */
 typedef struct scene_kind {
-    /* shares of the mean radiance: straight from lights, by one surface, by more, thrown on surfaces by
-     * mirrors; they sum to 1 where there is any */
+    /* shares of the mean radiance: straight from lights, by one surface, by more, by mirrors of lights
+     * without extent; they sum to 1 where there is any */
     double direct, second, further, mirrored;
-    bool lit, glossy, mirrors, many_lights, dots; /* dots: lights without extent, which no path meets */
+    bool lit, many_lights;
 } scene_kind;
 
 /* Tells where the scene's light comes from, and what it is made of. */
 static sl_status look_at(const sl_scene *scene, const sl_settings *base, scene_kind *k, sl_error *error) {
-    enum { MANY = 50 };
     sl_features f = sl_scene_features(scene);
-    bool mirrors = f.mirror_triangles > 0;
-    /* bounces off glossy surfaces count as mirrored where there are mirrors */
-    const sl_light_paths paths[] = {{"path", "direct"},
-                                    {"path", "one-bounce"},
-                                    {"path", mirrors ? "matched:splatting" : "full"},
-                                    {"bidirectional", "full"}};
+    const size_t dots = f.point_lights + f.spot_lights + f.directional_lights,
+                 kinds = f.mirror_triangles && dots ? 4 : 3;
+    const sl_light_paths paths[] = {
+        {"path", "direct"}, {"path", "one-bounce"}, {"path", "full"}, {"bidirectional", "full"}};
     double light[4] = {0.0};
-    sl_settings settings = *base;
-    settings.bounces = MANY_BOUNCES;
-    sl_status status = sl_measure_light(scene, &settings, paths, mirrors ? 4 : 3, SAMPLES, light, error);
+    sl_status status = sl_measure_light(scene, base, paths, kinds, SAMPLES, light, error);
     for (int i = 1; i < 4; i++) light[i] = fmax(light[i], light[i - 1]); /* noise makes no share negative */
     double direct = light[0], one = light[1], surfaces = light[2], all = light[3];
-    size_t dots = f.point_lights + f.spot_lights + f.directional_lights;
-    *k = (scene_kind){.lit = all > 0.0,
-                      .glossy = f.glossy_triangles > 0,
-                      .mirrors = mirrors,
-                      .many_lights = f.emitters + dots >= MANY,
-                      .dots = dots > 0};
+    *k = (scene_kind){.lit = all > 0.0, .many_lights = f.emitters + dots >= MANY};
     if (!k->lit) return status;
     k->direct = direct / all;
     k->second = (one - direct) / all;
@@ -84,14 +74,12 @@ static const char *choose(const scene_kind *k, const sl_auto_budget *b, sl_auto_
     if (b->things_move) return c->method = "direct-radiance", "every frame anew, whatever moves";
     if (2.0 * (1.0 - k->direct) <= tolerance) return "a few light samples a pixel are exact soon";
     if (is_rough(b)) return c->method = "light-octree", "it has all light soonest, a little blurred";
-    if (2.0 * k->mirrored > tolerance && k->dots)
+    if (2.0 * k->mirrored > tolerance)
         return c->method = "bidirectional",
                "no path from the eye finds what mirrors throw of lights without extent";
-    if (k->glossy || k->mirrors)
-        return "records leave out, or take long for, what glossy surfaces and mirrors do";
     if (k->many_lights) return "so many lights' edges of shadows are not to be cached";
     c->method = "splatting";
-    return "diffuse light changes slowly, and is soonest found in records";
+    return "indirect light changes slowly, and is soonest found in records";
 }
 
 static void tell(const scene_kind *kind, const char *because, sl_auto_choice *choice) {
