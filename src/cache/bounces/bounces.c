@@ -27,7 +27,7 @@ sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, dou
                             .aspect = 1.0f,
                             .seed = visible->seed,
                             .threads = 1,
-                            .minimum_radius = 0.02};
+                            .minimum_radius = 0.014};
     /* Twice as coarse, with a sixth of the rays: a visible gather takes the mean of thousands of look-ups. */
     double coarser = 2.0 * accuracy;
     s.accuracy = coarser < 0.3 ? 0.3 : coarser > 0.6 ? 0.6 : coarser;
