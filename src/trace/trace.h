@@ -56,6 +56,8 @@ typedef struct sl_hit16 {
     uint32_t triangle[SL_PACKET];       /* SL_NO_INDEX: nothing */
 } sl_hit16;
 
+enum { SL_REFLECTIONS_MAX = 16 }; /* what two facing mirrors still show after that is black */
+
 /* Closest hits of rays [0, count), count <= 16. Alpha masks are tested. coherent: a hint only, the bits are
  * the same. */
 void sl_trace(const sl_tracer *tracer, const sl_ray16 *rays, unsigned count, bool coherent, sl_hit16 *hits,

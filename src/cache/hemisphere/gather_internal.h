@@ -59,7 +59,7 @@ struct sl_gather {
     bool every_light;            /* lights without extent are few: each lights every hit */
 };
 
-/* What the ray of a slot met behind mirrors (hit_mirrors.c). */
+/* The end of a slot's ray behind mirrors (hit_mirrors.c). */
 typedef struct sl_mirrored_hit {
     bool any;           /* the ray met a mirror */
     float cosine, back; /* of the first one, as in sl_gather_hits */
@@ -130,8 +130,8 @@ void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters);
 void sl_gather_see_more_rays(const sl_gather_view *view, sl_counters *counters);
 
-/* Slots first to first + count that show a mirror: what is seen in it. Directions become those of the last
- * part of the way, depths stay. */
+/* Gives those of slots first to first + count that show a mirror what is seen in it. Directions become those
+ * of the last part of the way, depths stay. */
 void sl_gather_follow_mirrors(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters);
 /* Returns NULL where slot k shows no mirror. */
 static inline const sl_mirrored_hit *sl_gather_mirrored(const sl_gather_view *view, size_t k) {

@@ -4,7 +4,6 @@
 #include "cache/hemisphere/hit_light.h"
 
 #include "base/math.h"
-#include "cache/reflect/reflect.h"
 #include "trace/bsdf.h"
 
 static bool is_mirror(const sl_gather_view *view, size_t k) {

@@ -47,8 +47,8 @@ static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k
     __builtin_prefetch(*texel);
 }
 
-/* The surface of slot k is where the last mirror shows it; how far away and askew it is, is the first one's.
- */
+/* Places the surface of slot k where the last mirror shows it; how far away and askew it is, is the first
+ * one's. */
 static void put_mirrored(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_mirrored_hit *m = sl_gather_mirrored(view, k);
@@ -236,7 +236,7 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
 
 /* ---- geometry ---- */
 
-/* Of the first ray of a cell, whatever the light, and of the mirror where it met one. */
+/* Counts in what the first ray of a cell met, whatever the light; a mirror where it met one. */
 static void note_geometry(const sl_gather_view *view, size_t k, float length, float *nearest,
                           double *back_weight) {
     const sl_gather_tables *t = view->gather->tables;

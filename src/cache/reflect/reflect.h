@@ -6,8 +6,6 @@
 #include "raster/raster.h"
 #include "trace/trace.h"
 
-enum { SL_REFLECTIONS_MAX = 16 }; /* what two facing mirrors still show after that is black */
-
 typedef struct sl_reflections {
     size_t count;            /* mirror pixels of the picture */
     uint32_t *pixel;         /* which, ascending */
