@@ -19,7 +19,7 @@
 
 /* ---- where its light comes from -------------------------------------------------------------- */
 
-enum { SAMPLES = 16, MANY = 50 };
+enum { SAMPLES = 16, MANY_LIGHTS = 50 };
 
 /* A summary of a scene. */
 typedef struct scene_kind {
@@ -40,7 +40,7 @@ static sl_status look_at(const sl_scene *scene, const sl_settings *base, scene_k
     sl_status status = sl_measure_light(scene, base, paths, kinds, SAMPLES, light, error);
     for (int i = 1; i < 4; i++) light[i] = fmax(light[i], light[i - 1]); /* noise makes no share negative */
     double direct = light[0], one = light[1], surfaces = light[2], all = light[3];
-    *k = (scene_kind){.lit = all > 0.0, .many_lights = f.emitters + dots >= MANY};
+    *k = (scene_kind){.lit = all > 0.0, .many_lights = f.emitters + dots >= MANY_LIGHTS};
     if (!k->lit) return status;
     k->direct = direct / all;
     k->second = (one - direct) / all;

@@ -148,7 +148,8 @@ static void add_as_diffuse(const sl_gather_view *view, float sign) {
     }
 }
 
-/* Light that has met more than one surface before it arrives at what the gather sees. */
+/* Light that has met more than one surface before it arrives at what the gather sees. Lobes reflect it as if
+ * they were diffuse: with it less without it. */
 static void add_second_light(const sl_gather_view *view, sl_counters *counters) {
     const sl_second_light *second = view->gather->settings.second;
     const sl_gather_hits *h = &view->scratch->hits;

@@ -170,9 +170,13 @@ static void name_pixel(const sl_display_ids *ids, size_t pixel, uint32_t patch, 
 }
 
 static void do_background(const frame_job *job, size_t pixel) {
-    if (job->ids) name_pixel(job->ids, pixel, SL_NO_INDEX, SL_NO_INDEX, 0, 0);
-    else if (job->shown) job->shown->emission = background(job, pixel);
-    else put_pixel(job, pixel, background(job, pixel), background(job, pixel));
+    if (job->ids) {
+        name_pixel(job->ids, pixel, SL_NO_INDEX, SL_NO_INDEX, 0, 0);
+        return;
+    }
+    const sl_rgb seen = background(job, pixel);
+    if (job->shown) job->shown->emission = seen;
+    else put_pixel(job, pixel, seen, seen);
 }
 
 static void do_pixel(const frame_job *job, size_t pixel, triangle_run *run, const float place[2],
