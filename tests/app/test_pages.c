@@ -61,12 +61,6 @@ static void need_browser(const fixture *f) {
     skip();
 }
 
-static void assert_holds(browser *b, const char *expression) {
-    char script[2048];
-    snprintf(script, sizeof script, "return %s", expression);
-    if (browser_number(b, script) != 1.0) fail_msg("not so: %s", expression);
-}
-
 /* Clicks on a place of an element, in shares of its width and height. */
 static void click_on(browser *b, const char *element, double x, double y) {
     char script[512];

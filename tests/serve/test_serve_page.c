@@ -77,20 +77,10 @@ static void need_browser(const fixture *f) {
 
 /* ---- what holds on the page ---- */
 
-static bool holds(browser *b, const char *expression) {
-    char script[2048];
-    snprintf(script, sizeof script, "return Boolean(%s)", expression);
-    return browser_number(b, script) == 1.0;
-}
-
-static void assert_holds(browser *b, const char *expression) {
-    if (!holds(b, expression)) fail_msg("not so: %s", expression);
-}
-
 static void wait_until(browser *b, const char *expression) {
     const time_t begun = time(NULL);
     while (time(NULL) - begun < 90) {
-        if (holds(b, expression)) return;
+        if (browser_holds(b, expression)) return;
         nanosleep(&(struct timespec){0, 50000000}, NULL);
     }
     fail_msg("waited in vain: %s", expression);
@@ -116,6 +106,14 @@ static void open_page(fixture *f) {
     browser_go_to(f->browser, f->address);
     run(f->browser, tools);
     wait_until(f->browser, "document.querySelector('#frame.ready') && softlux.world.scene");
+}
+
+/* Skips the test where there is no browser. */
+static fixture *opened_page(void **state) {
+    fixture *f = *state;
+    need_browser(f);
+    open_page(f);
+    return f;
 }
 
 /* Of an element: where in the window a share of its width and height is. */
@@ -153,9 +151,7 @@ static void assert_nothing_is_wrong(const fixture *f) {
 /* ---- */
 
 static void the_page_opens_with_a_picture_and_hides_its_token(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     assert_holds(f->browser, "location.hash === '' && !location.href.includes('#')");
     assert_holds(f->browser, "sessionStorage.getItem('token').length >= 32");
     assert_holds(f->browser, "document.title.includes('cornell-point.json')");
@@ -167,9 +163,7 @@ static void the_page_opens_with_a_picture_and_hides_its_token(void **state) {
 }
 
 static void the_picture_follows_mouse_fingers_and_keys(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     const browser_place middle = place_in(f->browser, "#frame", 0.5, 0.6);
     remember(f->browser);
     drag_from(f->browser, "mouse", middle, 80, 20, false);
@@ -193,9 +187,7 @@ static void the_picture_follows_mouse_fingers_and_keys(void **state) {
 }
 
 static void a_lamp_that_is_dragged_lights_from_where_it_is_then(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     remember(f->browser);
     drag_from(f->browser, "mouse", place_in(f->browser, ".handle.lamp", 0.5, 0.5), 60, 0, false);
     wait_for_change(f->browser);
@@ -209,9 +201,7 @@ static void a_lamp_that_is_dragged_lights_from_where_it_is_then(void **state) {
 }
 
 static void what_is_picked_gets_another_colour_and_goes_elsewhere(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     remember(f->browser);
     const browser_place box = place_in(f->browser, "#frame", 0.62, 0.75);
     browser_click(f->browser, box.x, box.y);
@@ -234,9 +224,7 @@ static void what_is_picked_gets_another_colour_and_goes_elsewhere(void **state) 
 }
 
 static void a_lamp_is_added_and_taken_away(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     run(f->browser, "press('tab-scene'); press('add-lamp')");
     wait_until(f->browser, "softlux.world.scene.lights.length === 2 && softlux.world.selected?.number === 2");
     run(f->browser, "press('remove-lamp')");
@@ -259,9 +247,7 @@ static void use_method(browser *b, const char *name) {
 }
 
 static void every_method_shows_a_picture_of_its_own(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     for (size_t i = 0; i < METHODS; i++) {
         use_method(f->browser, methods[i]);
         assert_holds(f->browser, "document.querySelector('#settings h3').textContent.length > 4");
@@ -270,9 +256,7 @@ static void every_method_shows_a_picture_of_its_own(void **state) {
 }
 
 static void two_methods_stand_under_one_line_that_moves(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     run(f->browser, "choose('method-b', 'path')");
     wait_until(f->browser, "document.querySelector('#frame.split') && "
                            "!document.querySelector('#right.empty') && seen('right') !== seen()");
@@ -288,9 +272,7 @@ static void two_methods_stand_under_one_line_that_moves(void **state) {
 }
 
 static void reference_difference_and_error_stand_beside(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     run(f->browser, "choose('method-b', 'reference')");
     wait_until(f->browser, "!document.querySelector('#right.empty') && "
                            "document.getElementById('told-b').textContent.includes('samples')");
@@ -323,9 +305,7 @@ static bool tells_terms(const char *method) {
 }
 
 static void the_story_of_a_pixel_adds_up_to_it(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     run(f->browser, "document.querySelector('#tools [value=pixel]').click()");
     for (size_t i = 0; i < METHODS; i++) {
         use_method(f->browser, methods[i]);
@@ -378,9 +358,7 @@ static void render_as_told(browser *b, const char *path) {
 
 static void the_exact_picture_is_that_of_the_command_which_the_page_tells(void **state) {
     static const char *const kinds[] = {"exr", "png"};
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     drag_from(f->browser, "mouse", place_in(f->browser, ".handle.lamp", 0.5, 0.5), 40, 0, false);
     wait_until(f->browser, "!document.getElementById('undo').disabled");
     for (int m = 0; m < 2; m++) {
@@ -449,9 +427,7 @@ static void a_pass_draws_its_marks_over_the_picture(void **state) {
 }
 
 static void a_pass_steps_back_through_the_batches_so_far(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     use_method(f->browser, "multi-mesh");
     run(f->browser, "press('passes')");
     choose_pass(f->browser, "The picture");
@@ -470,9 +446,7 @@ static void a_pass_steps_back_through_the_batches_so_far(void **state) {
 }
 
 static void a_reload_in_the_middle_of_a_drag_goes_on(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     remember(f->browser);
     drag_from(f->browser, "mouse", place_in(f->browser, ".handle.lamp", 0.5, 0.5), 50, 0, true);
     run(f->browser, "location.reload()");
@@ -489,9 +463,7 @@ static void a_reload_in_the_middle_of_a_drag_goes_on(void **state) {
 }
 
 static void two_tabs_see_the_same(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     remember(f->browser);
     browser_open_tab(f->browser);
     open_page(f);
@@ -514,16 +486,14 @@ static void two_tabs_see_the_same(void **state) {
 static void tab_to(browser *b, const char *what) {
     char expression[300];
     snprintf(expression, sizeof expression, "document.activeElement.matches('%s')", what);
-    for (int i = 0; i < 80 && !holds(b, expression); i++) browser_press(b, KEY_TAB);
+    for (int i = 0; i < 80 && !browser_holds(b, expression); i++) browser_press(b, KEY_TAB);
     assert_holds(b, expression);
     assert_holds(b, "getComputedStyle(document.activeElement).outlineStyle !== 'none' || "
                     "document.activeElement.matches('#tools input, #line')");
 }
 
 static void keys_alone_reach_everything(void **state) {
-    fixture *f = *state;
-    need_browser(f);
-    open_page(f);
+    fixture *f = opened_page(state);
     remember(f->browser);
     tab_to(f->browser, "#frame");
     browser_press(f->browser, KEY_RIGHT);

@@ -12,6 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "unit_test.h"
+
 struct browser {
     pid_t driver;
     FILE *said; /* what the driver prints */
@@ -233,6 +235,16 @@ double browser_number(browser *b, const char *script) {
     double number = cJSON_IsBool(value) ? (double)cJSON_IsTrue(value) : value->valuedouble;
     cJSON_Delete(value);
     return number;
+}
+
+bool browser_holds(browser *b, const char *expression) {
+    char script[2048];
+    snprintf(script, sizeof script, "return Boolean(%s)", expression);
+    return browser_number(b, script) == 1.0;
+}
+
+void assert_holds(browser *b, const char *expression) {
+    if (!browser_holds(b, expression)) fail_msg("not so: %s", expression);
 }
 
 char *browser_text(browser *b, const char *script) {

@@ -22,6 +22,9 @@ void browser_go_to_file(browser *browser, const char *path);
  * the test where the script fails. */
 struct cJSON *browser_run(browser *browser, const char *script);
 double browser_number(browser *browser, const char *script);
+/* Is an expression true there? */
+bool browser_holds(browser *browser, const char *expression);
+void assert_holds(browser *browser, const char *expression);
 /* The caller frees it. */
 char *browser_text(browser *browser, const char *script);
 /* A click at a place of the window, in CSS pixels. */
