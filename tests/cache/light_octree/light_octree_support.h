@@ -9,6 +9,19 @@
 #include "base/math.h"
 #include "cache/light_octree/shade.h"
 #include "cache/light_octree/octree.h"
+#include "trace_scenes.h"
+
+/* A sphere in the middle of a root of 2 x 2 x 2, in two corners of which lies an outlier. */
+static inline sl_scene *sphere_in_a_root(unsigned rings, float radius) {
+    trace_mesh mesh = trace_mesh_begin();
+    uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1);
+    trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1),
+                        trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
+    trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1),
+                        trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
+    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), radius, rings, 0.0f, false, trace_mesh_diffuse(&mesh, 0.5f));
+    return trace_mesh_build(&mesh);
+}
 
 static inline sl_octree *octree_of(const sl_scene *scene, int depth, unsigned threads) {
     sl_octree *octree = NULL;
@@ -45,12 +58,31 @@ static inline sl_voxel_lights *lights_of(const sl_scene *scene, const sl_octree 
     return lights;
 }
 
+static inline sl_voxel_lights *whole_voxels(const sl_scene *scene, const sl_octree *octree, int lights) {
+    const sl_light_octree_settings options = plain_options(lights);
+    return lights_of(scene, octree, &options);
+}
+
+static inline void assert_same_lights(const sl_voxel_lights *a, const sl_voxel_lights *b) {
+    assert_memory_equal(a->light, b->light, a->set_count * (size_t)a->texels * sizeof *a->light);
+    assert_memory_equal(a->set, b->set, a->set_count * sizeof *a->set);
+}
+
 static inline sl_voxel_texture *texture_of(const sl_octree *octree, const sl_voxel_lights *lights) {
     sl_voxel_texture *texture = NULL;
     sl_error error;
     if (sl_voxel_texture_create(octree, lights, &texture, &error) != SL_OK)
         fail_msg("%s", error.message);
     return texture;
+}
+
+/* Destroys a scene and all that was made of it; texture may be NULL. */
+static inline void destroy_octree(sl_scene *scene, sl_octree *octree, sl_voxel_lights *lights,
+                                  sl_voxel_texture *texture) {
+    sl_voxel_texture_destroy(texture);
+    sl_voxel_lights_destroy(lights);
+    sl_octree_destroy(octree);
+    sl_scene_destroy(scene);
 }
 
 /* Descends to a point: the place of its leaf's first texel, or SIZE_MAX. */

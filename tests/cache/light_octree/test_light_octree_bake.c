@@ -180,8 +180,7 @@ static void each_side_shows_its_own_light(void **state) {
 static void what_is_not_finite_becomes_black(void **state) {
     stage s = stage_of(scene_from(ball_and_box), 64);
     sl_octree *octree = octree_of(s.scene, 4, 2);
-    sl_light_octree_settings options = plain_options(1);
-    sl_voxel_lights *lights = lights_of(s.scene, octree, &options);
+    sl_voxel_lights *lights = whole_voxels(s.scene, octree, 1);
     for (size_t i = 0; i < octree->leaf_count; i++)
         set_light(lights, i, 0, sl_v3d(0, 1, 0), INFINITY, -INFINITY, NAN);
     sl_octree_shading shading = {.texture = texture_of(octree, lights)};
@@ -198,8 +197,7 @@ static void what_is_not_finite_becomes_black(void **state) {
 static void a_texel_is_what_the_octree_says_at_its_point(void **state) {
     stage s = stage_of(scene_from(ball_and_box), 128);
     sl_octree *octree = octree_of(s.scene, 4, 2);
-    sl_light_octree_settings options = plain_options(4);
-    sl_voxel_lights *lights = lights_of(s.scene, octree, &options);
+    sl_voxel_lights *lights = whole_voxels(s.scene, octree, 4);
     uint64_t key = sl_random_key(5, 0);
     for (size_t i = 0; i < octree->leaf_count; i++) {
         sl_vec3d d = sl_v3d((double)sl_random_unit(key, 4 * i) - 0.5, 0.6,

@@ -176,9 +176,7 @@ static void voxels_hold_the_flux_of_all_photons(void **state) {
         o.neighbours = 100;
         o.whole_voxels = !(k & 1);
         o.acceptance = (k & 1 ? 35.0 : 60.0) / 180.0 * SL_PI;
-        sl_octree *octree = octree_of(scene, 4 + k / 2, 1);
         o.radius = 0.0; /* by density */
-        sl_octree_destroy(octree);
         lit l = light_up(scene, 4 + k / 2, list, &o, 2);
         const sl_voxel_statistics s = sl_voxel_lights_statistics(l.lights);
         print_message("depth %d, %s: %.4f of the photons' flux\n", 4 + k / 2, k & 1 ? "split" : "whole",
@@ -242,8 +240,7 @@ static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
     enum { LIGHTS = 4, POINTS = 2000 };
     sl_scene *scene = furnished_room(6, 4);
     sl_octree *octree = octree_of(scene, 4, 1);
-    sl_light_octree_settings o = plain_options(LIGHTS);
-    sl_voxel_lights *lights = lights_of(scene, octree, &o);
+    sl_voxel_lights *lights = whole_voxels(scene, octree, LIGHTS);
     sl_vec3d *exact = calloc(octree->leaf_count * LIGHTS, sizeof *exact);
     uint64_t key = sl_random_key(8, 8), points = sl_random_key(8, 9);
     assert_non_null(exact);
@@ -273,10 +270,7 @@ static void one_texel_a_light_is_within_the_bound_of_two(void **state) {
     }
     assert_true(most > 0.3);
     free(exact);
-    sl_voxel_texture_destroy(texture);
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, texture);
 }
 
 int main(void) {

@@ -3,7 +3,6 @@
 #include "light_octree_photons.h"
 
 #include "cache/light_octree/voxel_lights.h"
-#include "trace_scenes.h"
 
 /* ---- lobes alone ---- */
 
@@ -514,10 +513,7 @@ static void batches_and_threads_give_the_same_bits(void **state) {
         lit first = light_up(scene, 5, list[0], &o, 1);
         for (unsigned threads = 2; threads <= 3; threads++) {
             lit other = light_up(scene, 5, list[threads - 1], &o, threads);
-            assert_memory_equal(first.lights->light, other.lights->light,
-                                first.lights->set_count * (size_t)first.lights->texels * 16);
-            assert_memory_equal(first.lights->set, other.lights->set,
-                                first.lights->set_count * sizeof *first.lights->set);
+            assert_same_lights(first.lights, other.lights);
             assert_memory_equal(&first.counters, &other.counters, sizeof first.counters);
             end_lit(&other);
         }
@@ -530,10 +526,7 @@ static void batches_and_threads_give_the_same_bits(void **state) {
                 sl_voxel_lights_create(scene, first.octree, first.tree, &o, 2, &other, NULL),
                 SL_OK);
             sl_voxel_lights_compute(other, 0, SIZE_MAX, 2, &counters);
-            assert_memory_equal(first.lights->light, other->light,
-                                first.lights->set_count * (size_t)first.lights->texels * 16);
-            assert_memory_equal(first.lights->set, other->set,
-                                first.lights->set_count * sizeof *first.lights->set);
+            assert_same_lights(first.lights, other);
             sl_voxel_lights_destroy(other);
         }
         unsetenv("SOFTLUX_ISA");
@@ -546,8 +539,7 @@ static void batches_and_threads_give_the_same_bits(void **state) {
             step = 1 + at % 777;
             sl_voxel_lights_compute(piecewise, at, step, 2, &counters);
         }
-        assert_memory_equal(first.lights->light, piecewise->light,
-                            first.lights->set_count * (size_t)first.lights->texels * 16);
+        assert_same_lights(first.lights, piecewise);
         assert_memory_equal(&first.counters, &counters, sizeof counters);
         sl_voxel_lights_destroy(piecewise);
         sl_photon_list_destroy(list[3]);

@@ -1,26 +1,6 @@
 /* The octree over the scene's geometry: which voxels it has, and what they say of the surfaces in them. */
 #include "light_octree_support.h"
 
-#include "trace_scenes.h"
-
-/* Returns the lights of whole voxels. */
-static sl_voxel_lights *whole_voxels(const sl_scene *scene, const sl_octree *octree) {
-    const sl_light_octree_settings options = plain_options(1);
-    return lights_of(scene, octree, &options);
-}
-
-static sl_scene *sphere(unsigned rings, float radius) {
-    trace_mesh mesh = trace_mesh_begin();
-    /* the root: two outliers in its corners */
-    uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1);
-    trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1),
-                        trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
-    trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1),
-                        trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), radius, rings, 0.0f, false, trace_mesh_diffuse(&mesh, 0.5f));
-    return trace_mesh_build(&mesh);
-}
-
 static void boxes_are_closed(void **state) {
     sl_vec3d low = {0, 0, 0}, high = {1, 1, 1};
     sl_cell_triangle corner = sl_cell_triangle_of(sl_v3d(1, 1, 1), sl_v3d(2, 1, 1), sl_v3d(1, 2, 1));
@@ -56,7 +36,7 @@ static void morton_codes_come_back(void **state) {
 
 /* Of radius 0.47 of the root: 1,064, 4,304 and 17,072 cells meet it, by the distances of their corners. */
 static void a_sphere_has_the_leaves_that_were_counted(void **state) {
-    sl_scene *scene = sphere(150, 0.94f * 1.0001f);
+    sl_scene *scene = sphere_in_a_root(150, 0.94f * 1.0001f);
     const size_t counts[] = {1064, 4304, 17072};
     for (int depth = 4; depth <= 6; depth++) {
         sl_octree *octree = octree_of(scene, depth, 2);
@@ -96,7 +76,7 @@ static void check_samples(const sl_scene *scene, const sl_octree *octree, size_t
 
 static void check_leaves(const sl_scene *scene, const sl_octree *octree) {
     sl_cell_space space = sl_cell_space_of(scene, octree->origin, octree->edge, octree->depth);
-    sl_voxel_lights *lights = whole_voxels(scene, octree);
+    sl_voxel_lights *lights = whole_voxels(scene, octree, 1);
     double area = 0.0, truth = 0.0, g = space.tolerance;
     size_t listed = 0;
     for (size_t i = 0; i < octree->leaf_count; i++) {
@@ -175,7 +155,7 @@ static void geometry_in_cell_faces_is_in_both_voxels_and_counted_once(void **sta
     memcpy(xyz + 9 * count, middle, sizeof middle);
     sl_scene *scene = scene_of_triangles(xyz, count + 2);
     sl_octree *octree = octree_of(scene, 4, 1);
-    sl_voxel_lights *lights = whole_voxels(scene, octree);
+    sl_voxel_lights *lights = whole_voxels(scene, octree, 1);
     check_leaves(scene, octree);
     for (int i = -7; i <= 7; i += 2) {
         float x = (float)i / 8.0f * 0.9f;
@@ -185,9 +165,7 @@ static void geometry_in_cell_faces_is_in_both_voxels_and_counted_once(void **sta
         assert_true(lights->set[above].normal.z == 1.0f && lights->set[below].normal.z == 1.0f);
         assert_true(fabsf(lights->set[above].centroid.z) < 1e-6f);
     }
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, NULL);
 }
 
 static void normals_and_centroids_do_not_depend_on_tessellation(void **state) {
@@ -199,7 +177,7 @@ static void normals_and_centroids_do_not_depend_on_tessellation(void **state) {
     for (int depth = 3; depth <= 6; depth++) {
         sl_octree *a = octree_of(a_scene, depth, 1), *b = octree_of(b_scene, depth, 2);
         assert_true(a->leaf_count == b->leaf_count && a->triangle_count != b->triangle_count);
-        sl_voxel_lights *la = whole_voxels(a_scene, a), *lb = whole_voxels(b_scene, b);
+        sl_voxel_lights *la = whole_voxels(a_scene, a, 1), *lb = whole_voxels(b_scene, b, 1);
         double voxel = sl_octree_voxel(a);
         for (size_t i = 0; i < a->leaf_count; i++) {
             assert_true(a->leaf[i].morton == b->leaf[i].morton);
@@ -234,13 +212,11 @@ static size_t leaves_of_slab(float slope, size_t *without) {
     }
     sl_scene *scene = scene_of_triangles(xyz, 4);
     sl_octree *octree = octree_of(scene, 3, 1);
-    sl_voxel_lights *lights = whole_voxels(scene, octree);
+    sl_voxel_lights *lights = whole_voxels(scene, octree, 1);
     size_t leaves = octree->leaf_count;
     *without = 0;
     for (size_t i = 0; i < leaves; i++) *without += sl_length(lights->set[i].normal) == 0.0f;
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, NULL);
     return leaves;
 }
 
@@ -253,7 +229,7 @@ static void opposite_surfaces_leave_a_voxel_without_a_normal(void **state) {
 }
 
 static void grown_voxels_are_more(void **state) {
-    sl_scene *scene = sphere(20, 0.9f);
+    sl_scene *scene = sphere_in_a_root(20, 0.9f);
     sl_octree *plain = octree_of(scene, 4, 1), *grown = NULL;
     sl_octree_root root = sl_octree_root_of_all(scene);
     assert_int_equal(sl_octree_create(scene, &root, 4, 0.25, 1, &grown, NULL), SL_OK);
@@ -296,7 +272,7 @@ static void cells_with_black_or_mirroring_surfaces_alone_are_no_leaves(void **st
     for (int k = 0; k < 3; k++) {
         sl_scene *scene = floor_under_sheets(materials[k][0], materials[k][1]);
         sl_octree *octree = octree_of(scene, 4, 2);
-        sl_voxel_lights *lights = whole_voxels(scene, octree);
+        sl_voxel_lights *lights = whole_voxels(scene, octree, 1);
         double area = 0.0, highest = -1.0;
         for (size_t i = 0; i < octree->leaf_count; i++) {
             area += (double)lights->set[i].surface;
@@ -304,9 +280,7 @@ static void cells_with_black_or_mirroring_surfaces_alone_are_no_leaves(void **st
         }
         assert_true(k == 0 ? highest > 2.9 : highest < 0.1);
         assert_true(fabs(area - (k == 0 ? 40.0 : 16.0)) < 0.01);
-        sl_voxel_lights_destroy(lights);
-        sl_octree_destroy(octree);
-        sl_scene_destroy(scene);
+        destroy_octree(scene, octree, lights, NULL);
     }
 }
 

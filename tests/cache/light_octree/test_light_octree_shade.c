@@ -30,12 +30,7 @@ static world new_world(int depth, sl_voxel_lobes lobes, light_kind kind) {
     return w;
 }
 
-static void end_world(world *w) {
-    sl_voxel_texture_destroy(w->texture);
-    sl_voxel_lights_destroy(w->lights);
-    sl_octree_destroy(w->octree);
-    sl_scene_destroy(w->scene);
-}
+static void end_world(world *w) { destroy_octree(w->scene, w->octree, w->lights, w->texture); }
 
 enum { POINTS = 10000 };
 
@@ -267,10 +262,7 @@ static void facing_voxels_alone_count_where_asked(void **state) {
         }
     }
     if (!(most[0] > 5.0 && most[1] < 1.001 && most[1] > 0.999)) fail_msg("%g, %g", most[0], most[1]);
-    sl_voxel_texture_destroy(texture);
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, texture);
 }
 
 /* A box's edge: each wall takes the light of its own group, right up to the edge. */
@@ -303,10 +295,7 @@ static void split_voxels_give_each_normal_its_own_lights(void **state) {
         assert_true(fabsf(out[0] - fabsf(n.x)) < 1e-5f && fabsf(out[1] - fabsf(n.y)) < 1e-5f &&
                     fabsf(out[2] - fabsf(n.z)) < 1e-5f);
     }
-    sl_voxel_texture_destroy(texture);
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, texture);
 }
 
 static void batches_and_instruction_sets_give_the_same_bits(void **state) {

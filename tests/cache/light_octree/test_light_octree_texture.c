@@ -2,14 +2,12 @@
 #include "light_octree_support.h"
 
 #include "base/memory.h"
-#include "trace_scenes.h"
 
 static void the_descent_ends_where_the_sorted_leaves_say(void **state) {
     sl_scene *scene = furnished_room(10, 6);
     for (int depth = 1; depth <= 6; depth++) {
         sl_octree *octree = octree_of(scene, depth, 2);
-        sl_light_octree_settings options = plain_options(3);
-        sl_voxel_lights *lights = lights_of(scene, octree, &options);
+        sl_voxel_lights *lights = whole_voxels(scene, octree, 3);
         for (size_t i = 0; i < octree->leaf_count; i++) {
             if (i % 4) set_light(lights, i, 0, sl_v3d(0, 0, 1), (float)i, 1, 2); /* every fourth is dark */
         }
@@ -59,18 +57,9 @@ static sl_octree *made_octree(int depth, size_t leaves) {
 /* 5,705 bricks for the sphere of 17,072 leaves; two outliers in the corners of the root add six bricks each
  * at most. */
 static void bricks_and_bytes_are_those_that_were_counted(void **state) {
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t low = trace_mesh_vertex(&mesh, -1, -1, -1), high = trace_mesh_vertex(&mesh, 1, 1, 1);
-    trace_mesh_triangle(&mesh, low, trace_mesh_vertex(&mesh, -0.999f, -1, -1),
-                        trace_mesh_vertex(&mesh, -1, -0.999f, -1), 0);
-    trace_mesh_triangle(&mesh, high, trace_mesh_vertex(&mesh, 0.999f, 1, 1),
-                        trace_mesh_vertex(&mesh, 1, 0.999f, 1), 0);
-    trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 0.94f * 1.0001f, 150, 0.0f, false,
-                      trace_mesh_diffuse(&mesh, 0.5f));
-    sl_scene *scene = trace_mesh_build(&mesh);
+    sl_scene *scene = sphere_in_a_root(150, 0.94f * 1.0001f);
     sl_octree *octree = octree_of(scene, 6, 2);
-    sl_light_octree_settings options = plain_options(4);
-    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    sl_voxel_lights *lights = whole_voxels(scene, octree, 4);
     for (size_t i = 0; i < octree->leaf_count; i++) set_light(lights, i, 0, sl_v3d(0, 0, 1), 1, 1, 1);
     sl_voxel_texture *texture = texture_of(octree, lights);
     assert_int_equal(octree->leaf_count, 17074);
@@ -80,10 +69,7 @@ static void bricks_and_bytes_are_those_that_were_counted(void **state) {
     assert_true(bricks >= 32 * 5705 && bricks < 32 * (5705 + 12 + 64));
     assert_true(sl_voxel_texture_bytes(texture) - bricks >= 17074 * 32 &&
                 sl_voxel_texture_bytes(texture) - bricks < 17074 * 32 + 65536); /* a head and a light */
-    sl_voxel_texture_destroy(texture);
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, texture);
 }
 
 /* As many lights as it has, those of one voxel in one row. */
@@ -127,10 +113,7 @@ static void sets_of_every_length_come_back_from_their_address(void **state) {
     }
     assert_true(several > 20 && texture->texel_count > SL_LIGHT_TEXTURE_SIZE);
     assert_true(texture->texel_count >= wanted && texture->texel_count < wanted + wanted / 50);
-    sl_voxel_texture_destroy(texture);
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, texture);
 }
 
 /* A sheet's normal stands for both of its sides; where a voxel holds both faces of a wall, each for its own
@@ -156,57 +139,43 @@ static void the_normal_of_a_sheet_turns_and_that_of_a_walls_face_does_not(void *
         assert_true(place != SIZE_MAX);
         sl_shade_set head = sl_voxel_texture_set(texture, place);
         assert_true(head.turn == (faces == 1) && head.more == (faces == 2) && head.lights == 1);
-        sl_voxel_texture_destroy(texture);
-        sl_voxel_lights_destroy(lights);
-        sl_octree_destroy(octree);
-        sl_scene_destroy(scene);
+        destroy_octree(scene, octree, lights, texture);
     }
 }
 
 static void dark_leaves_share_one_texel(void **state) {
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(5, 5000);
-    sl_light_octree_settings options = plain_options(4);
-    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    sl_voxel_lights *lights = whole_voxels(scene, octree, 4);
     for (size_t i = 0; i < 5000; i += 50) set_light(lights, i, 0, sl_v3d(1, 0, 0), 1, 1, 1);
     sl_voxel_texture *texture = texture_of(octree, lights);
     assert_true(texture->set_count == 101);
-    sl_voxel_texture_destroy(texture);
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, texture);
 }
 
 static void more_sets_than_addresses_are_refused_with_their_number(void **state) {
     sl_scene *scene = furnished_room(1, 1);
     size_t most = 512 * 4096; /* sets of 8 lights */
     sl_octree *octree = made_octree(7, most + 1);
-    sl_light_octree_settings options = plain_options(8);
-    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    sl_voxel_lights *lights = whole_voxels(scene, octree, 8);
     for (size_t i = 0; i <= most; i++) lights->set[i].lights = 8;
     sl_voxel_texture *texture = NULL;
     sl_error error;
     assert_int_equal(sl_voxel_texture_create(octree, lights, &texture, &error), SL_ERROR_RESOURCES);
     assert_null(texture);
     assert_non_null(strstr(error.message, "2097153 sets"));
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, NULL);
 }
 
 static void an_octree_without_leaves_is_void(void **state) {
     sl_scene *scene = furnished_room(1, 1);
     sl_octree *octree = made_octree(4, 0);
-    sl_light_octree_settings options = plain_options(4);
-    sl_voxel_lights *lights = lights_of(scene, octree, &options);
+    sl_voxel_lights *lights = whole_voxels(scene, octree, 4);
     sl_voxel_texture *texture = texture_of(octree, lights);
     const int32_t cell[3] = {1, 2, 3};
     uint64_t fetches = 0;
     assert_true(sl_voxel_texture_find(texture, cell, &fetches) == SIZE_MAX && fetches == 1);
-    sl_voxel_texture_destroy(texture);
-    sl_voxel_lights_destroy(lights);
-    sl_octree_destroy(octree);
-    sl_scene_destroy(scene);
+    destroy_octree(scene, octree, lights, texture);
 }
 
 int main(void) {
