@@ -2,18 +2,6 @@
 
 #include "base/math.h"
 
-void light_world_of_scene(light_world *w, sl_scene *scene) {
-    *w = (light_world){.scene = scene};
-    sl_error error = {0};
-    assert_int_equal(sl_raster_create(w->scene, 1, &w->raster, &error), SL_OK);
-    w->tracer = tracer_of(w->scene);
-    assert_int_equal(sl_sampled_lights_find(w->scene, &w->lights, &error), SL_OK);
-    w->settings = sl_light_sample_defaults();
-    light_world_set(w, &w->settings);
-}
-
-void light_world_make(light_world *w, trace_mesh *mesh) { light_world_of_scene(w, trace_mesh_build(mesh)); }
-
 static void free_sampling(light_world *w) {
     sl_light_sample_scratch_destroy(w->scratch);
     sl_light_sampling_destroy(w->sampling);
@@ -29,6 +17,17 @@ void light_world_set(light_world *w, const sl_light_sample_settings *settings) {
                                                 &w->sampling, &error);
     if (status != SL_OK) fail_msg("%s", error.message);
     assert_int_equal(sl_light_sample_scratch_create(w->sampling, &w->scratch, &error), SL_OK);
+}
+
+light_world light_world_make(trace_mesh *mesh) {
+    light_world w = {.scene = trace_mesh_build(mesh)};
+    sl_error error = {0};
+    assert_int_equal(sl_raster_create(w.scene, 1, &w.raster, &error), SL_OK);
+    w.tracer = tracer_of(w.scene);
+    assert_int_equal(sl_sampled_lights_find(w.scene, &w.lights, &error), SL_OK);
+    const sl_light_sample_settings settings = sl_light_sample_defaults();
+    light_world_set(&w, &settings);
+    return w;
 }
 
 void light_world_free(light_world *w) {

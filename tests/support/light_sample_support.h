@@ -19,9 +19,7 @@ typedef struct light_world {
 } light_world;
 
 /* Takes the mesh. */
-void light_world_make(light_world *world, trace_mesh *mesh);
-/* Takes the scene. */
-void light_world_of_scene(light_world *world, sl_scene *scene);
+light_world light_world_make(trace_mesh *mesh);
 /* Sampling by other settings from now on. */
 void light_world_set(light_world *world, const sl_light_sample_settings *settings);
 void light_world_free(light_world *world);

@@ -11,8 +11,7 @@ static const sl_vec3 up = {0, 1, 0};
 static void a_parallel_rectangle_gives_its_closed_form(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, 0.0f, 0.0f, 3.0f, 0.5f, 2.0f);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 1);
     assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_AREA);
     assert_share(sample_light(&w, 0, sl_v3(0, 0, 0), up), corner_form(1.5, 0.25), 1e-6);
@@ -26,8 +25,7 @@ static void a_wall_half_below_the_horizon_counts_with_its_upper_half(void **unus
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_lamp(&mesh, 1.0f);
     trace_mesh_quad(&mesh, sl_v3(0, -2, (float)c), sl_v3(0, 2 + (float)b, 0), sl_v3((float)a, 0, 0), lamp);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     double r = sqrt(b * b + c * c), expected = (sl_atan(a / c) - c / r * sl_atan(a / r)) / (2.0 * SL_PI);
     assert_share(sample_light(&w, 0, sl_v3(0, 0, 0), up), expected, 1e-6);
     sl_lit_point p = lit_point(sl_v3(0, 0, 0), up);
@@ -40,8 +38,7 @@ static void a_ball_gives_its_closed_form(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_lamp(&mesh, 1.0f);
     trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.5f, 24, 0.0f, false, lamp);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 1);
     assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
     assert_share(sample_light(&w, 0, sl_v3(0, 0, 0), up), 1.0 / 16.0, 0.01);
@@ -69,8 +66,7 @@ static void the_penumbra_of_a_straight_edge_is_its_closed_form(void **unused) {
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
     uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -20), sl_v3(20, 0, 0), sl_v3(0, 0, 40), grey);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     double open = rectangle_form(-0.5, 0.5, -0.5, 0.5, 2.0);
     for (size_t k = 0; k < 3; k++) {
         sl_light_sample_settings settings = sl_light_sample_defaults();
@@ -95,8 +91,7 @@ static void point_lights_spots_and_the_sun_fall_off_and_cast_sharp_shadows(void 
     mesh.lights[1] = (sl_light){SL_LIGHT_SPOT, {-1, 2, 0}, {0, -1, 0}, {1, 1, 1}, 0.9f, 0.8f};
     mesh.lights[2] = (sl_light){SL_LIGHT_DIRECTIONAL, {0, 0, 0}, {0, -1, 0}, {5, 5, 5}, 0, 0};
     mesh.light_count = 3;
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 3);
     assert_true(w.lights->light[0].colour.r == 3.0f && w.lights->light[2].kind == SL_SAMPLED_DIRECTIONAL);
     double r2 = 0.01 + 4.0;

@@ -24,8 +24,7 @@ static void a_touching_light_has_its_limits(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -1, -1, 2, 2, 1);
     trace_mesh_quad(&mesh, sl_v3(-9, -9, -9), sl_v3(0, 0, 18), sl_v3(18, 0, 0), add_grey(&mesh));
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     for (size_t e = 0; e < 3; e++) {
         set_estimator(&w, estimators[e]);
         bool raw = estimators[e] == SL_LIGHT_LOOK_AT;
@@ -46,8 +45,7 @@ static void a_light_edge_on_gives_nothing_and_next_to_it_next_to_nothing(void **
     uint32_t lamp = trace_mesh_lamp(&mesh, 1);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -0.5f), sl_v3(0, 1, 0), sl_v3(0, 0, 1), lamp); /* shines along +x */
     trace_mesh_quad(&mesh, sl_v3(-9, -1, -9), sl_v3(0, 0, 18), sl_v3(18, 0, 0), add_grey(&mesh));
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     for (size_t e = 0; e < 3; e++) {
         set_estimator(&w, estimators[e]);
         assert_true(sample_light(&w, 0, sl_v3(0, 0, 0), up) == 0.0);
@@ -70,8 +68,7 @@ static void nothing_in_between_needs_no_picture(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -1, -1, 2, 2, 1);
     trace_mesh_sphere(&mesh, sl_v3(0, 3, 0), 0.5f, 40, 0.0f, false, add_grey(&mesh)); /* above the light */
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_share(sample_light(&w, 0, sl_v3(0, 0, 0), up), 4.0 * rectangle_form(0, 1, 0, 1, 1), 1e-6);
     assert_int_equal(w.counters.value[SL_COUNT_LIGHT_SAMPLES_SKIPPED], 1);
     assert_int_equal(w.counters.value[SL_COUNT_RASTER_PASSES], 0);
@@ -87,8 +84,7 @@ static void lights_thinner_than_pixels_are_hidden_as_a_whole_or_not_at_all(void 
     c = trace_mesh_vertex(&mesh, 1, 2, 1e-5f);
     trace_mesh_triangle(&mesh, a, b, c, lamp);
     trace_mesh_quad(&mesh, sl_v3(2, 1, -9), sl_v3(0, 0, 18), sl_v3(18, 0, 0), add_grey(&mesh));
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     for (size_t e = 0; e < 3; e++) {
         set_estimator(&w, estimators[e]);
         bool raw = estimators[e] == SL_LIGHT_LOOK_AT;
@@ -109,8 +105,7 @@ static void an_occluder_that_all_but_touches_the_point_hides_what_is_behind_it(v
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, 1, -0.5f, 2, 1, 2);
     trace_mesh_quad(&mesh, sl_v3(0.001f, 0.001f, -9), sl_v3(9, 0, 0), sl_v3(0, 0, 18), add_grey(&mesh));
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     for (size_t e = 0; e < 3; e++) {
         set_estimator(&w, estimators[e]);
         assert_share(sample_light(&w, 0, sl_v3(0, 0, 0), up), rectangle_form(1, 2, -0.5, 0.5, 2), 0.3);
@@ -142,8 +137,7 @@ static void a_surface_does_not_hide_light_from_itself(void **unused) {
             trace_mesh_triangle(&mesh, a, a + N + 2, a + N + 1, grey);
         }
     }
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     for (size_t e = 0; e < 3; e += 2) {
         set_estimator(&w, estimators[e]);
         for (uint32_t t = 2; t < w.scene->triangle_count; t++) {
@@ -176,8 +170,7 @@ static void a_wall_that_a_point_touches_does_not_hide_what_is_before_it(void **u
         sl_vec3 foot = sl_v3(3.3f, 0.7f, -2.9f);
         trace_mesh_quad(&mesh, sl_mad(foot, -2, along), sl_scale(along, 4), sl_v3(0, 3, 0), add_grey(&mesh));
         trace_mesh_quad(&mesh, sl_add(sl_mad(foot, 0.5f, out), sl_v3(0, 2, 0)), out, along, lamp);
-        light_world w;
-        light_world_make(&w, &mesh);
+        light_world w = light_world_make(&mesh);
         assert_true(w.lights->light[0].normal.y < -0.9f);
         for (size_t e = 0; e < 3; e += 2) {
             set_estimator(&w, estimators[e]);
@@ -201,8 +194,7 @@ static void alpha_masks_let_their_share_through(void **unused) {
     mesh.texture_count = 1;
     mesh.materials[leaf].alpha_texture = 0;
     trace_mesh_quad(&mesh, sl_v3(-1, 1, -1), sl_v3(2, 0, 0), sl_v3(0, 0, 2), leaf);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     for (size_t e = 0; e < 3; e++) {
         set_estimator(&w, estimators[e]);
         assert_share(sample_light(&w, 0, sl_v3(0, 0, 0), up), 2.0 * rectangle_form(0, 0.5, 0, 0.5, 2), 0.02);
@@ -218,8 +210,7 @@ static void two_sided_lights_shine_to_both_sides(void **unused) {
     mesh.materials[0].emission_two_sided = true;
     /* above x > 0, halfway up */
     trace_mesh_quad(&mesh, sl_v3(0, 1, -9), sl_v3(9, 0, 0), sl_v3(0, 0, 18), add_grey(&mesh));
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     double open = 4.0 * rectangle_form(0, 0.5, 0, 0.5, 2);
     for (size_t e = 0; e < 3; e++) {
         set_estimator(&w, estimators[e]);
@@ -236,8 +227,7 @@ static void a_solid_light_is_hidden_by_halves(void **unused) {
     uint32_t lamp = trace_mesh_lamp(&mesh, 1);
     trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.3f, 24, 0.0f, false, lamp);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -9), sl_v3(9, 0, 0), sl_v3(0, 0, 18), add_grey(&mesh));
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     double ball = 0.09 / 4.0;
     for (size_t e = 0; e < 3; e++) {
         set_estimator(&w, estimators[e]);
@@ -254,8 +244,7 @@ static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = trace_mesh_lamp(&mesh, 1);
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 8, 0.0f, true, lamp);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 1);
     assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
     assert_near(sample_light(&w, 0, sl_v3(0, 0, 0), up), 1.0, 0.1); /* all around: no frustum holds it */
@@ -287,8 +276,7 @@ static void samples_of_anything_are_finite_and_repeat(void **unused) {
         }
         mesh.lights[0] = (sl_light){SL_LIGHT_SPOT, {0.5f, 0.5f, 0.5f}, {0, -1, 0}, {1, 1, 1}, 0.5f, 0.5f};
         mesh.light_count = 1;
-        light_world w;
-        light_world_make(&w, &mesh);
+        light_world w = light_world_make(&mesh);
         for (size_t e = 0; e < 3; e++) {
             set_estimator(&w, estimators[e]);
             static double first[8][150];

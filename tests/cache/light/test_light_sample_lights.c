@@ -20,8 +20,7 @@ static void coplanar_triangles_of_one_radiance_are_one_light(void **unused) {
     add_panel(&mesh, 0, 2, 0, 1, dim);
     add_panel(&mesh, 3, 2, 0, 1, bright);
     add_panel(&mesh, 5, 2, 0, 1, dim); /* apart from the first, in its plane */
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 2);
     assert_int_equal(w.lights->light[0].triangles, 4);
     assert_int_equal(w.lights->light[1].triangles, 2);
@@ -41,8 +40,7 @@ static void bulbs_apart_are_lights_of_their_own(void **unused) {
     add_panel(&mesh, 9, 9, 9, 1, grey);
     trace_mesh_sphere(&mesh, sl_v3(2, 2, 0), 0.1f, 8, 0.0f, false, lamp);
     add_panel(&mesh, 1, 3, 1, 0.5f, lamp);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 3);
     assert_true(w.lights->light[0].kind == SL_SAMPLED_SOLID && w.lights->light[1].kind == SL_SAMPLED_SOLID);
     assert_int_equal(w.lights->light[2].kind, SL_SAMPLED_AREA);
@@ -55,8 +53,7 @@ static void a_swarm_of_lamps_is_one_light(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t lamp = lamp_material(&mesh, 1);
     for (int i = 0; i < 100; i++) add_panel(&mesh, (float)i, 2 + 0.01f * (float)i, 0, 0.5f, lamp);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 1);
     assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
     assert_int_equal(w.lights->light[0].triangles, 200);
@@ -70,8 +67,7 @@ static void lights_without_extent_follow_in_the_scenes_order(void **unused) {
     mesh.lights[1] = (sl_light){SL_LIGHT_POINT, {0, 2, 0}, {0, 0, 0}, {3, 2, 1}, 0, 0};
     mesh.light_count = 2;
     add_panel(&mesh, 0, 2, 0, 1, lamp_material(&mesh, 1));
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 3);
     assert_int_equal(w.lights->light[0].scene_light, SL_NO_INDEX);
     assert_true(w.lights->light[1].kind == SL_SAMPLED_SPOT && w.lights->light[1].scene_light == 0);
@@ -84,8 +80,7 @@ static void lights_add_up_to_the_irradiance(void **unused) {
     trace_mesh mesh = trace_mesh_begin();
     for (int i = 0; i < 6; i++)
         add_panel(&mesh, (float)i - 3, 2, (float)(i % 2), 0.8f, lamp_material(&mesh, 1.0f + (float)i));
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 6);
     double sum = 0.0, expected = 0.0;
     for (size_t i = 0; i < 6; i++)

@@ -24,8 +24,7 @@ static void the_error_of_a_raw_frustum_falls_with_its_size(void **unused) {
     enum { POINTS = 40 };
     trace_mesh mesh = trace_mesh_begin();
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 1.0f);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     double before = 0.0;
     for (int size = 16; size <= 256; size *= 4) {
         double error = 0.0;
@@ -48,8 +47,7 @@ static void a_turned_raster_does_not_band_along_edges(void **unused) {
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
     uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0, 1, -20), sl_v3(20, 0, 0), sl_v3(0, 0, 40), grey);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     double open = rectangle_form(-0.5, 0.5, -0.5, 0.5, 2.0), worst = 0.0;
     for (int i = 0; i < 300; i++) {
         double p = -0.2 + 0.4 * (double)i / 300.0, edge = -(double)(float)p;
@@ -66,8 +64,7 @@ static void estimators_agree_on_a_light_partly_hidden_by_a_ball(void **unused) {
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 2.0f);
     uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_sphere(&mesh, sl_v3(0.1f, 1, 0), 0.15f, 16, 0.0f, false, grey);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     const sl_vec3 p = {0.05f, 0, 0.02f};
     sl_light_sample_settings s = sl_light_sample_defaults();
     s.estimator = SL_LIGHT_RAYS;
@@ -88,8 +85,7 @@ static void the_reduction_to_16_by_16_is_the_double_sum(void **unused) {
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1.0f, 1.0f, 1.0f);
     uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_sphere(&mesh, sl_v3(0.1f, 0.6f, 0), 0.15f, 8, 0.0f, false, grey);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     for (int size = 16; size <= 256; size *= 2) {
         double f = sample_with(&w, SL_LIGHT_LOOK_AT, size, sl_v3(0.2f, 0, 0.1f)), sum = 0.0;
         sl_light_picture picture = sl_light_last_picture(w.scratch);

@@ -13,9 +13,22 @@ typedef struct lit_hall {
     sl_counters counters;
 } lit_hall;
 
+/* Takes the mesh. */
+static lit_hall hall_of(trace_mesh *mesh) {
+    lit_hall h = {.world = light_world_make(mesh)};
+    assert_int_equal(sl_primitives_of_triangles(h.world.scene, &h.primitives, NULL), SL_OK);
+    h.light = (sl_irradiance_settings){.scene = h.world.scene,
+                                       .primitives = h.primitives,
+                                       .tracer = h.world.tracer,
+                                       .lights = h.world.lights,
+                                       .sampling = h.world.sampling,
+                                       .threads = 1};
+    return h;
+}
+
 /* A floor of two triangles, and above it a row of lamps; those from `hidden` on have a plate below them that
  * hides them from all of the floor. */
-static lit_hall hall(int hidden, unsigned threads) {
+static lit_hall hall(int hidden) {
     trace_mesh mesh = trace_mesh_begin();
     uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f), lamp = trace_mesh_lamp(&mesh, 1.0f);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -8), sl_v3(0, 0, 16), sl_v3(100, 0, 0), grey);
@@ -27,31 +40,14 @@ static lit_hall hall(int hidden, unsigned threads) {
             trace_mesh_quad(&mesh, sl_v3(x - 0.4f, 2.99f + 0.02f * (float)i, -0.9f), sl_v3(0, 0, 1.8f),
                             sl_v3(1.8f, 0, 0), grey);
     }
-    lit_hall h = {.counters = {{0}}};
-    light_world_make(&h.world, &mesh);
+    lit_hall h = hall_of(&mesh);
     assert_int_equal(h.world.lights->count, LAMPS);
-    assert_int_equal(sl_primitives_of_triangles(h.world.scene, &h.primitives, NULL), SL_OK);
-    h.light = (sl_irradiance_settings){.scene = h.world.scene,
-                                  .primitives = h.primitives,
-                                  .tracer = h.world.tracer,
-                                  .lights = h.world.lights,
-                                  .sampling = h.world.sampling,
-                                  .threads = threads};
     return h;
 }
 
 static void discard(lit_hall *h) {
     sl_primitives_destroy(h->primitives);
     light_world_free(&h->world);
-}
-
-/* Places all over one side of the floor. */
-static void places(uint32_t face, sl_root_place vertex[POINTS]) {
-    for (int i = 0; i < POINTS; i++) {
-        int p = 60 + 35 * i, q = 40 + (i * 7 % 23) * 80;
-        q = q < SL_PATCH_DYADIC - p ? q : 10;
-        vertex[i] = (sl_root_place){face, (uint16_t)p, (uint16_t)q};
-    }
 }
 
 /* pi U_dd without occluders, of the lights up to `count`. */
@@ -65,12 +61,27 @@ static double unoccluded(const lit_hall *h, const sl_root_place *v, size_t count
     return sum;
 }
 
+static void take_light(lit_hall *h, size_t count, const sl_root_place *vertex, sl_rgb *radiance) {
+    const sl_status status =
+        sl_coarse_light_take(&h->light, count, vertex, false, NULL, radiance, &h->counters, NULL);
+    assert_int_equal(status, SL_OK);
+}
+
+/* Takes the light at places all over the floor's upper side. */
+static void take_light_all_over(lit_hall *h, sl_root_place vertex[POINTS], sl_rgb radiance[POINTS]) {
+    for (int i = 0; i < POINTS; i++) {
+        int p = 60 + 35 * i, q = 40 + (i * 7 % 23) * 80;
+        q = q < SL_PATCH_DYADIC - p ? q : 10;
+        vertex[i] = (sl_root_place){0, (uint16_t)p, (uint16_t)q};
+    }
+    take_light(h, POINTS, vertex, radiance);
+}
+
 static void where_nothing_is_between_all_lights_count_though_few_are_asked(void **state) {
-    lit_hall h = hall(LAMPS, 1);
+    lit_hall h = hall(LAMPS);
     sl_root_place vertex[POINTS];
     sl_rgb radiance[POINTS];
-    places(0, vertex);
-    assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, false, NULL, radiance, &h.counters, NULL), SL_OK);
+    take_light_all_over(&h, vertex, radiance);
     for (int i = 0; i < POINTS; i++) {
         double expected = unoccluded(&h, &vertex[i], LAMPS);
         assert_true(fabs((double)radiance[i].g * SL_PI / expected - 1.0) < 1e-4);
@@ -83,11 +94,10 @@ static void where_nothing_is_between_all_lights_count_though_few_are_asked(void 
 
 /* Lights that are not asked could give a thirtieth of all at most. */
 static void lights_that_are_not_asked_are_off_by_no_more_than_they_could_give(void **state) {
-    lit_hall h = hall(LAMPS / 2, 1);
+    lit_hall h = hall(LAMPS / 2);
     sl_root_place vertex[POINTS];
     sl_rgb radiance[POINTS];
-    places(0, vertex);
-    assert_int_equal(sl_coarse_light_take(&h.light, POINTS, vertex, false, NULL, radiance, &h.counters, NULL), SL_OK);
+    take_light_all_over(&h, vertex, radiance);
     for (int i = 0; i < POINTS; i++) {
         double seen = unoccluded(&h, &vertex[i], LAMPS / 2), all = unoccluded(&h, &vertex[i], LAMPS);
         assert_true(fabs((double)radiance[i].g * SL_PI - seen) < 0.0301 * all);
@@ -111,15 +121,7 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
         trace_mesh_quad(&mesh, sl_v3(x + 0.4f, -0.1f, z), sl_v3(0, 0, 0.4f), sl_v3(0, 2, 0), grey);
         trace_mesh_quad(&mesh, sl_v3(x, -0.1f, z + 0.4f), sl_v3(0.4f, 0, 0), sl_v3(0, 2, 0), grey);
     }
-    lit_hall h = {.counters = {{0}}};
-    light_world_make(&h.world, &mesh);
-    assert_int_equal(sl_primitives_of_triangles(h.world.scene, &h.primitives, NULL), SL_OK);
-    h.light = (sl_irradiance_settings){.scene = h.world.scene,
-                                  .primitives = h.primitives,
-                                  .tracer = h.world.tracer,
-                                  .lights = h.world.lights,
-                                  .sampling = h.world.sampling,
-                                  .threads = 1};
+    lit_hall h = hall_of(&mesh);
     sl_coarse *coarse;
     assert_int_equal(
         sl_coarse_create(h.world.scene, h.primitives, &(sl_coarse_settings){100.0f, 0}, &coarse, NULL),
@@ -129,7 +131,7 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
         sl_rgb radiance;
         const sl_root_place v = sl_coarse_lit_place(coarse, i);
         if (v.root != 0 && v.root != 2) continue;
-        assert_int_equal(sl_coarse_light_take(&h.light, 1, &v, false, NULL, &radiance, &h.counters, NULL), SL_OK);
+        take_light(&h, 1, &v, &radiance);
         floor++;
         double open = unoccluded(&h, &v, 1) / SL_PI;
         assert_true((double)radiance.g > 0.9 * open);
@@ -149,8 +151,7 @@ static void few_rays_are_off_to_either_side_alike(void **state) {
     uint32_t grey = trace_mesh_diffuse(&mesh, 0.5f);
     add_ceiling_light(&mesh, -0.5f, -0.5f, 1, 1, 3);
     trace_mesh_quad(&mesh, sl_v3(-0.3f, 1.5f, -0.4f), sl_v3(0.2f, 0, 1), sl_v3(0.9f, 0, -0.1f), grey);
-    light_world w;
-    light_world_make(&w, &mesh);
+    light_world w = light_world_make(&mesh);
     double sum = 0.0, by_rays[2] = {0.0, 0.0}, worst = 0.0;
     for (int i = 0; i < POINTS_A_SIDE * POINTS_A_SIDE; i++) {
         sl_vec3 p = sl_v3(-1.5f + 3.0f * ((float)(i % POINTS_A_SIDE) + 0.5f) / POINTS_A_SIDE, 0,

@@ -23,7 +23,7 @@ static void make_with(lit_floor *f, bool plate, bool few_rays, float ambient) {
     add_ceiling_light(&mesh, 4, -0.5f, 1, 1, 3.25f);
     if (plate) trace_mesh_quad(&mesh, sl_v3(-5, 1.5f, -0.5f), sl_v3(0, 0, 1), sl_v3(1, 0, 0), grey);
     *f = (lit_floor){.counters = {{0}}};
-    light_world_make(&f->world, &mesh);
+    f->world = light_world_make(&mesh);
     assert_int_equal(f->world.lights->count, 2);
     assert_int_equal(sl_primitives_of_triangles(f->world.scene, &f->primitives, NULL), SL_OK);
     sl_irradiance_settings s = {.scene = f->world.scene,
