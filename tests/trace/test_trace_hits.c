@@ -51,15 +51,7 @@ static ray aimed_ray(const sl_scene *scene, sl_vec3 centre, float radius, size_t
 }
 
 static void put_ray(sl_ray16 *packet, unsigned lane, ray r, float far) {
-    packet->origin_x[lane] = r.origin.x;
-    packet->origin_y[lane] = r.origin.y;
-    packet->origin_z[lane] = r.origin.z;
-    packet->direction_x[lane] = r.direction.x;
-    packet->direction_y[lane] = r.direction.y;
-    packet->direction_z[lane] = r.direction.z;
-    packet->near[lane] = 0.0f;
-    packet->far[lane] = far;
-    packet->skip[lane] = SL_NO_INDEX;
+    sl_ray16_set(packet, lane, r.origin, r.direction, 0.0f, far, SL_NO_INDEX);
 }
 
 static void trace_all(const sl_tracer *tracer, const ray *rays, size_t count, unsigned width, bool coherent,
@@ -159,7 +151,7 @@ static hit nearest_of_all(const sl_scene *scene, ray r) {
     sl_ray16 rays;
     memset(&state, 0, sizeof state);
     for (unsigned i = 0; i < SL_PACKET; i++)
-        sl_ray16_set(&rays, i, r.origin, r.direction, 0.0f, INFINITY, SL_NO_INDEX);
+        put_ray(&rays, i, r, INFINITY);
     sl_ray_frames_baseline(&state, &rays);
     const int valid = -1;
     const unsigned id = 0;

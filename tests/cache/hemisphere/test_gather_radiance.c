@@ -138,9 +138,7 @@ static void quadrature_by_rays(const world *w, sl_vec3 p, sl_vec3 n, int order,
             double azimuth = 2 * SL_PI * (i * SL_PACKET % SECTORS + j + 0.5) / SECTORS;
             local[j] = sl_v3d(sqrt(1 - c * c) * sl_cos(azimuth), sqrt(1 - c * c) * sl_sin(azimuth), c);
             sl_vec3 d = sl_frame_to_world(&frame, sl_to_float(local[j])), o = sl_mad(p, 1e-4f, n);
-            rays.origin_x[j] = o.x, rays.origin_y[j] = o.y, rays.origin_z[j] = o.z;
-            rays.direction_x[j] = d.x, rays.direction_y[j] = d.y, rays.direction_z[j] = d.z;
-            rays.near[j] = 0, rays.far[j] = INFINITY, rays.skip[j] = SL_NO_INDEX;
+            sl_ray16_set(&rays, (unsigned)j, o, d, 0.0f, INFINITY, SL_NO_INDEX);
         }
         sl_trace(w->tracer, &rays, SL_PACKET, true, &hits, &counters);
         for (int j = 0; j < SL_PACKET; j++) {

@@ -76,15 +76,12 @@ static trace_mesh furnished(void) {
 
 /* Is the light seen from p? */
 static bool seen(const sl_tracer *tracer, sl_vec3 p, sl_vec3 n, const sl_light_source *light, uint32_t own) {
-    sl_ray16 ray = {0};
+    sl_ray16 ray;
     sl_counters counters = {{0}};
     p = sl_mad(p, 1e-5f, n);
     bool far = light->kind == SL_SOURCE_DIRECTIONAL;
     sl_vec3 d = far ? sl_neg(light->direction) : sl_sub(light->position, p);
-    ray.origin_x[0] = p.x, ray.origin_y[0] = p.y, ray.origin_z[0] = p.z;
-    ray.direction_x[0] = d.x, ray.direction_y[0] = d.y, ray.direction_z[0] = d.z;
-    ray.far[0] = far ? INFINITY : 1.0f - 1e-5f;
-    ray.skip[0] = own;
+    sl_ray16_set(&ray, 0, p, d, 0.0f, far ? INFINITY : 1.0f - 1e-5f, own);
     return !sl_trace_occluded(tracer, &ray, 1, false, &counters);
 }
 

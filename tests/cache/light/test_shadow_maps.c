@@ -151,15 +151,11 @@ static void facets_of_spheres_do_not_shadow_each_other(void **state) {
 /* ---- against rays ------------------------------------------------------------ */
 
 static bool is_visible(const world *w, sl_vec3 p, sl_vec3 n, uint32_t triangle, sl_vec3 aim) {
-    sl_ray16 rays;
-    memset(&rays, 0, sizeof rays);
+    sl_ray16 ray;
     sl_counters counters = {{0}};
     sl_vec3 o = sl_mad(p, 1e-5f * w->scene->diagonal, n), d = sl_sub(aim, o);
-    rays.origin_x[0] = o.x, rays.origin_y[0] = o.y, rays.origin_z[0] = o.z;
-    rays.direction_x[0] = d.x, rays.direction_y[0] = d.y, rays.direction_z[0] = d.z;
-    rays.far[0] = 0.9999f;
-    rays.skip[0] = triangle;
-    return !(sl_trace_occluded(w->tracer, &rays, 1, false, &counters) & 1u);
+    sl_ray16_set(&ray, 0, o, d, 0.0f, 0.9999f, triangle);
+    return !(sl_trace_occluded(w->tracer, &ray, 1, false, &counters) & 1u);
 }
 
 /* Nothing in the way: what the closed form says, whatever the number of samples. Something in the way: what

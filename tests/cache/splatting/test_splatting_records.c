@@ -9,6 +9,7 @@
 #include "cache/splatting/state.h"
 #include "rendering.h"
 #include "scene/scene.h"
+#include "trace_scenes.h"
 
 /* ---- the method, with its state in sight ---- */
 
@@ -184,14 +185,11 @@ static sl_scene *room_with_box(double half) {
 
 /* The floor's triangle that holds the point. */
 static uint32_t floor_triangle(const sl_scene *scene, sl_vec3 p) {
-    sl_tracer *tracer;
+    sl_tracer *tracer = tracer_of(scene);
     sl_counters counters = {{0}};
     sl_hit16 hit;
     sl_ray16 ray;
-    memset(&ray, 0, sizeof ray);
-    ray.origin_x[0] = p.x, ray.origin_y[0] = 0.5f * p.y, ray.origin_z[0] = p.z, ray.direction_y[0] = -1.0f;
-    ray.far[0] = INFINITY, ray.skip[0] = SL_NO_INDEX;
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
+    sl_ray16_set(&ray, 0, sl_v3(p.x, 0.5f * p.y, p.z), sl_v3(0, -1, 0), 0.0f, INFINITY, SL_NO_INDEX);
     sl_trace(tracer, &ray, 1, false, &hit, &counters);
     while (hit.t[0] < -0.5f * p.y * 0.9999999f) { /* past the box */
         ray.skip[0] = hit.triangle[0], ray.near[0] = hit.t[0];
@@ -206,14 +204,13 @@ static uint32_t floor_triangle(const sl_scene *scene, sl_vec3 p) {
 static sl_record records_on_floor(double half, float footprint, int visits, size_t *count) {
     const sl_vec3 p = {0.3f, -1.0f, 0.2f}, up = {0, 1, 0};
     sl_scene *scene = room_with_box(half);
-    sl_tracer *tracer;
+    sl_tracer *tracer = tracer_of(scene);
     sl_gathers gathers;
     sl_gbuffer *g;
     sl_counters counters = {{0}};
     sl_gather_settings settings = sl_gather_defaults();
     settings.kind = SL_GATHER_RAYS;
     settings.size = 32;
-    assert_int_equal(sl_tracer_create(scene, 1, NULL, &tracer, NULL), SL_OK);
     assert_int_equal(sl_gathers_create(scene, NULL, tracer, &settings, 1, &gathers, NULL), SL_OK);
     assert_int_equal(sl_gbuffer_create(1, 1, &g, NULL), SL_OK);
     g->position_x[0] = p.x, g->position_y[0] = p.y, g->position_z[0] = p.z;
