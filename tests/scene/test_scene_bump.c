@@ -118,8 +118,7 @@ static void the_octrees_lobes_light_bumps_as_paths_do(void **state) {
     assert_true(fabs(b.bias) < 0.05);
     assert_true(b.rel_mse - b.rel_mse_noise < 0.7 * (f.rel_mse - f.rel_mse_noise));
     destroy_pictures(truth, bumpy);
-    sl_image_destroy(flat);
-    sl_scene_destroy(scene);
+    destroy_picture(flat, scene);
 }
 
 int main(void) {

@@ -152,6 +152,11 @@ void destroy_pictures(sl_image *one, sl_image *other) {
     sl_image_destroy(other);
 }
 
+void destroy_picture(sl_image *image, sl_scene *scene) {
+    sl_image_destroy(image);
+    sl_scene_destroy(scene);
+}
+
 void destroy_method(sl_method *method, sl_scene *scene) {
     sl_method_destroy(method);
     sl_scene_destroy(scene);

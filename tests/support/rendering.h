@@ -33,6 +33,7 @@ sl_image *blank_image(int width, int height,
                       int channels); /* with the names that channels have by themselves */
 uint64_t count_of(const sl_method *method, sl_counter counter);
 void destroy_pictures(sl_image *one, sl_image *other);
+void destroy_picture(sl_image *image, sl_scene *scene); /* and its scene */
 void destroy_method(sl_method *method, sl_scene *scene); /* and its scene */
 double channel_mean(const sl_image *image, const char *channel);
 /* Relative RMS difference of what is displayed: lamps count as white. */

@@ -53,8 +53,7 @@ static void the_picture_is_emission_and_direct_and_indirect_light(void **state) 
     }
     for (int k = 0; k < 3; k++)
         assert_true(mean_of(image, k == 0 ? "emission." : k == 1 ? "direct." : "indirect.") > 0.0);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* R, G and B are the same without the layers; and a picture may be resolved again, for nothing. */
@@ -78,8 +77,7 @@ static void a_picture_without_layers_is_the_same_picture(void **state) {
     }
     destroy_pictures(first, again);
     sl_method_destroy(method);
-    sl_image_destroy(all);
-    sl_scene_destroy(scene);
+    destroy_picture(all, scene);
 }
 
 /* ---- lights ---- */
@@ -165,8 +163,7 @@ static sl_counters cost_of(const char *json, const char *obj) {
     sl_scene *scene = scene_from_text(json, obj);
     sl_settings settings = radiance_settings(16);
     sl_counters counters;
-    sl_image_destroy(render(scene, &settings, &counters));
-    sl_scene_destroy(scene);
+    destroy_picture(render(scene, &settings, &counters), scene);
     return counters;
 }
 

@@ -210,8 +210,7 @@ static void polygons_of_a_curved_sheet_do_not_light_its_other_side(void **state)
         double brightest = 0.0;
         for (size_t i = 0; i < 48 * 48; i++) brightest = fmax(brightest, (double)indirect[i]);
         if (brightest > 1e-3) fail_msg("%u rings: %g outside", rings, brightest);
-        sl_image_destroy(image);
-        sl_scene_destroy(scene);
+        destroy_picture(image, scene);
     }
 }
 

@@ -123,8 +123,7 @@ static void a_sky_that_lights_nothing_is_no_light_to_the_paths_matched_either(vo
     sl_error_estimate e = estimate_with(probe, image, 512, 16);
     assert_true(e.bound < 0.15);
     sl_error_probe_destroy(probe);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 static void a_planted_error_is_what_is_estimated(void **state) {
@@ -143,8 +142,7 @@ static void a_planted_error_is_what_is_estimated(void **state) {
     assert_true(e.least <= 0.2 && e.least > 0.15);
     assert_true(fabs(e.mean - clean.mean) < 0.02 * clean.mean); /* a picture's own bias is seen through */
     sl_error_probe_destroy(probe);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 static void the_bound_holds_for_at_least_nine_of_ten_seeds(void **state) {
@@ -191,8 +189,7 @@ static void probes_are_the_same_however_they_were_asked_for(void **state) {
         sl_error_probe_destroy(other);
     }
     sl_error_probe_destroy(probe);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* One pixel in a thousand holds nearly all of the error, and the probes are a tenth of the pixels: they have
@@ -215,8 +212,7 @@ static void an_error_in_a_single_pixel_is_found(void **state) {
         assert_true(fabs(e.rel_rmse - 1.0) < 0.05 && e.bound > 0.99 && e.bound < 1.2 && e.least < 1.01);
         sl_error_probe_destroy(probe);
     }
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 static void a_judgement_traces_until_the_answer_is_clear(void **state) {
@@ -238,8 +234,7 @@ static void a_judgement_traces_until_the_answer_is_clear(void **state) {
     /* clearly worse: a probe or two that this picture chooses */
     assert_true(e.least > 0.1 && e.samples < before + before / 2);
     sl_error_probe_destroy(probe);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* A third too bright wherever no lamp is seen, and the lamp by `wrong`. *planted: of the surfaces, and of all
@@ -323,8 +318,7 @@ static void nothing_is_promised_for_a_picture_with_a_value_that_is_no_number(voi
     assert_true(isinf(e.bound));
     assert_true(isfinite(e.rel_rmse) && fabs(e.mean - before.mean) < 0.1 * before.mean);
     sl_error_probe_destroy(probe);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* Path tracing with few samples is off most at the rims of lamps: the two halves know. */

@@ -47,8 +47,7 @@ static void every_picture_of_a_show_has_light(void **state) {
             pause_a_little();
         }
         sl_live_stop(live, NULL);
-        sl_image_destroy(still);
-        sl_scene_destroy(scene);
+        destroy_picture(still, scene);
     }
 }
 

@@ -61,8 +61,7 @@ static void an_integrating_sphere_holds_rho_over_one_minus_rho(void **state) {
     assert_true(fabs(mean - 0.5 / 3.14159265) < 0.03 * 0.1592);
     assert_true(scatter < 0.1);
     assert_true(counters.value[SL_COUNT_SHADOW_RAYS] == 0);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* ---- depth by depth ---- */
@@ -219,8 +218,7 @@ static void a_smooth_sky_is_in_the_octree_and_pixels_have_no_noise_of_it(void **
     }
     print_message("radiance %.4f, wanted 0.5\n", sum / 576.0);
     assert_true(fabs(sum / 576.0 - 0.5) < 0.02);
-    sl_image_destroy(kept);
-    sl_scene_destroy(scene);
+    destroy_picture(kept, scene);
 }
 
 /* ---- mirrors with a cube map ---- */
@@ -328,8 +326,7 @@ static void without_light_or_reflection_no_photon_flies(void **state) {
     sl_image *image = render(dark, &settings, &counters);
     assert_int_equal(counters.value[SL_COUNT_PHOTONS_EMITTED], 0);
     for (int i = 0; i < 3 * 256; i++) assert_true(image->planes[i] == 0.0f);
-    sl_image_destroy(image);
-    sl_scene_destroy(dark);
+    destroy_picture(image, dark);
 }
 
 int main(void) {

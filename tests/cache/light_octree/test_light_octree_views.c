@@ -98,8 +98,7 @@ static void lights_with_directions_shade_a_ball_that_colours_leave_flat(void **s
     print_message("rms %.4f with directions, %.4f without, of a mean of %.4f\n", rms[0], rms[1],
                   channel_mean(truth, "direct.G"));
     assert_true(rms[0] < 0.75 * rms[1]);
-    sl_image_destroy(truth);
-    sl_scene_destroy(scene);
+    destroy_picture(truth, scene);
     free(obj);
 }
 
@@ -220,8 +219,7 @@ static void pictures_say_what_they_were_made_from(void **state) {
     image = render(scene, &settings, NULL);
     assert_true(number(image, "spread_deg") > 15.0 && number(image, "spread_deg") < 40.0);
     assert_true(number(image, "texture_bytes") > 6320.0 * 64.0 && number(image, "texture_bytes") < 8.0e5);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* Few photons for voxels that count their own, and gathers far wider than voxels. */

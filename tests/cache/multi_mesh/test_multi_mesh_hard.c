@@ -57,8 +57,7 @@ static void a_discs_highlight_is_within_4_percent_of_the_integral_also_beside_it
         print_message("n %.0f, %.0f degrees: %.4f, the integral %.4f: %+.1f %%\n", exponent[k], degrees[k],
                       found, expected, 100.0 * (found / expected - 1.0));
         assert_true(fabs(found / expected - 1.0) < 0.04);
-        sl_image_destroy(image);
-        sl_scene_destroy(scene);
+        destroy_picture(image, scene);
     }
 }
 
@@ -224,8 +223,7 @@ static void the_picture_is_the_sum_of_its_layers_and_a_lamp_shows_its_radiance(v
     }
     assert_true(sum_of(image, "specular.G") > 0.0);
     assert_true(lamp > 0);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 int main(void) {

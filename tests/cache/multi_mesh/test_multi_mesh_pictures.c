@@ -99,8 +99,7 @@ static void an_empty_floor_under_a_lamp_is_lit_as_lambert_says(void **state) {
     assert_true(compared > 500);
     assert_true(sum / compared < 0.01);
     assert_true(worst < 0.06); /* three grey levels in the dark */
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 static void two_lamps_together_light_as_one_and_the_other(void **state) {
@@ -215,8 +214,7 @@ static bool warns_of_gloss(const char *scene_file) {
     sl_image *picture = render(scene, &settings, NULL);
     const char *warning = sl_image_metadata(picture, "softlux.warning");
     bool warned = warning && strstr(warning, "% of the pixels show gloss, which reflects lamps alone");
-    sl_image_destroy(picture);
-    sl_scene_destroy(scene);
+    destroy_picture(picture, scene);
     return warned;
 }
 

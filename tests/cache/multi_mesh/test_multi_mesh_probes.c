@@ -113,13 +113,11 @@ static int not_found(const char *floor, double left, const char *light,
         missed += shadow ? most > 0.5 : least < 0.5;
         samples += counters.value[SL_COUNT_LIGHT_SAMPLES];
         rays += counters.value[SL_COUNT_SHADOW_RAYS];
-        sl_image_destroy(image);
-        sl_scene_destroy(scene);
+        destroy_picture(image, scene);
     }
     print_message("%d of %d missed; on average %llu samples of light, %llu shadow rays\n", missed, POSITIONS,
                   (unsigned long long)(samples / POSITIONS), (unsigned long long)(rays / POSITIONS));
-    sl_image_destroy(lit);
-    sl_scene_destroy(empty);
+    destroy_picture(lit, empty);
     return missed;
 }
 

@@ -122,8 +122,7 @@ static void a_narrow_strip_at_the_foot_of_a_wall_gets_no_light_from_behind_it(vo
         for (int i = 0; i < PIXELS; i++) most = fmax(most, (double)direct[i]);
         print_message("brightest %g\n", most);
         assert_true(most == 0.0);
-        sl_image_destroy(image);
-        sl_scene_destroy(scene);
+        destroy_picture(image, scene);
     }
 }
 

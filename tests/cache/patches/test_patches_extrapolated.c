@@ -144,8 +144,7 @@ static void light_that_is_shut_in_does_not_leak_out_at_the_foot(void **state) {
     sl_image *image = render(scene, &settings, NULL);
     for (int i = 0; i < 3 * 64 * 64; i++)
         assert_true(fabsf(image->planes[i] - image->planes[0]) < 0.004f * image->planes[0]);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* Shading that concerned nobody until then is what the eye sees. */

@@ -40,8 +40,7 @@ static void the_cornell_box_converges_to_what_paths_find(void **state) {
     assert_true(second.rel_rmse < 0.5 * first.rel_rmse);
     assert_true(second.rel_rmse < 0.04);
     destroy_pictures(early, late);
-    sl_image_destroy(truth);
-    sl_scene_destroy(scene);
+    destroy_picture(truth, scene);
 }
 
 static void glossy_surfaces_reflect_towards_the_eye(void **state) {

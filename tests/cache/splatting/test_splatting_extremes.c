@@ -43,8 +43,7 @@ static double glossy_plain(double exponent, double elevation, sl_gather_kind gat
     sl_image *image = render(scene, &settings, NULL);
     assert_sound_picture(image, "a glossy plain");
     double seen = channel_mean(image, "G");
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
     return seen;
 }
 
@@ -88,8 +87,7 @@ static void light_beyond_floats_leaves_a_picture_of_numbers(void **state) {
         sl_scene *scene = room(i / 2 == 1 ? 1.0 : 1e-4, shiny, lamps[i / 2], lights[i / 2]);
         sl_image *image = render(scene, &settings, NULL);
         assert_sound_picture(image, lights[i / 2]);
-        sl_image_destroy(image);
-        sl_scene_destroy(scene);
+        destroy_picture(image, scene);
     }
 }
 
@@ -112,8 +110,7 @@ static void where_nothing_shines_or_nothing_reflects_nothing_is_gathered(void **
                              counters.value[SL_COUNT_RECORDS],
                          0);
         assert_true(channel_mean(image, "R") == 0.0);
-        sl_image_destroy(image);
-        sl_scene_destroy(scenes[i]);
+        destroy_picture(image, scenes[i]);
     }
 }
 

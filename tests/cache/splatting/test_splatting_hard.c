@@ -122,8 +122,7 @@ static floor_error measure_floor(const sl_settings *settings, const camera *view
     assert_sound_picture(image, "wall and floor");
     floor_error e = error_of_floor(image, view);
     e.records = (double)counters.value[SL_COUNT_RECORDS];
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
     return e;
 }
 
@@ -272,8 +271,7 @@ static void shading_normals_that_cancel_or_are_none_give_light_all_the_same(void
             for (int p = 0; p < 24 * 24; p++) sum += (double)channel_of(image, "G")[p];
             assert_true(sum > 24 * 24 * 0.1);
             assert_true(counters.value[SL_COUNT_RECORDS] < 24 * 24 / 2);
-            sl_image_destroy(image);
-            sl_scene_destroy(scene);
+            destroy_picture(image, scene);
         }
     }
 }
@@ -361,8 +359,7 @@ static void assert_all_is_dark(const char *obj, const char *light, const char *c
             fail_msg("from %s: pixel (%d, %d) has %g direct, %g indirect light", from[0], p % 64, p / 64,
                      (double)direct[p], (double)indirect[p]);
     }
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* A folding screen without thickness parts a room from wall to wall; the light is behind it. Records touch

@@ -184,8 +184,7 @@ static void the_hessian_needs_fewer_records_at_equal_error(void **state) {
     assert_true(6 * hessian < 5 * harmonic);
     assert_true(errors[1] < 1.1 * errors[0]);
     for (int i = 0; i < 2; i++) sl_image_destroy(image[i]);
-    sl_image_destroy(reference);
-    sl_scene_destroy(scene);
+    destroy_picture(reference, scene);
 }
 
 int main(void) {

@@ -44,8 +44,7 @@ static void what_mirrors_show_is_what_the_path_tracer_says(void **state) {
     const float *weight = sl_image_channel(image, "weight.Y"), *direct = sl_image_channel(image, "direct.R");
     /* records reach all that is lit */
     for (int i = 0; i < 48 * 48; i++) assert_true(direct[i] == 0.0f || weight[i] > 0.0f);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* From a view of mirrors to one without and to another with them: nothing of an earlier view's mirrors is

@@ -59,8 +59,7 @@ static void the_layers_add_up_to_the_picture(void **state) {
     const float *r = sl_image_channel(image, "R"), *e = sl_image_channel(image, "emission.R"),
                 *d = sl_image_channel(image, "direct.R"), *i = sl_image_channel(image, "indirect.R");
     for (int p = 0; p < 32 * 32; p++) assert_true(r[p] == e[p] + d[p] + i[p]);
-    sl_image_destroy(image);
-    sl_scene_destroy(scene);
+    destroy_picture(image, scene);
 }
 
 /* ---- the sky ---- */
@@ -84,8 +83,7 @@ static void an_open_plane_under_an_even_sky_reflects_albedo_times_its_radiance(v
         sl_image *image = render(scene, &settings, NULL);
         assert_true(fabs(channel_mean(image, "R") - 1.0) < 0.005);
         assert_true(channel_mean(image, "direct.R") < 1e-4);
-        sl_image_destroy(image);
-        sl_scene_destroy(scene);
+        destroy_picture(image, scene);
     }
 }
 
@@ -113,8 +111,7 @@ static void passes_that_a_scene_does_not_need_do_not_run(void **state) {
     sl_settings settings = small_settings("splatting", 24, 24);
     sl_counters counters;
     settings.gather = SL_GATHER_RAYS;
-    sl_image_destroy(render(furnace, &settings, &counters));
-    sl_scene_destroy(furnace);
+    destroy_picture(render(furnace, &settings, &counters), furnace);
     assert_true(counters.value[SL_COUNT_RECORDS] > 0);
     assert_int_equal(counters.value[SL_COUNT_RASTER_PASSES], 1); /* the G-buffer alone: rays gather */
     assert_int_equal(counters.value[SL_COUNT_SHADOW_LOOKUPS], 0);
@@ -124,8 +121,7 @@ static void passes_that_a_scene_does_not_need_do_not_run(void **state) {
         "{\"m\": {\"mirror\": [1, 1, 1]}},\n"
         " \"lights\": [{\"type\": \"point\", \"position\": [3, 1, 1], \"intensity\": [10, 10, 10]}]}";
     sl_scene *mirrors = scene_from_text(mirror_json, niche_obj);
-    sl_image_destroy(render(mirrors, &settings, &counters));
-    sl_scene_destroy(mirrors);
+    destroy_picture(render(mirrors, &settings, &counters), mirrors);
     assert_int_equal(counters.value[SL_COUNT_GATHERS], 0);
     /* from mirror to mirror */
     assert_true(counters.value[SL_COUNT_RAYS] > 0 && counters.value[SL_COUNT_RAYS] <= 16 * 24 * 24);
