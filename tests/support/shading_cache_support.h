@@ -25,6 +25,11 @@ static inline sl_display *display_of(const hierarchy *h, int width, int height, 
     return display;
 }
 
+static inline void display_discard(sl_display *display, hierarchy *h) {
+    sl_display_destroy(display);
+    hierarchy_discard(h);
+}
+
 static inline void build_display(sl_display *display, const hierarchy *h) {
     assert_int_equal(sl_display_build(display, h->patches, NULL), SL_OK);
 }

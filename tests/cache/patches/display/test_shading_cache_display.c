@@ -189,8 +189,7 @@ static void a_frame_is_what_evaluation_pixel_by_pixel_gives(void **state) {
             draw(display, 1, &shown);
             map_ids(display, 1, &ids);
             assert_equals_evaluation(&h, &shown, &ids);
-            sl_display_destroy(display);
-            hierarchy_discard(&h);
+            display_discard(display, &h);
         }
     }
 }
@@ -232,8 +231,7 @@ static void silhouettes_are_exact_before_any_sample_and_surfaces_show_the_guess(
         }
     }
     sl_raster_destroy(raster);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 static void a_split_without_samples_is_not_seen(void **state) {
@@ -254,8 +252,7 @@ static void a_split_without_samples_is_not_seen(void **state) {
         for (int i = 0; i < PIXELS; i++)
             assert_true(fabs((double)before.plane[c][i] - (double)after.plane[c][i]) < 1e-5);
     }
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 /* ---- hanging vertices ------------------------------------------------------------------------ */
@@ -312,8 +309,7 @@ static void colours_meet_along_edges_between_coarse_and_fine_leaves(void **state
             }
         }
         assert_true(fans > 20 && tested > 1000);
-        sl_display_destroy(display);
-        hierarchy_discard(&h);
+        display_discard(display, &h);
     }
 }
 
@@ -351,8 +347,7 @@ static void a_fan_may_have_hundreds_of_vertices_and_lose_them_again(void **state
         build_display(display, &h);
         assert_true(display->copy[0].fans.used < 20000 && display->copy[1].fans.used < 20000);
     }
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 /* ---- two copies ------------------------------------------------------------------------------ */
@@ -383,8 +378,7 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
         }
         assert_sound(h.patches);
         assert_true(h.patches->leaves_alive > 300);
-        sl_display_destroy(display);
-        hierarchy_discard(&h);
+        display_discard(display, &h);
     }
 }
 

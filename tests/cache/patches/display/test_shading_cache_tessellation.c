@@ -87,8 +87,7 @@ static void no_triangle_is_further_than_half_a_pixel_from_its_surface(void **sta
     }
     assert_true(tested > 5000);
     assert_true(worst < 0.5 && worst > 0.05);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 static void nearer_surfaces_are_cut_finer_and_what_is_out_of_sight_is_not(void **state) {
@@ -107,8 +106,7 @@ static void nearer_surfaces_are_cut_finer_and_what_is_out_of_sight_is_not(void *
                                   sl_v3(0, 1, 0), 0.8f));
     build_display(display, &h);
     assert_true(shown(display)->triangle_count < count[2]);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 /* ---- no tears -------------------------------------------------------------------------------- */
@@ -153,8 +151,7 @@ static void triangles_meet_along_whole_edges(void **state) {
         sl_display_destroy(display);
         display = display_of(&h, W, H, guess);
     }
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 /* ---- alpha masks ----------------------------------------------------------------------------- */
@@ -223,8 +220,7 @@ static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) 
     printf("%zu pixels of walls, %zu seen through holes\n", walls, holes);
     assert_true(walls > 5000 && holes > 1000);
     sl_raster_destroy(raster);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 /* ---- the cache between its vertices ---------------------------------------------------------- */
@@ -266,8 +262,7 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
     assert_int_equal(h.patches->patches_alive, patches);
     assert_int_equal(h.patches->vertices_alive, vertices);
     for (size_t i = 0; i < h.patches->vertex_count; i++) assert_int_equal(h.patches->vertex[i].evaluated, 7);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 /* ---- hard cases ------------------------------------------------------------------------------ */
@@ -290,8 +285,7 @@ static void an_eye_within_or_on_a_surface_is_no_trouble(void **state) {
             for (int i = 0; i < PIXELS; i++) assert_true(isfinite(plane[c][i]) && plane[c][i] >= 0.0f);
         }
     }
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 int main(void) {
