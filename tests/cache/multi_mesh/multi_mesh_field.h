@@ -120,6 +120,14 @@ static inline void rig_look(rig *r, const sl_camera *camera, unsigned threads) {
     rig_fill_missing(r);
 }
 
+/* With the usual settings, seen from the scene's camera. Takes the scene. */
+static inline rig rig_in_view(sl_scene *scene, field f, int width, int height) {
+    const sl_displayed_settings settings = usual_settings();
+    rig r = rig_of(scene, f, &settings, width, height);
+    rig_look(&r, NULL, 1);
+    return r;
+}
+
 /* A batch of up to 32 leaves; how many there were. */
 static inline size_t rig_step(rig *r, size_t batch) {
     sl_patch_place leaf[32];

@@ -58,6 +58,14 @@ static inline void set_all(gathering *g, sl_rgb value) {
     sl_coarse_finish(g->coarse, 1);
 }
 
+/* With the usual settings, all surfaces of one value. Takes the mesh. */
+static inline gathering even_gathering(trace_mesh *mesh, float edge, int depth, float value) {
+    sl_gather_settings settings = usual_settings();
+    gathering g = gathering_of(trace_mesh_build(mesh), edge, depth, &settings);
+    set_all(&g, sl_grey(value));
+    return g;
+}
+
 /* A point in free space. */
 static inline sl_mesh_point free_point(sl_vec3 position, sl_vec3 normal) {
     return (sl_mesh_point){{position, normal, normal, SL_NO_INDEX}, SL_NO_INDEX};

@@ -77,9 +77,7 @@ static check check_all(const rig *r) {
 }
 
 static void each_pixel_belongs_to_the_leaf_in_which_it_lies(void **state) {
-    sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 160, 120);
-    rig_look(&r, NULL, 1);
+    rig r = rig_in_view(striped_room(), (field){stripes, NULL}, 160, 120);
     for (int round = 0; round < 3; round++) {
         check c = check_all(&r);
         assert_int_equal(c.pixels, r.pixels->count);
@@ -91,9 +89,7 @@ static void each_pixel_belongs_to_the_leaf_in_which_it_lies(void **state) {
 }
 
 static void the_first_image_samples_the_corners_of_faces_in_view_and_no_more(void **state) {
-    sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 160, 120);
-    rig_look(&r, NULL, 1);
+    rig r = rig_in_view(striped_room(), (field){stripes, NULL}, 160, 120);
     size_t corners = 0;
     uint8_t *is_corner = calloc(r.mesh->mesh->vertex_count, 1);
     assert_non_null(is_corner);
@@ -181,9 +177,7 @@ static void noise_is_refined_down_to_pixels_and_ends(void **state) {
     uint64_t seed = 9;
     field_value *fields[] = {noise, noise_with_holes};
     for (int f = 0; f < 2; f++) {
-        sl_displayed_settings settings = usual_settings();
-        rig r = rig_of(striped_room(), (field){fields[f], &seed}, &settings, 96, 72);
-        rig_look(&r, NULL, 1);
+        rig r = rig_in_view(striped_room(), (field){fields[f], &seed}, 96, 72);
         size_t served = rig_finish(&r);
         check c = check_all(&r);
         assert_true(c.deepest <= SL_MESH_DEPTH_MAX);

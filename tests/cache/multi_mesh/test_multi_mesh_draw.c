@@ -48,9 +48,7 @@ static void split_at_random(rig *r, uint64_t seed, int rounds) {
 }
 
 static void a_mesh_of_one_colour_split_at_random_has_neither_holes_nor_steps(void **state) {
-    sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(striped_room(), (field){painted, NULL}, &settings, WIDTH, HEIGHT);
-    rig_look(&r, NULL, 1);
+    rig r = rig_in_view(striped_room(), (field){painted, NULL}, WIDTH, HEIGHT);
     for (uint64_t round = 0; round < 3; round++) {
         split_at_random(&r, round, 2);
         blank(&r);
@@ -149,9 +147,7 @@ static void so_it_does_where_samples_are_of_no_use(void **state) {
 }
 
 static void a_drawn_pixel_has_the_value_that_the_mesh_has_there(void **state) {
-    sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
-    rig_look(&r, NULL, 1);
+    rig r = rig_in_view(striped_room(), (field){stripes, NULL}, WIDTH, HEIGHT);
     for (int i = 0; i < 60; i++) rig_step(&r, 32);
     rig_draw(&r, 1);
     for (size_t e = 0; e < r.pixels->face_count; e++) {
@@ -168,9 +164,7 @@ static void a_drawn_pixel_has_the_value_that_the_mesh_has_there(void **state) {
 }
 
 static void leaves_without_values_show_what_stands_in(void **state) {
-    sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, WIDTH, HEIGHT);
-    rig_look(&r, NULL, 1);
+    rig r = rig_in_view(striped_room(), (field){stripes, NULL}, WIDTH, HEIGHT);
     for (uint32_t v = 0; v < r.mesh->mesh->vertex_count; v++)
         sl_mesh_set_state(r.mesh->mesh, v, SL_VERTEX_UNKNOWN);
     rig_draw(&r, 1);

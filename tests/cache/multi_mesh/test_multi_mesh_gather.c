@@ -107,9 +107,7 @@ static void edges_along_the_axes_make_no_bands(void **state) {
     uint32_t grey = trace_mesh_diffuse(&m, 0.5f);
     trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), grey);
     trace_mesh_quad(&m, sl_v3(0, 0, 0), sl_v3(0, 2, 0), sl_v3(0, 0, 1), grey);
-    sl_gather_settings settings = usual_settings();
-    gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
-    set_all(&g, sl_grey(2.0f));
+    gathering g = even_gathering(&m, 1e3f, 0, 2.0f);
     double worst = 0.0, before = 0.0;
     for (int k = 0; k < 100; k++) {
         double c = 0.3 + 0.012 * k;

@@ -24,9 +24,7 @@ static void a_red_wall_tints_a_white_floor_though_no_camera_sees_it(void **state
         /* the wall is behind it */
         sl_camera_look_at(&m.camera, sl_v3(0, 0, 1), sl_v3(0, 3, 0), sl_v3(0, 0, 1), 1.0f);
         m.has_camera = true;
-        sl_gather_settings settings = usual_settings();
-        gathering g = gathering_of(trace_mesh_build(&m), 0.2f, 3, &settings);
-        set_all(&g, sl_grey(1.0f));
+        gathering g = even_gathering(&m, 0.2f, 3, 1.0f);
         sl_mesh_point p = face_point(g.scene, 0, 0.3f, 0.3f);
         sl_rgb e = take(&g, &p);
         if (black) assert_true(e.r == 0.0f && e.g == 0.0f && e.b == 0.0f);
@@ -43,9 +41,7 @@ static void light_that_a_lamp_sends_is_not_gathered(void **state) {
         trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&m, 0.5f));
         lamp = trace_mesh_material(&m, 0.3f, 0, 0, 0, lit ? 1000.0f : 0.0f);
         trace_mesh_quad(&m, sl_v3(-0.3f, -0.3f, 0.9f), sl_v3(0, 0.6f, 0), sl_v3(0.6f, 0, 0), lamp);
-        sl_gather_settings settings = usual_settings();
-        gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
-        set_all(&g, sl_grey(1.0f));
+        gathering g = even_gathering(&m, 10.0f, 0, 1.0f);
         sl_mesh_point p = free_point(sl_v3(0.1f, 0.2f, -0.9f), sl_v3(0, 0, 1));
         seen[lit] = take(&g, &p);
         gathering_destroy(&g);
@@ -121,9 +117,7 @@ static void where_nothing_is_the_sky_is_seen_or_black(void **state) {
     sl_environment sky = {.present = true, .constant = {1, 2, 3}};
     for (int present = 0; present < 2; present++) {
         trace_mesh m = outlier(present ? &sky : NULL);
-        sl_gather_settings settings = usual_settings();
-        gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 0, &settings);
-        set_all(&g, sl_grey(1.0f));
+        gathering g = even_gathering(&m, 1.0f, 0, 1.0f);
         sl_mesh_point p = free_point(sl_v3(0, 0, 0), sl_v3(0, 0, 1));
         sl_rgb e = take(&g, &p);
         assert_true(near((double)e.r, present * SL_PI, 1e-5) &&
@@ -192,9 +186,7 @@ static void a_flat_surface_does_not_light_itself(void **state) {
             trace_mesh_quad(&m, corner, sl_scale(f.x, 0.1f), sl_scale(f.y, 0.1f), grey);
         }
     }
-    sl_gather_settings settings = usual_settings();
-    gathering g = gathering_of(trace_mesh_build(&m), 10.0f, 0, &settings);
-    set_all(&g, sl_grey(1.0f));
+    gathering g = even_gathering(&m, 10.0f, 0, 1.0f);
     for (uint32_t t = 0; t < 800; t += 17) {
         for (int k = 0; k < 3; k++) {
             const float w[3][2] = {{0.3f, 0.3f}, {0, 0}, {0.5f, 0}};
@@ -213,9 +205,7 @@ static void on_a_crease_the_wall_beyond_is_seen_from_within(void **state) {
     uint32_t grey = trace_mesh_diffuse(&m, 0.5f);
     trace_mesh_quad(&m, sl_v3(0, -50, 0), sl_v3(50, 0, 0), sl_v3(0, 100, 0), grey);
     trace_mesh_quad(&m, sl_v3(0, -50, 0), sl_v3(0, 100, 0), sl_v3(0, 0, 50), grey);
-    sl_gather_settings settings = usual_settings();
-    gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
-    set_all(&g, sl_grey(2.0f));
+    gathering g = even_gathering(&m, 1e3f, 0, 2.0f);
     for (uint32_t face = 0; face < 8; face += 2) {
         /* those corners that lie inside the edge between floor and wall: moved to its middle */
         for (int k = 0; k < 3; k++) {
@@ -238,9 +228,7 @@ static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **sta
         uint32_t green = trace_mesh_diffuse(&m, 0);
         m.materials[green].diffuse = (sl_rgb){0, 1, 0};
         trace_mesh_sphere(&m, sl_v3(0, 0, 0), 1.0f, 10, 0.0f, hollow == 1, green);
-        sl_gather_settings settings = usual_settings();
-        gathering g = gathering_of(trace_mesh_build(&m), 1e3f, 0, &settings);
-        set_all(&g, sl_grey(1.0f));
+        gathering g = even_gathering(&m, 1e3f, 0, 1.0f);
         for (uint32_t t = 0; t < g.scene->triangle_count; t += 7) {
             sl_mesh_point p = face_point(g.scene, 2 * t, 0, 0);
             p.lit.normal = p.lit.geometric_normal =
@@ -259,9 +247,7 @@ static void at_vertices_bulges_see_the_sky_and_hollows_see_themselves(void **sta
 static void points_that_are_no_numbers_get_no_light_and_are_counted(void **state) {
     trace_mesh m = lit_mesh(sl_v3(0, 0, 0));
     trace_mesh_box(&m, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&m, 0.5f));
-    sl_gather_settings settings = usual_settings();
-    gathering g = gathering_of(trace_mesh_build(&m), 1.0f, 2, &settings);
-    set_all(&g, sl_grey(1.0f));
+    gathering g = even_gathering(&m, 1.0f, 2, 1.0f);
     const sl_mesh_point good = face_point(g.scene, 0, 0.3f, 0.3f);
     sl_mesh_point bad[5] = {good, good, good, good, good};
     bad[0].lit.position.x = NAN;

@@ -43,9 +43,7 @@ static void assert_priorities_are_up_to_date(rig *r) {
 }
 
 static void roots_have_the_largest_priority_of_their_leaves_after_10000_splits(void **state) {
-    sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 480, 360);
-    rig_look(&r, NULL, 1);
+    rig r = rig_in_view(striped_room(), (field){stripes, NULL}, 480, 360);
     assert_priorities(r.mesh);
     for (int i = 0; r.counters.value[SL_COUNT_SPLITS] < 10000; i++) {
         assert_true(rig_step(&r, 32) > 0);
@@ -58,9 +56,7 @@ static void roots_have_the_largest_priority_of_their_leaves_after_10000_splits(v
 }
 
 static void a_leaf_that_is_taken_is_not_taken_twice(void **state) {
-    sl_displayed_settings settings = usual_settings();
-    rig r = rig_of(striped_room(), (field){stripes, NULL}, &settings, 96, 72);
-    rig_look(&r, NULL, 1);
+    rig r = rig_in_view(striped_room(), (field){stripes, NULL}, 96, 72);
     float last = sl_displayed_priority(r.mesh);
     size_t taken = 0;
     for (sl_patch_place leaf; (leaf = sl_displayed_take(r.mesh)).patch != SL_NO_INDEX; taken++) {
