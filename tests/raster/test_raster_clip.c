@@ -27,8 +27,7 @@ static void plane_through_the_eyes_height_ends_at_the_horizon(void **state) {
             if (tangent < 0.0) assert_true(fabs((double)depth[y * SIZE + x] + tangent) < 1e-4);
         }
     }
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
+    destroy_raster(raster, scene);
 }
 
 /* The eye looks along a wall from just below a ceiling, and sees the room below a near plane that is level,
@@ -51,8 +50,7 @@ static void an_oblique_near_plane_keeps_triangles_that_reach_behind_the_eye(void
         render(raster, &view, 1, id, depth);
         for (int i = 0; i < 64 * 32; i++) assert_int_not_equal(id[i], SL_NO_INDEX);
     }
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
+    destroy_raster(raster, scene);
 }
 
 static void a_view_that_meets_nothing_draws_nothing_and_some_are_found_to_meet_nothing(void **state) {
@@ -76,8 +74,7 @@ static void a_view_that_meets_nothing_draws_nothing_and_some_are_found_to_meet_n
         missed += meets && !drawn;
     }
     assert_true(nothing > 100 && missed < 20);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
+    destroy_raster(raster, scene);
 }
 
 static void vertices_that_are_not_finite_are_dropped_and_counted(void **state) {
@@ -105,8 +102,7 @@ static void vertices_that_are_not_finite_are_dropped_and_counted(void **state) {
     counters = render(raster, &view, 1, id, depth);
     assert_int_equal(counters.value[SL_COUNT_TRIANGLES_DROPPED], 6);
     for (int i = 0; i < PIXELS; i++) assert_int_equal(id[i], SL_NO_INDEX);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
+    destroy_raster(raster, scene);
 }
 
 static void every_triangle_is_accounted_for(void **state) {
@@ -123,8 +119,7 @@ static void every_triangle_is_accounted_for(void **state) {
         assert_true(c.value[SL_COUNT_CLUSTERS_CULLED] < c.value[SL_COUNT_CLUSTERS_TESTED]);
         assert_int_equal(c.value[SL_COUNT_RASTER_PASSES], 1);
     }
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
+    destroy_raster(raster, scene);
 }
 
 int main(void) {

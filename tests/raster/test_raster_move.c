@@ -99,8 +99,7 @@ static void an_object_that_moved_is_drawn_as_if_it_had_always_been_there(void **
     sl_gbuffer_destroy(a);
     sl_gbuffer_destroy(b);
     sl_raster_destroy(fresh);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
+    destroy_raster(raster, scene);
 }
 
 /* By place, so that vertices that share one stay together. */
@@ -129,8 +128,7 @@ static void a_mesh_that_deforms_is_drawn_as_if_it_were_made_anew_each_frame(void
         compare_with_fresh(raster, scene, NULL);
     }
     free(rest);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
+    destroy_raster(raster, scene);
 }
 
 /* ---- meshes of triangles of their own ---- */

@@ -451,8 +451,7 @@ static void masked_triangles_do_not_hide_what_shows_through_them(void **state) {
     assert_true(masked > SIZE * SIZE / 2 && behind > SIZE * SIZE / 8); /* of 39/64 and 25/64 */
     free_picture(&plain);
     free_picture(&fast);
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
+    destroy_raster(raster, scene);
     free(xyz);
     free(uv);
     free(indices);

@@ -175,8 +175,7 @@ static void a_pixel_beside_its_triangle_takes_the_nearest_point_of_the_edge(void
         assert_true(fabs((double)w1 - fmax(fmin((x - beyond) / 32.0, 1.0), 0.0)) < 1e-6);
         assert_true(fabs((double)w2 - fmax(fmin((y - 2 * beyond) / 16.0, 1.0), 0.0)) < 1e-6);
     }
-    sl_raster_destroy(raster);
-    sl_scene_destroy(scene);
+    destroy_raster(raster, scene);
 }
 
 static void weights_of_a_triangle_that_is_not_finite_are_weights(void **state) {
@@ -213,8 +212,7 @@ static void triangle_seen_edge_on_has_finite_weights(void **state) {
             sl_raster_barycentrics(raster, &view, 1, &i, &zero, &w1, &w2);
             assert_true(w1 >= 0.0f && w2 >= 0.0f && w1 + w2 <= 1.0000002f);
         }
-        sl_raster_destroy(raster);
-        sl_scene_destroy(scene);
+        destroy_raster(raster, scene);
     }
 }
 

@@ -40,6 +40,11 @@ static inline sl_raster *raster_of(const sl_scene *scene) {
     return raster;
 }
 
+static inline void destroy_raster(sl_raster *raster, sl_scene *scene) { /* and its scene */
+    sl_raster_destroy(raster);
+    sl_scene_destroy(scene);
+}
+
 static inline sl_counters render(const sl_raster *raster, const sl_view *view, unsigned threads, uint32_t *id,
                                  float *depth) {
     sl_counters counters = {{0}};

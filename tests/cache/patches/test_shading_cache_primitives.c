@@ -21,6 +21,11 @@ static sl_primitives *primitives_of(const sl_scene *scene) {
     return p;
 }
 
+static void discard(sl_primitives *p, sl_scene *scene) { /* and their scene */
+    sl_primitives_destroy(p);
+    sl_scene_destroy(scene);
+}
+
 static size_t count_of_kind(const sl_primitives *p, sl_primitive_kind kind) {
     size_t count = 0;
     for (size_t i = 0; i < p->count; i++) count += p->kind[i] == kind;
@@ -45,8 +50,7 @@ static void the_walls_and_boxes_of_the_cornell_box_are_quadrilaterals(void **sta
         sl_vec3 normal = sl_normalize_or(sl_cross(sl_sub(c[1], c[0]), sl_sub(c[3], c[0])), sl_v3(0, 0, 0));
         assert_true(sl_dot(normal, sl_scene_geometric_normal(scene, p->first_triangle[i])) > 0.999f);
     }
-    sl_primitives_destroy(p);
-    sl_scene_destroy(scene);
+    discard(p, scene);
 }
 
 typedef struct pair {
@@ -180,8 +184,7 @@ static void points_of_roots_and_their_parameters_agree(void **state) {
                 }
             }
         }
-        sl_primitives_destroy(p);
-        sl_scene_destroy(scene);
+        discard(p, scene);
     }
 }
 
@@ -219,8 +222,7 @@ static void points_of_curved_roots_lie_on_the_scenes_triangles_with_the_surfaces
                         fabs(back_v - (double)v / SL_PATCH_DYADIC) < 1e-5);
         }
     }
-    sl_primitives_destroy(p);
-    sl_scene_destroy(scene);
+    discard(p, scene);
 }
 
 static void any_numbers_are_answered_with_a_point_of_the_root(void **state) {
@@ -235,8 +237,7 @@ static void any_numbers_are_answered_with_a_point_of_the_root(void **state) {
             assert_true(w1 >= 0.0f && w1 <= 1.0f && w2 >= 0.0f && w2 <= 1.0f);
         }
     }
-    sl_primitives_destroy(p);
-    sl_scene_destroy(scene);
+    discard(p, scene);
 }
 
 /* ---- textures ---- */
@@ -272,8 +273,7 @@ static void mean_reflectance_is_that_of_the_texture(void **state) {
                               fabs(fabs(fabs((double)at.y - 0.5) - 0.25)) < 0.1;
         if (far_from_edges) assert_true(checked ? through.r < 0.25f : through.r > 0.25f);
     }
-    sl_primitives_destroy(p);
-    sl_scene_destroy(scene);
+    discard(p, scene);
 }
 
 /* ---- places that are shared ---- */
@@ -301,8 +301,7 @@ static void a_canonical_place_is_where_the_point_is_with_its_normal(void **state
         }
     }
     assert_true(moved > 1000);
-    sl_primitives_destroy(p);
-    sl_scene_destroy(scene);
+    discard(p, scene);
 }
 
 /* A ring of n patches, each split to depth d, closed at a pole: (2^d n) (2^d) vertices and one. */
@@ -358,8 +357,7 @@ static void shared_corners_of_many_facets_are_found_in_bounded_time(void **state
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_primitives *p = primitives_of(scene);
     assert_true(p->count >= 10000);
-    sl_primitives_destroy(p);
-    sl_scene_destroy(scene);
+    discard(p, scene);
 }
 
 /* ---- motion ---- */
@@ -384,8 +382,7 @@ static void points_move_with_their_objects_and_roots_stay_what_they_are(void **s
     assert_true(distance(after.normal, before.normal) < 1e-5);
     assert_true(distance(still.position, still_after.position) == 0.0);
     assert_true(same_root_place(canonical, sl_root_canonical(p, place)));
-    sl_primitives_destroy(p);
-    sl_scene_destroy(scene);
+    discard(p, scene);
 }
 
 int main(void) {
