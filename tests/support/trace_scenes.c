@@ -125,6 +125,11 @@ void trace_mesh_discard(trace_mesh *mesh) {
     *mesh = (trace_mesh){0};
 }
 
+void trace_mesh_point_light(trace_mesh *mesh, sl_vec3 position, sl_rgb intensity) {
+    mesh->lights[mesh->light_count++] =
+        (sl_light){.type = SL_LIGHT_POINT, .position = position, .intensity = intensity};
+}
+
 sl_scene *trace_mesh_build(trace_mesh *mesh) {
     sl_scene_parts parts = {.vertex_count = mesh->vertex_count,
                             .positions = mesh->positions,
@@ -176,8 +181,7 @@ sl_scene *trace_scene_lit_by(unsigned lights, bool mirrors) {
     if (mirrors) trace_mesh_sphere(&mesh, sl_v3(-1.4f, 0, 0.5f), 0.5f, 8, 0.0f, false, mirror);
     if (lights & 1) trace_mesh_quad(&mesh, sl_v3(-1.5f, 2.5f, -1.5f), sl_v3(3, 0, 0), sl_v3(0, 0, 3), lamp);
     if (lights & 2) {
-        mesh.lights[mesh.light_count++] =
-            (sl_light){.type = SL_LIGHT_POINT, .position = {2, 2, 2}, .intensity = {9, 8, 7}};
+        trace_mesh_point_light(&mesh, sl_v3(2, 2, 2), (sl_rgb){9, 8, 7});
     }
     if (lights & 4) {
         mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT,

@@ -37,6 +37,7 @@ uint32_t trace_mesh_material(trace_mesh *mesh, float diffuse, float specular, fl
                              float emission);
 uint32_t trace_mesh_diffuse(trace_mesh *mesh, float diffuse);
 uint32_t trace_mesh_lamp(trace_mesh *mesh, float emission); /* that reflects nothing */
+void trace_mesh_point_light(trace_mesh *mesh, sl_vec3 position, sl_rgb intensity);
 sl_scene *trace_mesh_build(trace_mesh *mesh);
 void trace_mesh_discard(trace_mesh *mesh);
 /* Diffuse, glossy and mirror surfaces, shading normals off their facets, seen from before them; which lights,

@@ -219,8 +219,7 @@ static void a_point_light_throws_caustics(void **unused) {
     uint32_t floor = trace_mesh_diffuse(&mesh, 0.5f), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-1, -40, 0), sl_v3(0, 80, 0), sl_v3(0, 0, 40), mirror);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.5f, 0, 1}, .intensity = {2, 2, 2}};
-    mesh.light_count = 1;
+    trace_mesh_point_light(&mesh, sl_v3(0.5f, 0, 1), sl_grey(2));
     mesh.has_camera = true;
     assert_true(sl_camera_look_at(&mesh.camera, sl_v3(1.0f, 0, 3), sl_v3(1.0f, 0, 0), sl_v3(0, 1, 0), 0.3f));
     sl_scene *scene = trace_mesh_build(&mesh);

@@ -147,9 +147,8 @@ static sl_scene *rich_scene(int lights) {
     trace_mesh_sphere(&mesh, sl_v3(0.6f, -0.2f, 0), 0.7f, 8, 0.2f, false, white);
     if (lights == 0) trace_mesh_quad(&mesh, sl_v3(-2.0f, 2.5f, -2.0f), sl_v3(4, 0, 0), sl_v3(0, 0, 4), lamp);
     if (lights == 1) {
-        mesh.lights[0] = (sl_light){
+        mesh.lights[mesh.light_count++] = (sl_light){
             .type = SL_LIGHT_DIRECTIONAL, .direction = {0.48f, -0.6f, -0.64f}, .intensity = {3, 3, 2}};
-        mesh.light_count = 1;
         /* The path tracer finds no caustic of such a light: no mirrors here. */
         mesh.materials[mirror].mirror = sl_grey(0.0f);
         mesh.materials[mirror].diffuse = sl_grey(0.4f);

@@ -157,8 +157,7 @@ static sl_scene *floor_and_lit_ceiling(bool screen) {
     trace_mesh_quad(&mesh, sl_v3(-50, -50, 0), sl_v3(100, 0, 0), sl_v3(0, 100, 0), white);
     trace_mesh_quad(&mesh, sl_v3(-3, -3, 2), sl_v3(0, 6, 0), sl_v3(6, 0, 0), white);
     if (screen) trace_mesh_quad(&mesh, sl_v3(-50, -50, 1), sl_v3(100, 0, 0), sl_v3(0, 100, 0), black);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0.2f, 0, 1.2f}, .intensity = {5, 5, 5}};
-    mesh.light_count = 1;
+    trace_mesh_point_light(&mesh, sl_v3(0.2f, 0, 1.2f), sl_grey(5));
     return trace_mesh_build(&mesh);
 }
 

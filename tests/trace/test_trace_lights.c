@@ -133,8 +133,7 @@ static void degenerate_questions_are_answered_with_nothing(void **unused) {
     uint32_t light = trace_mesh_lamp(&mesh, 5.0f), grey = trace_mesh_diffuse(&mesh, 0.5f);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 1), sl_v3(0, 1, 0), sl_v3(1, 0, 0), light);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 3), sl_v3(0, 1, 0), sl_v3(1, 0, 0), grey);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_POINT, .position = {0, 0, 1}, .intensity = {1, 1, 1}};
-    mesh.light_count = 1;
+    trace_mesh_point_light(&mesh, sl_v3(0, 0, 1), sl_grey(1));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_light_sampler *sampler = make_sampler(scene);
     const sl_vec3 points[] = {{0, 0, 1},   {0.5f, 0.5f, 1},  {1e30f, 0, 0},  {0.25f, 0.125f, 0.99999994f},

@@ -196,8 +196,7 @@ static void polygons_of_a_curved_sheet_do_not_light_its_other_side(void **state)
     for (unsigned rings = 6; rings <= 16; rings += 5) {
         trace_mesh mesh = trace_mesh_begin();
         trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, rings, 0.0f, false, trace_mesh_diffuse(&mesh, 0.5f));
-        mesh.lights[mesh.light_count++] =
-            (sl_light){.type = SL_LIGHT_POINT, .position = {0.1f, 0.3f, 0.05f}, .intensity = {1, 1, 1}};
+        trace_mesh_point_light(&mesh, sl_v3(0.1f, 0.3f, 0.05f), sl_grey(1));
         mesh.has_camera = true;
         mesh.camera = (sl_camera){
             .eye = {0, 0, 4}, .right = {1, 0, 0}, .up = {0, 1, 0}, .back = {0, 0, 1}, .vertical_fov = 0.6f};

@@ -46,6 +46,11 @@ static sl_photon_list *trace_scene(const sl_scene *scene, sl_photon_options opti
     return list;
 }
 
+static void destroy_list(sl_photon_list *list, sl_scene *scene) { /* and its scene */
+    sl_photon_list_destroy(list);
+    sl_scene_destroy(scene);
+}
+
 /* So many chunks, whatever they store. */
 static sl_photon_options emitted(size_t chunks, sl_photon_store store) {
     return (sl_photon_options){
@@ -68,16 +73,12 @@ static sl_light point_light(float x, float y, float z, sl_rgb intensity) {
 
 static void add_light(trace_mesh *mesh, sl_light light) { mesh->lights[mesh->light_count++] = light; }
 
-static void add_point(trace_mesh *mesh, float x, float y, float z, float intensity) {
-    add_light(mesh, point_light(x, y, z, sl_grey(intensity)));
-}
-
 /* ---- closed forms ---------------------------------------------------------------------------- */
 
 static sl_scene *diffuse_sphere(float albedo, unsigned rings) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_sphere(&mesh, sl_v3(1, 2, 3), 2.0f, rings, 0.0f, true, trace_mesh_diffuse(&mesh, albedo));
-    add_point(&mesh, 1, 2, 3, 1.0f);
+    trace_mesh_point_light(&mesh, sl_v3(1, 2, 3), sl_grey(1.0f));
     return trace_mesh_build(&mesh);
 }
 
@@ -100,8 +101,7 @@ static void diffuse_sphere_has_the_light_of_an_integrating_sphere(void **state) 
         assert_true(fabs(cosine / count - 2.0 / 3.0) < 3.0 * sqrt(1.0 / 18.0 / count) + 1e-3);
         assert_true(fabs(upper / flux - 0.5) < 3.0 * sqrt(0.25 / count)); /* uniform irradiance */
         assert_true(list->cut_flux == 0.0);
-        sl_photon_list_destroy(list);
-        sl_scene_destroy(scene);
+        destroy_list(list, scene);
     }
 }
 
@@ -151,8 +151,7 @@ static void power_of_every_light_in_a_closed_room_arrives(void **state) {
         assert_true(fabs(sum.z / extent - 0.5) < 1e-5);
         double luminance = 0.2126 * sum.x + 0.7152 * sum.y + 0.0722 * sum.z;
         assert_true(fabs(list->emitted_flux - luminance) < 1e-5 * luminance);
-        sl_photon_list_destroy(list);
-        sl_scene_destroy(scene);
+        destroy_list(list, scene);
     }
 }
 
@@ -178,8 +177,7 @@ static void lights_share_the_paths_by_power_and_the_weakest_is_not_forgotten(voi
     }
     for (int c = 0; c < 3; c++) assert_true(fabs(paths[c] - 65536.0 * share[c] / 1.5001) <= 1.0);
     assert_true(paths[0] + paths[1] + paths[2] == 65536.0);
-    sl_photon_list_destroy(list);
-    sl_scene_destroy(scene);
+    destroy_list(list, scene);
 }
 
 /* Irradiance at a point of the floor, green: by the lights' own formulas. */
@@ -270,8 +268,7 @@ static void direct_irradiance_on_a_plane_is_that_of_every_kind_of_light(void **s
         compare_square(scene, list, 0.0f, 0.0f);
         compare_square(scene, list, -1.5f, 0.5f);
         compare_square(scene, list, 0.8f, 1.2f);
-        sl_photon_list_destroy(list);
-        sl_scene_destroy(scene);
+        destroy_list(list, scene);
     }
 }
 
@@ -290,7 +287,7 @@ static sl_scene *motley_room(void) {
     trace_mesh_quad(&mesh, sl_v3(1, 0, 0), sl_v3(0, 1, 0), sl_v3(0, 0, 1), glossy);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 0), sl_v3(1, 0, 0), sl_v3(0, 1, 0), mirror);
     trace_mesh_quad(&mesh, sl_v3(0, 0, 1), sl_v3(1, 0, 0), sl_v3(0, 1, 0), coloured);
-    add_point(&mesh, 0.5f, 0.6f, 0.4f, 1.0f);
+    trace_mesh_point_light(&mesh, sl_v3(0.5f, 0.6f, 0.4f), sl_grey(1.0f));
     return trace_mesh_build(&mesh);
 }
 
@@ -354,15 +351,14 @@ static void photons_see_shading_normals_as_the_eye_does(void **state) {
         }
         assert_true(fabs(sum - expected) < 3.0 * sqrt(squares));
         assert_true(sqrt(squares) < 0.02 * expected);
-        sl_photon_list_destroy(list);
-        sl_scene_destroy(scene);
+        destroy_list(list, scene);
     }
 }
 
 static void white_room_is_cut_at_64_bounces_and_says_what_was_lost(void **state) {
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, trace_mesh_diffuse(&mesh, 1.0f));
-    add_point(&mesh, 0, 0, 0, 1.0f);
+    trace_mesh_point_light(&mesh, sl_v3(0, 0, 0), sl_grey(1.0f));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_photon_list *list = trace_scene(scene, emitted(2, SL_STORE_ALL));
     unsigned most = 0;
@@ -371,8 +367,7 @@ static void white_room_is_cut_at_64_bounces_and_says_what_was_lost(void **state)
     assert_int_equal(most, 64);
     /* all that was emitted is still under way */
     assert_true(fabs(list->cut_flux / (4.0 * SL_PI) - 1.0) < 0.05);
-    sl_photon_list_destroy(list);
-    sl_scene_destroy(scene);
+    destroy_list(list, scene);
 }
 
 /* ---- what is stored -------------------------------------------------------------------------- */
@@ -383,7 +378,7 @@ static sl_scene *mirror_over_floor(void) {
     trace_mesh_quad(&mesh, sl_v3(-4, 0, -4), sl_v3(0, 0, 8), sl_v3(8, 0, 0), trace_mesh_diffuse(&mesh, 0.5f));
     trace_mesh_quad(&mesh, sl_v3(2, 0.01f, -2), sl_v3(0, 0, 4), sl_v3(0, 2, 0),
                     trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0));
-    add_point(&mesh, 0.5f, 1.0f, 0.0f, 1.0f);
+    trace_mesh_point_light(&mesh, sl_v3(0.5f, 1.0f, 0.0f), sl_grey(1.0f));
     return trace_mesh_build(&mesh);
 }
 
@@ -404,8 +399,7 @@ static void caustic_photons_come_by_mirrors_alone(void **state) {
         assert_true(fabs((double)p->flux[0] / (4.0 * SL_PI / (double)list->emitted) - 1.0) < 1e-5);
     }
     assert_true(caustics > 300);
-    sl_photon_list_destroy(list);
-    sl_scene_destroy(scene);
+    destroy_list(list, scene);
 }
 
 static void storage_rules_choose_from_the_same_photons(void **state) {
@@ -454,7 +448,7 @@ static sl_photon_list *of_box(float diffuse, float mirror, float intensity, sl_p
     trace_mesh mesh = trace_mesh_begin();
     trace_mesh_box(&mesh, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true,
                    trace_mesh_material(&mesh, diffuse, 0, 0, mirror, 0));
-    add_point(&mesh, 0, 0, 0, intensity);
+    trace_mesh_point_light(&mesh, sl_v3(0, 0, 0), sl_grey(intensity));
     sl_scene *scene = trace_mesh_build(&mesh);
     sl_photon_list *list = trace_scene(scene, (sl_photon_options){.stored = 1000, .store = store, .seed = 1});
     sl_scene_destroy(scene);

@@ -17,11 +17,8 @@ static sl_scene *floor_and_mirror(bool lamp_of_extent, float exponent) {
     /* faces the mirror */
     if (lamp_of_extent)
         trace_mesh_quad(&mesh, sl_v3(0.45f, -1.0f, 0.5f), sl_v3(0, 0, 2.0f), sl_v3(0, 2.0f, 0), lamp);
-    else {
-        mesh.lights[0] =
-            (sl_light){.type = SL_LIGHT_POINT, .position = {1.5f, 0.2f, 2.0f}, .intensity = {10, 20, 30}};
-        mesh.light_count = 1;
-    }
+    else
+        trace_mesh_point_light(&mesh, sl_v3(1.5f, 0.2f, 2.0f), (sl_rgb){10, 20, 30});
     return trace_mesh_build(&mesh);
 }
 
@@ -128,13 +125,12 @@ static void mirrors_that_no_light_reaches_make_no_caustics(void **state) {
     uint32_t floor = trace_mesh_diffuse(&mesh, 0.5f), mirror = trace_mesh_material(&mesh, 0, 0, 0, 0.8f, 0);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, 0), sl_v3(8, 0, 0), sl_v3(0, 8, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-4, -4, -1), sl_v3(8, 0, 0), sl_v3(0, 8, 0), mirror);
-    mesh.lights[0] = (sl_light){.type = SL_LIGHT_SPOT,
-                                .position = {0, 0, 2},
-                                .direction = {0, 0, -1},
-                                .intensity = sl_grey(1),
-                                .cos_inner = 0.9f,
-                                .cos_outer = 0.8f};
-    mesh.light_count = 1;
+    mesh.lights[mesh.light_count++] = (sl_light){.type = SL_LIGHT_SPOT,
+                                                 .position = {0, 0, 2},
+                                                 .direction = {0, 0, -1},
+                                                 .intensity = sl_grey(1),
+                                                 .cos_inner = 0.9f,
+                                                 .cos_outer = 0.8f};
     check_no_caustics(trace_mesh_build(&mesh));
 }
 
