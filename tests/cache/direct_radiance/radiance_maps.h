@@ -21,6 +21,11 @@ typedef struct hand_map {
     sl_map_face face[6];
 } hand_map;
 
+static inline sl_map_light hand_light(sl_vec3 position) {
+    return (sl_map_light){
+        .source = {.kind = SL_SOURCE_POINT, .position = position, .colour = {2.0f, 3.0f, 5.0f}}};
+}
+
 static inline float *hand_plane(size_t texels) {
     float *plane = calloc(texels + 1, sizeof *plane);
     assert_non_null(plane);
@@ -114,6 +119,18 @@ static inline void hand_map_render(hand_map *h, const sl_raster *raster) {
     }
 }
 
+/* A cube's faces of w x w texels and m x m blocks with the pictures of a scene. */
+static inline hand_map *hand_map_of(const sl_scene *scene, sl_map_light light, int w, int m,
+                                    bool lambertian) {
+    sl_raster *raster;
+    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
+    hand_map *h = hand_map_begin(light, 6, w, m);
+    h->map.lambertian = lambertian;
+    hand_map_render(h, raster);
+    sl_raster_destroy(raster);
+    return h;
+}
+
 static inline void hand_map_end(hand_map *h) {
     free(h->map.triangle);
     free(h->map.path);
@@ -126,6 +143,11 @@ static inline void hand_map_end(hand_map *h) {
         free(h->map.carried[c]);
     }
     free(h);
+}
+
+static inline void destroy_photons(sl_map_photons *photons, hand_map *h) { /* and their map */
+    sl_map_photons_destroy(photons);
+    hand_map_end(h);
 }
 
 static inline sl_map_photons *take_photons(const sl_scene *scene, const sl_radiance_map *map,

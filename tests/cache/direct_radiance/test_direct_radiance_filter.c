@@ -1,13 +1,9 @@
 /* Samples that look at all texels of their blocks: filtered radiance and flux groups. */
 #include "radiance_maps.h"
 
-static sl_map_light light_at(sl_vec3 position) {
-    return (sl_map_light){
-        .source = {.kind = SL_SOURCE_POINT, .position = position, .colour = {2.0f, 3.0f, 5.0f}}};
-}
-
-static sl_radiance_map_settings with(sl_map_filter filter) {
-    return (sl_radiance_map_settings){.filter = filter, .weight = SL_WEIGHT_FLUX};
+static sl_map_photons *photons_by(sl_map_filter filter, const sl_scene *scene, const hand_map *h) {
+    const sl_radiance_map_settings settings = {.filter = filter, .weight = SL_WEIGHT_FLUX};
+    return take_photons(scene, &h->map, &settings);
 }
 
 /* A room of side 2 with a table of one object with it: walls of reflectance `walls`, floor and table 0.8. */
@@ -18,15 +14,6 @@ static sl_scene *room_with_table(float walls) {
     trace_mesh_quad(&mesh, sl_v3(-1, -0.99f, 1), sl_v3(2, 0, 0), sl_v3(0, 0, -2), floor);
     trace_mesh_quad(&mesh, sl_v3(-0.3f, -0.4f, 0.3f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, -0.6f), floor);
     return trace_mesh_build(&mesh);
-}
-
-static hand_map *pictures(const sl_scene *scene, sl_map_light light, int w, int m) {
-    sl_raster *raster;
-    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
-    hand_map *h = hand_map_begin(light, 6, w, m);
-    hand_map_render(h, raster);
-    sl_raster_destroy(raster);
-    return h;
 }
 
 static void sum_flux(const sl_map_photons *photons, double sum[3]) {
@@ -40,30 +27,26 @@ static void sum_flux(const sl_map_photons *photons, double sum[3]) {
 
 /* The sum over all texels: every texel a photon. */
 static void sum_flux_of_texels(const sl_scene *scene, sl_map_light light, int w, double sum[3]) {
-    hand_map *h = pictures(scene, light, w, w);
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_POINT);
-    sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+    hand_map *h = hand_map_of(scene, light, w, w, true);
+    sl_map_photons *photons = photons_by(SL_MAP_FILTER_POINT, scene, h);
     sum_flux(photons, sum);
-    sl_map_photons_destroy(photons);
-    hand_map_end(h);
+    destroy_photons(photons, h);
 }
 
 /* ---- flux ---- */
 
 static void grouping_leaves_the_sum_of_flux_as_it_is(void **state) {
     sl_scene *scene = room_with_table(0.3f);
-    sl_map_light light = light_at(sl_v3(0.2f, 0.4f, 0.1f));
+    sl_map_light light = hand_light(sl_v3(0.2f, 0.4f, 0.1f));
     double texels[3], sum[3];
     sum_flux_of_texels(scene, light, 24, texels);
     for (int m = 1; m <= 24; m *= m == 3 ? 4 : m == 1 ? 3 : 2) {
-        hand_map *h = pictures(scene, light, 24, m);
-        sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
-        sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+        hand_map *h = hand_map_of(scene, light, 24, m, true);
+        sl_map_photons *photons = photons_by(SL_MAP_FILTER_FLUX, scene, h);
         sum_flux(photons, sum);
         for (int c = 0; c < 3; c++) assert_true(fabs(sum[c] / texels[c] - 1) < 1e-6);
         assert_true(photons->count <= 4 * 6 * (size_t)(m * m));
-        sl_map_photons_destroy(photons);
-        hand_map_end(h);
+        destroy_photons(photons, h);
     }
     sl_scene_destroy(scene);
 }
@@ -71,15 +54,14 @@ static void grouping_leaves_the_sum_of_flux_as_it_is(void **state) {
 /* One face of 4 x 4 texels as one block; left half of it one surface, right half another. */
 static sl_map_photons *photons_of_two(const sl_scene *scene, sl_vec3 left, sl_vec3 left_normal, sl_vec3 right,
                                       sl_vec3 right_normal) {
-    hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 4, 1);
+    hand_map *h = hand_map_begin(hand_light(sl_v3(0, 0, 0)), 6, 4, 1);
     for (size_t i = 0; i < 16; i++) {
         sl_vec3 nudge = sl_v3(0, 0.01f * (float)(i / 4), 0);
         bool first = i % 4 < 2;
         hand_texel(h, i, 0, sl_add(first ? left : right, nudge), first ? left_normal : right_normal,
                    sl_grey(0.5f));
     }
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
-    sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+    sl_map_photons *photons = photons_by(SL_MAP_FILTER_FLUX, scene, h);
     hand_map_end(h);
     return photons;
 }
@@ -108,7 +90,7 @@ static void a_table_and_the_floor_below_it_are_two_photons(void **state) {
 
 static void facets_of_a_curved_surface_are_one_photon(void **state) {
     sl_scene *scene = room_with_table(0.5f);
-    hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 4, 1);
+    hand_map *h = hand_map_begin(hand_light(sl_v3(0, 0, 0)), 6, 4, 1);
     sl_vec3d mean = {0, 0, 0};
     double area = 0, weight = 0;
     /* of a ball of radius 1 around (2, 0, 0), 17 degrees from corner to corner */
@@ -122,22 +104,20 @@ static void facets_of_a_curved_surface_are_one_photon(void **state) {
         weight += angle;
         area += b2 * angle / (-sl_dotd(p, n) / sqrt(b2));
     }
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
-    sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+    sl_map_photons *photons = photons_by(SL_MAP_FILTER_FLUX, scene, h);
     assert_int_equal(photons->count, 1);
     const sl_map_photon *p = &photons->photon[0];
     assert_true(sl_lengthd(sl_subd(sl_to_double(p->position), sl_scaled(mean, 1 / weight))) < 1e-6);
     /* A = sum b^2 dOmega / cos alpha */
     assert_true(fabs((double)p->footprint / (double)p->cos_alpha / area - 1) < 1e-5);
     assert_true(p->normal.x < -0.999f);
-    sl_map_photons_destroy(photons);
-    hand_map_end(h);
+    destroy_photons(photons, h);
     sl_scene_destroy(scene);
 }
 
 static void a_block_of_many_surfaces_has_four_photons(void **state) {
     sl_scene *scene = room_with_table(0.5f);
-    hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 8, 1);
+    hand_map *h = hand_map_begin(hand_light(sl_v3(0, 0, 0)), 6, 8, 1);
     uint64_t key = sl_random_key(3, 1);
     double texels = 0, sum[3];
     for (size_t i = 0; i < 64; i++) {
@@ -148,13 +128,11 @@ static void a_block_of_many_surfaces_has_four_photons(void **state) {
         hand_texel(h, i, 0, sl_v3(1 + sl_random_unit(key, i + 1000), 0, 0), n, sl_grey(0.5f));
         texels += 0.5 * 3.0 * texel_size(&h->map, i) / SL_PI;
     }
-    sl_radiance_map_settings settings = with(SL_MAP_FILTER_FLUX);
-    sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+    sl_map_photons *photons = photons_by(SL_MAP_FILTER_FLUX, scene, h);
     assert_int_equal(photons->count, 4);
     sum_flux(photons, sum);
     assert_true(fabs(sum[1] / texels - 1) < 1e-5);
-    sl_map_photons_destroy(photons);
-    hand_map_end(h);
+    destroy_photons(photons, h);
     sl_scene_destroy(scene);
 }
 
@@ -163,7 +141,7 @@ static void a_block_of_many_surfaces_has_four_photons(void **state) {
 static void filtered_radiance_is_the_mean_of_the_block(void **state) {
     sl_scene *scene = room_with_table(0.5f);
     for (int texels = 2; texels <= 8; texels *= 2) {
-        hand_map *h = hand_map_begin(light_at(sl_v3(0, 0, 0)), 6, 2 * texels, 2);
+        hand_map *h = hand_map_begin(hand_light(sl_v3(0, 0, 0)), 6, 2 * texels, 2);
         uint64_t key = sl_random_key(5, (uint64_t)texels);
         double mean[4] = {0};
         for (int i = 0; i < 4 * texels * texels; i++) {
@@ -179,12 +157,10 @@ static void filtered_radiance_is_the_mean_of_the_block(void **state) {
                     (double)value / (texels * texels);
             }
         }
-        sl_radiance_map_settings settings = with(SL_MAP_FILTER_RADIANCE);
-        sl_map_photons *photons = take_photons(scene, &h->map, &settings);
+        sl_map_photons *photons = photons_by(SL_MAP_FILTER_RADIANCE, scene, h);
         assert_int_equal(photons->count, 4);
         for (int j = 0; j < 4; j++) assert_true(fabs((double)photons->photon[j].radiance.g - mean[j]) < 1e-6);
-        sl_map_photons_destroy(photons);
-        hand_map_end(h);
+        destroy_photons(photons, h);
     }
     sl_scene_destroy(scene);
 }

@@ -5,11 +5,6 @@
 #include "receiver_support.h"
 #include "trace/trace.h"
 
-static sl_map_light point_light(sl_vec3 position) {
-    return (sl_map_light){
-        .source = {.kind = SL_SOURCE_POINT, .position = position, .colour = {2.0f, 3.0f, 5.0f}}};
-}
-
 static const sl_radiance_map_settings points = {.filter = SL_MAP_FILTER_POINT, .weight = SL_WEIGHT_FLUX};
 
 /* A box of side 2 around the origin, reflectance 0.5; some tests want its diagonal alone. */
@@ -50,7 +45,7 @@ static void assert_photons_are_sound(const sl_map_photons *photons) {
 static void photon_i_k_lies_at_the_middle_of_its_block(void **state) {
     sl_scene *scene = room(0.5f, 0);
     const int m = 3, texels = 5;
-    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, m * texels, m);
+    hand_map *h = hand_map_begin(hand_light(sl_v3(0, 0.5f, 0)), 6, m * texels, m);
     fill_floor(h, 0.5f);
     sl_map_photons *photons = take_photons(scene, &h->map, &points);
     assert_int_equal(photons->count, m * m);
@@ -63,8 +58,7 @@ static void photon_i_k_lies_at_the_middle_of_its_block(void **state) {
             assert_true(sl_lengthd(sl_subd(found, expected)) < 1e-6);
         }
     }
-    sl_map_photons_destroy(photons);
-    hand_map_end(h);
+    destroy_photons(photons, h);
     sl_scene_destroy(scene);
 }
 
@@ -72,11 +66,8 @@ static void photon_i_k_lies_at_the_middle_of_its_block(void **state) {
 
 static void flux_is_reflectance_times_intensity_times_solid_angle_over_pi(void **state) {
     sl_scene *scene = room(0.5f, 0);
-    sl_raster *raster;
-    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
     for (int m = 1; m <= 8; m *= 2) {
-        hand_map *h = hand_map_begin(point_light(sl_v3(0.3f, -0.8f, 0.1f)), 6, 16, m);
-        hand_map_render(h, raster);
+        hand_map *h = hand_map_of(scene, hand_light(sl_v3(0.3f, -0.8f, 0.1f)), 16, m, true);
         sl_map_photons *photons = take_photons(scene, &h->map, &points);
         assert_int_equal(photons->count, 6 * m * m);
         assert_photons_are_sound(photons);
@@ -93,17 +84,15 @@ static void flux_is_reflectance_times_intensity_times_solid_angle_over_pi(void *
             sum += (double)p->flux.g;
         }
         assert_true(fabs(sum / (0.5 * 3.0 * 4.0) - 1) < 1e-5); /* rho I 4 pi / pi */
-        sl_map_photons_destroy(photons);
-        hand_map_end(h);
+        destroy_photons(photons, h);
     }
-    sl_raster_destroy(raster);
     sl_scene_destroy(scene);
 }
 
 static void printed_areas_are_those_of_12_and_13(void **state) {
     sl_scene *scene = room(0.5f, 0);
     const int m = 4;
-    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 12, m);
+    hand_map *h = hand_map_begin(hand_light(sl_v3(0, 0.5f, 0)), 6, 12, m);
     fill_floor(h, 0.5f);
     sl_map_photons *photons = take_photons(scene, &h->map, &points);
     for (size_t j = 0; j < photons->count; j++) {
@@ -114,8 +103,7 @@ static void printed_areas_are_those_of_12_and_13(void **state) {
         assert_true(fabs((double)p->cos_alpha - 0.5 / b) < 1e-6);
         assert_true(fabs((double)p->radiance.r / (0.5 * 2.0 * (0.5 / b) / (SL_PI * b * b)) - 1) < 1e-5);
     }
-    sl_map_photons_destroy(photons);
-    hand_map_end(h);
+    destroy_photons(photons, h);
     sl_scene_destroy(scene);
 }
 
@@ -123,11 +111,7 @@ static void printed_areas_are_those_of_12_and_13(void **state) {
 
 static void glossy_scenes_keep_the_flux_that_arrives_and_the_lobe(void **state) {
     sl_scene *scene = room(0.5f, 0.25f);
-    sl_raster *raster;
-    assert_int_equal(sl_raster_create(scene, 1, &raster, NULL), SL_OK);
-    hand_map *h = hand_map_begin(point_light(sl_v3(0.1f, 0.2f, 0)), 6, 8, 4);
-    h->map.lambertian = false;
-    hand_map_render(h, raster);
+    hand_map *h = hand_map_of(scene, hand_light(sl_v3(0.1f, 0.2f, 0)), 8, 4, false);
     for (int filter = SL_MAP_FILTER_POINT; filter <= SL_MAP_FILTER_FLUX; filter++) {
         sl_radiance_map_settings settings = {.filter = (sl_map_filter)filter, .weight = SL_WEIGHT_FLUX};
         sl_map_photons *photons = take_photons(scene, &h->map, &settings);
@@ -152,13 +136,12 @@ static void glossy_scenes_keep_the_flux_that_arrives_and_the_lobe(void **state) 
         sl_map_photons_destroy(photons);
     }
     hand_map_end(h);
-    sl_raster_destroy(raster);
     sl_scene_destroy(scene);
 }
 
 static void mirrored_texels_arrive_from_where_they_say(void **state) {
     sl_scene *scene = room(0.5f, 0);
-    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 2, 2);
+    hand_map *h = hand_map_begin(hand_light(sl_v3(0, 0, 0)), 6, 2, 2);
     hand_texel(h, 0, 0, sl_v3(0, -1, 0), sl_v3(0, 1, 0), sl_grey(0.5f));
     for (int c = 0; c < 3; c++) {
         h->map.arrival[c] = hand_plane(h->map.texels);
@@ -175,8 +158,7 @@ static void mirrored_texels_arrive_from_where_they_say(void **state) {
     const float footprint = 9.0f * (float)texel_size(&h->map, 0);
     assert_true(fabsf(photons->photon[0].footprint - footprint) < 1e-6f);
     assert_true(fabsf(photons->photon[0].flux.r - 0.01f * footprint / 0.8f) < 1e-6f);
-    sl_map_photons_destroy(photons);
-    hand_map_end(h);
+    destroy_photons(photons, h);
     sl_scene_destroy(scene);
 }
 
@@ -186,7 +168,7 @@ static void polygons_are_where_corner_rays_meet_the_tangent_plane(void **state) 
     sl_scene *scene = room(0.5f, 0);
     sl_radiance_map_settings polygons = points;
     polygons.weight = SL_WEIGHT_POLYGON;
-    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0.5f, 0)), 6, 15, 3);
+    hand_map *h = hand_map_begin(hand_light(sl_v3(0, 0.5f, 0)), 6, 15, 3);
     fill_floor(h, 0.5f);
     for (int filter = SL_MAP_FILTER_POINT; filter <= SL_MAP_FILTER_FLUX; filter++) {
         polygons.filter = (sl_map_filter)filter;
@@ -209,7 +191,7 @@ static void polygons_are_where_corner_rays_meet_the_tangent_plane(void **state) 
 
 static void photons_too_near_to_their_light_are_dropped_and_counted(void **state) {
     sl_scene *scene = room(0.5f, 0); /* of diagonal 3.46 */
-    hand_map *h = hand_map_begin(point_light(sl_v3(0, 0, 0)), 6, 2, 2);
+    hand_map *h = hand_map_begin(hand_light(sl_v3(0, 0, 0)), 6, 2, 2);
     hand_texel(h, 0, 0, sl_v3(3.4e-4f, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.5f));
     hand_texel(h, 1, 0, sl_v3(3.5e-4f, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.5f));
     hand_texel(h, 2, 0, sl_v3(1, 0, 0), sl_v3(-1, 0, 0), sl_grey(0.0f)); /* black */
@@ -219,8 +201,7 @@ static void photons_too_near_to_their_light_are_dropped_and_counted(void **state
     assert_true(photons->photon[0].position.x == 3.5e-4f);
     assert_int_equal(photons->dropped, 6 * 4 - 1);
     assert_photons_are_sound(photons);
-    sl_map_photons_destroy(photons);
-    hand_map_end(h);
+    destroy_photons(photons, h);
     sl_scene_destroy(scene);
 }
 
