@@ -3,14 +3,19 @@
 
 /* ---- lamps above a floor --------------------------------------------------------------------- */
 
-/* A square lamp of radiance 1, its centre `height` above that of a floor; the floor's triangles are 0 and 1.
- */
-static trace_mesh lamp_over_floor(float side, float height, float radiance) {
+/* A square lamp, its centre `height` above that of a floor; the floor's triangles are 0 and 1. */
+static trace_mesh lamp_over_gloss(float diffuse, float specular, float exponent, float side, float height,
+                                  float radiance) {
     trace_mesh mesh = trace_mesh_begin();
-    uint32_t floor = trace_mesh_diffuse(&mesh, 0.5f), lamp = trace_mesh_lamp(&mesh, radiance);
+    uint32_t floor = trace_mesh_material(&mesh, diffuse, specular, exponent, 0, 0),
+             lamp = trace_mesh_lamp(&mesh, radiance);
     trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), floor);
     trace_mesh_quad(&mesh, sl_v3(-side / 2, height, -side / 2), sl_v3(side, 0, 0), sl_v3(0, 0, side), lamp);
     return mesh;
+}
+
+static trace_mesh lamp_over_floor(float side, float height, float radiance) {
+    return lamp_over_gloss(0.5f, 0, 0, side, height, radiance);
 }
 
 static const sl_vec3 up = {0.0f, 1.0f, 0.0f};
@@ -150,10 +155,7 @@ static void the_variance_told_is_that_of_points_which_see_the_lamp_or_not(void *
 
 /* Phong lobe of a square lamp at height 2, by a fine grid. */
 static void lobes_reflect_a_lamps_points(void **state) {
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t glossy = trace_mesh_material(&mesh, 0.2f, 0.6f, 12, 0, 0), lamp = trace_mesh_lamp(&mesh, 5.0f);
-    trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), glossy);
-    trace_mesh_quad(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
+    trace_mesh mesh = lamp_over_gloss(0.2f, 0.6f, 12, 1.0f, 2.0f, 5.0f);
     shop s;
     shop_open(&s, trace_mesh_build(&mesh));
     s.settings.cache.area_samples = 1000;
@@ -187,11 +189,7 @@ static void lobes_reflect_a_lamps_points(void **state) {
 /* A lobe that is narrower than the distance between the lamp's points shows the lamp: ks L (n + 2) / (n + 1)
  * cos. */
 static void narrow_lobes_show_the_lamp(void **state) {
-    trace_mesh mesh = trace_mesh_begin();
-    uint32_t glossy = trace_mesh_material(&mesh, 0.0f, 0.6f, 20000, 0, 0),
-             lamp = trace_mesh_lamp(&mesh, 5.0f);
-    trace_mesh_quad(&mesh, sl_v3(-50, 0, -50), sl_v3(0, 0, 100), sl_v3(100, 0, 0), glossy);
-    trace_mesh_quad(&mesh, sl_v3(-0.5f, 2, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
+    trace_mesh mesh = lamp_over_gloss(0.0f, 0.6f, 20000, 1.0f, 2.0f, 5.0f);
     shop s;
     shop_open(&s, trace_mesh_build(&mesh));
     sl_sample_renderer r = shop_renderer(&s, sl_area_renderer);
