@@ -10,6 +10,7 @@
 
 #include "app/clock.h"
 #include "app/serve/log.h"
+#include "rendering.h"
 #include "scene_files.h"
 
 static const char scene_path[] = "scenes/cornell-glossy.json", moving_path[] = "scenes/moving-ball.json";
@@ -99,6 +100,11 @@ static cJSON *await(house *h, const char *what) {
     return NULL;
 }
 
+static cJSON *answer_to(house *h, const char *text, const char *what) {
+    say(h, text);
+    return await(h, what);
+}
+
 static uint64_t value_at(const sl_packet *p, int place, int bytes) {
     uint64_t value = 0;
     for (int i = 0; i < bytes; i++) value |= (uint64_t)p->bytes[SL_PACKET_ROOM + place + i] << (8 * i);
@@ -145,8 +151,7 @@ static void every_method_shows_the_camera_that_stays_and_one_that_moves(void **s
         char text[200];
         if (strcmp(sl_method_name(i), "auto") == 0) continue;
         snprintf(text, sizeof text, "{\"do\":\"method\",\"name\":\"%s\"}", sl_method_name(i));
-        say(h, text);
-        cJSON *told = await(h, "method");
+        cJSON *told = answer_to(h, text, "method");
         assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(told, "name")), sl_method_name(i));
         cJSON_Delete(told);
         await_picture(h, SL_FRAME_A, i);
@@ -161,12 +166,8 @@ static void two_methods_stand_side_by_side_and_one_goes_again(void **state) {
     house *h = *state;
     say(h, "{\"do\":\"method\",\"side\":\"b\",\"name\":\"light-octree\",\"settings\":{\"depth\":4}}");
     await_picture(h, SL_FRAME_B, 0);
-    say(h, "{\"do\":\"method\",\"side\":\"b\",\"name\":\"\"}");
-    cJSON *told = await(h, "method");
-    cJSON_Delete(told);
-    say(h, "{\"do\":\"story\",\"side\":\"b\",\"x\":1,\"y\":1}");
-    told = await(h, "refused");
-    cJSON_Delete(told);
+    cJSON_Delete(answer_to(h, "{\"do\":\"method\",\"side\":\"b\",\"name\":\"\"}", "method"));
+    cJSON_Delete(answer_to(h, "{\"do\":\"story\",\"side\":\"b\",\"x\":1,\"y\":1}", "refused"));
 }
 
 static double red_of_material(const cJSON *scene, int material) {
@@ -189,17 +190,14 @@ static void a_drag_is_undone_in_one_step_and_done_again(void **state) {
     assert_float_equal(red_of_material(scene, 2), 0.3, 1e-6);
     assert_int_equal(number_in(scene, "undo"), 1);
     cJSON_Delete(scene);
-    say(h, "{\"do\":\"undo\"}");
-    scene = await(h, "scene");
+    scene = answer_to(h, "{\"do\":\"undo\"}", "scene");
     assert_float_equal(red_of_material(scene, 2), 0.73, 0.05);
     assert_int_equal(number_in(scene, "redo"), 1);
     cJSON_Delete(scene);
-    say(h, "{\"do\":\"redo\"}");
-    scene = await(h, "scene");
+    scene = answer_to(h, "{\"do\":\"redo\"}", "scene");
     assert_float_equal(red_of_material(scene, 2), 0.3, 1e-6);
     cJSON_Delete(scene);
-    say(h, "{\"do\":\"redo\"}");
-    cJSON_Delete(await(h, "refused"));
+    cJSON_Delete(answer_to(h, "{\"do\":\"redo\"}", "refused"));
 }
 
 static void a_lamp_that_is_added_and_undone_is_dark_and_comes_back(void **state) {
@@ -210,8 +208,7 @@ static void a_lamp_that_is_added_and_undone_is_dark_and_comes_back(void **state)
                                  "{\"do\":\"edit\",\"edits\":[{\"kind\":\"remove-light\",\"light\":1}]}"};
     const double powers[] = {9e4, 0.0, 9e4, 0.0};
     for (int i = 0; i < 4; i++) {
-        say(h, steps[i]);
-        cJSON *scene = await(h, "scene");
+        cJSON *scene = answer_to(h, steps[i], "scene");
         const cJSON *lights = cJSON_GetObjectItem(scene, "lights");
         assert_int_equal(cJSON_GetArraySize(lights), 1);
         const cJSON *power = cJSON_GetObjectItem(cJSON_GetArrayItem(lights, 0), "power");
@@ -222,8 +219,7 @@ static void a_lamp_that_is_added_and_undone_is_dark_and_comes_back(void **state)
 
 static void what_is_picked_is_the_object_there(void **state) {
     house *h = *state;
-    say(h, "{\"do\":\"pick\",\"x\":24,\"y\":46}");
-    cJSON *picked = await(h, "picked");
+    cJSON *picked = answer_to(h, "{\"do\":\"pick\",\"x\":24,\"y\":46}", "picked");
     assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(picked, "name")), "floor");
     assert_float_equal(cJSON_GetArrayItem(cJSON_GetObjectItem(picked, "normal"), 1)->valuedouble, 1.0, 1e-6);
     cJSON_Delete(picked);
@@ -232,8 +228,7 @@ static void what_is_picked_is_the_object_there(void **state) {
 static void a_story_adds_up_to_its_pixel_and_shows_the_source(void **state) {
     house *h = *state;
     await_picture(h, SL_FRAME_A, 0);
-    say(h, "{\"do\":\"story\",\"x\":20,\"y\":40}");
-    cJSON *story = await(h, "story"), *term;
+    cJSON *story = answer_to(h, "{\"do\":\"story\",\"x\":20,\"y\":40}", "story"), *term;
     for (int c = 0; c < 3; c++) {
         double sum = cJSON_GetArrayItem(cJSON_GetObjectItem(story, "rounding"), c)->valuedouble;
         cJSON_ArrayForEach(term, cJSON_GetObjectItem(story, "terms")) sum +=
@@ -251,15 +246,13 @@ static void a_story_adds_up_to_its_pixel_and_shows_the_source(void **state) {
 static void passes_come_with_their_pictures_and_marks(void **state) {
     house *h = *state;
     say(h, "{\"do\":\"method\",\"name\":\"splatting\"}");
-    say(h, "{\"do\":\"passes\",\"on\":true}");
-    cJSON *pass = await(h, "pass");
+    cJSON *pass = answer_to(h, "{\"do\":\"passes\",\"on\":true}", "pass");
     while (number_in(pass, "marks") == 0.0) {
         cJSON_Delete(pass);
         pass = await(h, "pass");
     }
     cJSON_Delete(pass);
-    say(h, "{\"do\":\"overlay\",\"kind\":\"records\"}");
-    cJSON *overlay = await(h, "overlay");
+    cJSON *overlay = answer_to(h, "{\"do\":\"overlay\",\"kind\":\"records\"}", "overlay");
     assert_non_null(strstr(cJSON_GetStringValue(cJSON_GetObjectItem(overlay, "svg")), "<circle"));
     cJSON_Delete(overlay);
 }
@@ -274,8 +267,7 @@ static void who_asks_for_passes_that_are_shown_gets_them_and_starts_nothing_anew
         cJSON_Delete(told);
     }
     for (sl_packet *p; (p = next_packet(h, 1.0)) != NULL;) free(p);
-    say(h, "{\"do\":\"passes\",\"on\":true}");
-    cJSON *pass = await(h, "pass");
+    cJSON *pass = answer_to(h, "{\"do\":\"passes\",\"on\":true}", "pass");
     assert_true(number_in(pass, "times") >= 1.0);
     cJSON_Delete(pass);
     await_picture(h, SL_FRAME_PASS, 0);
@@ -355,11 +347,9 @@ static void what_cannot_be_is_refused_and_changes_nothing(void **state) {
         "{\"do\":\"play\",\"on\":true}",
         "{\"do\":\"undo\"}"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        say(h, bad[i]);
-        cJSON_Delete(await(h, "refused"));
+        cJSON_Delete(answer_to(h, bad[i], "refused"));
     }
-    say(h, "{\"do\":\"tone\",\"exposure\":1,\"auto\":false}");
-    cJSON *did = await(h, "did");
+    cJSON *did = answer_to(h, "{\"do\":\"tone\",\"exposure\":1,\"auto\":false}", "did");
     assert_int_equal(number_in(did, "event"), 0);
     cJSON_Delete(did);
 }
@@ -379,17 +369,13 @@ static void edit_at_random(house *h, int i) {
 
 /* The kept log's path. */
 static void keep_log(house *h, char path[4096]) {
-    say(h, "{\"do\":\"keep\",\"what\":\"log\"}");
-    cJSON *kept = await(h, "kept");
+    cJSON *kept = answer_to(h, "{\"do\":\"keep\",\"what\":\"log\"}", "kept");
     snprintf(path, 4096, "%.3800s/%s", h->folder, cJSON_GetStringValue(cJSON_GetObjectItem(kept, "name")));
     cJSON_Delete(kept);
 }
 
 static void assert_same_colours(const sl_image *a, const sl_image *b) {
-    sl_comparison c;
-    sl_error error;
-    assert_int_equal(sl_image_compare(a, b, NULL, &c, NULL, &error), SL_OK);
-    assert_true(c.identical);
+    assert_true(comparison_of(a, b).identical);
 }
 
 static void assert_log_gives_the_picture(house *h, const char *path) {
@@ -401,8 +387,7 @@ static void assert_log_gives_the_picture(house *h, const char *path) {
     snprintf(log + strlen(log) - 5, 10, "-a.exr");
     assert_int_equal(sl_image_read(log, &kept, &error), SL_OK);
     assert_same_colours(kept, replayed);
-    sl_image_destroy(kept);
-    sl_image_destroy(replayed);
+    destroy_pictures(kept, replayed);
 }
 
 static void a_log_gives_the_live_pictures_bits(void **state) {
@@ -517,20 +502,12 @@ static void an_exact_picture_has_the_bits_of_a_render_of_the_scene_that_is_kept(
     sl_settings settings = sl_settings_default();
     settings.method = "direct-radiance", settings.quality = SL_QUALITY_DRAFT;
     settings.width = settings.height = SIZE;
-    sl_scene *scene;
-    sl_method *method;
-    sl_progress progress = {0};
-    sl_image *picture, *kept;
-    assert_int_equal(sl_scene_load(scene_file, &scene, NULL), SL_OK);
-    assert_int_equal(sl_method_create(scene, &settings, &method, NULL), SL_OK);
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &picture, NULL), SL_OK);
+    sl_scene *scene = load_scene(scene_file);
+    sl_image *picture = render(scene, &settings, NULL), *kept;
     assert_int_equal(sl_image_read(exact, &kept, NULL), SL_OK);
     assert_same_colours(kept, picture);
     sl_image_destroy(kept);
-    sl_image_destroy(picture);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_picture(picture, scene);
     cJSON_Delete(told);
     await_picture(h, SL_FRAME_EXACT, 0);
 }
@@ -554,8 +531,7 @@ static void what_is_kept_is_offered_by_a_number(void **state) {
     for (int i = 0; i < 3; i++) {
         char text[100];
         snprintf(text, sizeof text, "{\"do\":\"keep\",\"what\":\"%s\"}", kinds[i]);
-        say(h, text);
-        cJSON *kept = await(h, "kept");
+        cJSON *kept = answer_to(h, text, "kept");
         assert_true(number_in(kept, "bytes") > 100.0);
         file_at(h, kept, "href", path);
         assert_memory_equal(path, h->folder, strlen(h->folder));

@@ -115,9 +115,20 @@ sl_method *created_method(const sl_scene *scene, const sl_settings *settings) {
     return method;
 }
 
-void run_to_end(sl_method *method) {
+bool run_batches(sl_method *method, uint64_t batches) {
     sl_error error;
-    for (sl_progress p = {0}; !p.done;) good(sl_method_update(method, &p, &error), &error);
+    sl_progress p = {0};
+    while (!p.done && (!batches || p.batches < batches)) good(sl_method_update(method, &p, &error), &error);
+    return p.done;
+}
+
+void run_to_end(sl_method *method) { run_batches(method, 0); }
+
+bool update(sl_method *method) {
+    sl_error error;
+    sl_progress progress = {0};
+    good(sl_method_update(method, &progress, &error), &error);
+    return progress.done;
 }
 
 sl_image *resolved_picture(sl_method *method) {
@@ -131,6 +142,8 @@ sl_image *finished_picture(sl_method *method) {
     run_to_end(method);
     return resolved_picture(method);
 }
+
+double time_of_move(int move) { return 3.96 - fabs(fmod(0.04 * move, 7.92) - 3.96); }
 
 void go_to_time(sl_scene *scene, sl_method *method, double time) {
     sl_error error;
@@ -222,6 +235,8 @@ void assert_same_bits_with_any_threads(const sl_scene *scene, const sl_settings 
     sl_image_destroy(first);
 }
 
+void pause_a_millisecond(void) { nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL); }
+
 static int threads_listed(void) {
     int count = 0;
     DIR *tasks = opendir("/proc/self/task");
@@ -234,7 +249,7 @@ static int threads_listed(void) {
 int threads_left(int expected) {
     int count = threads_listed();
     for (int tries = 0; count > expected && tries < 10000; tries++) {
-        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+        pause_a_millisecond();
         count = threads_listed();
     }
     return count;

@@ -24,7 +24,12 @@ sl_settings small_settings(const char *method, int width, int height);
 sl_image *render(const sl_scene *scene, const sl_settings *settings, sl_counters *counters);
 sl_method *created_method(const sl_scene *scene, const sl_settings *settings);
 void run_to_end(sl_method *method);
+bool update(sl_method *method); /* once; is it at its end? */
+/* Runs so many batches, or to its end where they are 0 or more than there are. Was that reached? */
+bool run_batches(sl_method *method, uint64_t batches);
 sl_image *resolved_picture(sl_method *method); /* as far as it has come */
+/* Returns the time of a move, to and fro, 25 frames a second. */
+double time_of_move(int move);
 /* Tells a method of its scene at another time. */
 void go_to_time(sl_scene *scene, sl_method *method, double time);
 /* Updates a method to its end and resolves it. */
@@ -43,6 +48,7 @@ sl_comparison comparison_of(const sl_image *image, const sl_image *reference);
 bool same_picture(const sl_image *a, const sl_image *b);
 /* The picture and the counters with 2, 3 and 7 threads are those with 1. */
 void assert_same_bits_with_any_threads(const sl_scene *scene, const sl_settings *settings);
+void pause_a_millisecond(void);
 /* Threads of this process, once no more than `expected` are left, or after ten seconds. Of 4,000 threads that
  * had been joined the system still listed 5 right after their end, and none 5 ms later. */
 int threads_left(int expected);

@@ -29,13 +29,11 @@ static double mean_of(const sl_image *image, const char *layer) {
 
 static sl_image *next_frame(sl_method *method, unsigned changes) {
     sl_progress progress;
-    sl_image *image;
     sl_error error;
-    if (changes && sl_method_edit(method, changes, &error) != SL_OK) fail_msg("%s", error.message);
-    if (sl_method_update(method, &progress, &error) != SL_OK) fail_msg("%s", error.message);
+    if (changes) good(sl_method_edit(method, changes, &error), &error);
+    good(sl_method_update(method, &progress, &error), &error);
     assert_true(progress.done && progress.frame_done);
-    if (sl_method_resolve(method, &image, &error) != SL_OK) fail_msg("%s", error.message);
-    return image;
+    return resolved_picture(method);
 }
 
 /* ---- layers ---- */

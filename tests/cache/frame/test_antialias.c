@@ -1,6 +1,7 @@
 /* Edges of frames that move: pixels there are mixed from the surfaces beside them. */
 #include "cache/frame/antialias.h"
 #include "gather_world.h"
+#include "rendering.h"
 #include "unit_test.h"
 
 #include "base/math.h"
@@ -18,11 +19,10 @@ static void look(world *w) {
 /* A picture in which one wall, in front, is light, and the one behind it dark. */
 static sl_image *picture_of(world *w, float light, float dark) {
     static uint32_t id[PIXELS];
-    sl_image *picture;
+    sl_image *picture = blank_image(SIDE, SIDE, 3);
     const sl_view view = sl_view_scene(w->scene, SIDE, SIDE);
     const sl_target target = {SIDE, SIDE, id, NULL};
     assert_int_equal(sl_raster_id(w->raster, &view, 1, &target, &w->counters, NULL), SL_OK);
-    assert_int_equal(sl_image_create(SIDE, SIDE, 3, NULL, &picture, NULL), SL_OK);
     for (int i = 0; i < PIXELS; i++)
         for (int c = 0; c < 3; c++)
             picture->planes[c * PIXELS + (SIDE - 1 - i / SIDE) * SIDE + i % SIDE] = id[i] < 2 ? light : dark;
@@ -68,8 +68,7 @@ static void what_is_not_at_an_edge_keeps_its_bits_be_it_a_million_times_as_brigh
                        outside = x > 14 || y > 22 || x < 3 || y < 3;
             if (inside || outside) assert_true(at(after, x, y) == at(before, x, y));
         }
-    sl_image_destroy(before);
-    sl_image_destroy(after);
+    destroy_pictures(before, after);
     world_free(w);
 }
 
@@ -77,8 +76,7 @@ static void edges_have_the_same_bits_at_any_number_of_threads(void **state) {
     world *w = two_walls();
     sl_image *one = smoothed(w, 1, 3.0f, 0.7f), *many = smoothed(w, 5, 3.0f, 0.7f);
     assert_memory_equal(one->planes, many->planes, 3 * PIXELS * sizeof *one->planes);
-    sl_image_destroy(one);
-    sl_image_destroy(many);
+    destroy_pictures(one, many);
     world_free(w);
 }
 

@@ -144,13 +144,6 @@ static void shading_since_the_last_edit_is_what_a_fresh_cache_computes(void **st
     destroy_method(method, scene);
 }
 
-static sl_scene *box_of_light(void) {
-    sl_error error;
-    sl_scene *scene;
-    good(sl_scene_load("scenes/cornell.json", &scene, &error), &error);
-    return scene;
-}
-
 static void shine(sl_scene *scene, const float emission[3]) {
     sl_error error;
     sl_scene_edit *edit;
@@ -186,7 +179,7 @@ static double most_apart(const sl_method *method, const sl_method *fresh) {
 /* Of another colour no direct light is sampled but at new vertices. */
 static void when_a_lamp_alone_has_another_power_nothing_is_sampled_and_values_are_within_rounding(
     void **state) {
-    sl_scene *scene = box_of_light();
+    sl_scene *scene = load_scene("scenes/cornell.json");
     sl_method *method = finished(scene, "shading-cache");
     const sl_shading_state *s = method->state;
     const sl_rgb was = scene->materials[sl_scene_find_material(scene, "light") - 1].emission;

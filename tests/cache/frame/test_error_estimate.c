@@ -13,7 +13,7 @@ enum { SIZE = 32 };
 static sl_error_probe *probe_of(const sl_scene *scene, const sl_settings *settings) {
     sl_error error;
     sl_error_probe *probe = NULL;
-    if (sl_error_probe_create(scene, settings, &probe, &error) != SL_OK) fail_msg("%s", error.message);
+    good(sl_error_probe_create(scene, settings, &probe, &error), &error);
     return probe;
 }
 
@@ -21,8 +21,7 @@ static sl_error_estimate estimate_with(sl_error_probe *probe, const sl_image *im
                                        uint32_t samples) {
     sl_error error;
     sl_error_estimate estimate = {0};
-    if (sl_error_probe_estimate(probe, image, probes, samples, &estimate, &error) != SL_OK)
-        fail_msg("%s", error.message);
+    good(sl_error_probe_estimate(probe, image, probes, samples, &estimate, &error), &error);
     return estimate;
 }
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "unit_test.h"
-#include "cache/frame/settings.h"
+#include "rendering.h"
 
 static const char *const methods[] = {"splatting", "direct-radiance", "shading-cache", "multi-mesh",
                                       "light-octree"};
@@ -16,27 +16,20 @@ typedef struct {
     sl_image *picture;
 } rendered;
 
-static rendered render(const char *scene, const char *method, uint64_t batches, const sl_observer *observer) {
-    rendered r;
-    sl_progress progress = {0};
-    sl_settings settings = sl_settings_of_papers();
-    settings.method = method;
-    settings.width = WIDTH;
-    settings.height = HEIGHT;
-    settings.quality = SL_QUALITY_DRAFT;
+static rendered render_batches(const char *scene, const char *method, uint64_t batches,
+                               const sl_observer *observer) {
+    rendered r = {.scene = load_scene(scene)};
+    sl_settings settings = small_settings(method, WIDTH, HEIGHT);
     settings.observer = observer;
-    assert_int_equal(sl_scene_load(scene, &r.scene, NULL), SL_OK);
-    assert_int_equal(sl_method_create(r.scene, &settings, &r.method, NULL), SL_OK);
-    while (!progress.done && (!batches || progress.batches < batches))
-        assert_int_equal(sl_method_update(r.method, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(r.method, &r.picture, NULL), SL_OK);
+    r.method = created_method(r.scene, &settings);
+    run_batches(r.method, batches);
+    r.picture = resolved_picture(r.method);
     return r;
 }
 
 static void forget(rendered *r) {
     sl_image_destroy(r->picture);
-    sl_method_destroy(r->method);
-    sl_scene_destroy(r->scene);
+    destroy_method(r->method, r->scene);
 }
 
 /* Contributions add up to the pixel but for the float sums' own rounding, and the explanation says so. */
@@ -55,7 +48,7 @@ static void assert_adds_up(const sl_explanation *explanation, const sl_image *pi
 }
 
 static size_t assert_all_add_up(const char *scene, const char *method, uint64_t batches) {
-    rendered r = render(scene, method, batches, NULL);
+    rendered r = render_batches(scene, method, batches, NULL);
     size_t terms = 0;
     for (int k = 0; k < 300; k++) {
         int x = (k * 31 + 7) % WIDTH, y = (k * 17 + 3) % HEIGHT;
@@ -82,7 +75,7 @@ static void so_it_does_in_a_picture_that_was_stopped_early(void **state) {
 
 static void the_explanation_of_a_lamp_is_its_own_light(void **state) {
     for (size_t m = 0; m < METHODS; m++) {
-        rendered r = render("scenes/cornell.json", methods[m], 0, NULL);
+        rendered r = render_batches("scenes/cornell.json", methods[m], 0, NULL);
         sl_explanation *explanation;
         assert_int_equal(sl_method_explanation(r.method, r.picture, WIDTH / 2, 4, &explanation, NULL), SL_OK);
         assert_int_equal(explanation->count, 1);
@@ -93,8 +86,8 @@ static void the_explanation_of_a_lamp_is_its_own_light(void **state) {
 }
 
 static void pixels_outside_and_tracers_have_no_explanation(void **state) {
-    rendered r = render("scenes/cornell.json", "splatting", 2, NULL),
-             p = render("scenes/cornell.json", "path", 1, NULL);
+    rendered r = render_batches("scenes/cornell.json", "splatting", 2, NULL),
+             p = render_batches("scenes/cornell.json", "path", 1, NULL);
     sl_explanation *explanation;
     sl_error error;
     assert_int_equal(sl_method_explanation(r.method, r.picture, WIDTH, 0, &explanation, &error),
@@ -112,8 +105,8 @@ static void who_looks_on_changes_nothing_and_sees_marks(void **state) {
     for (size_t m = 0; m < METHODS; m++) {
         size_t marks = 0;
         sl_observer observer = {&marks, count_marks};
-        rendered alone = render("scenes/cornell-glossy.json", methods[m], 0, NULL);
-        rendered watched = render("scenes/cornell-glossy.json", methods[m], 0, &observer);
+        rendered alone = render_batches("scenes/cornell-glossy.json", methods[m], 0, NULL);
+        rendered watched = render_batches("scenes/cornell-glossy.json", methods[m], 0, &observer);
         assert_true(marks > 0);
         assert_memory_equal(sl_method_counters(alone.method), sl_method_counters(watched.method),
                             sizeof(sl_counters));

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 
 #include "unit_test.h"
-#include "cache/frame/settings.h"
+#include "rendering.h"
 
 typedef struct {
     const char *scene;
@@ -84,19 +84,8 @@ static void expect_golden(const char *name, const char *path, sl_settings settin
     settings.height = 48;
     settings.quality = SL_QUALITY_DRAFT;
     settings.observer = &observer;
-    sl_error error = {SL_OK, ""};
-    sl_scene *scene = NULL;
-    sl_method *method = NULL;
-    sl_image *image = NULL;
-    sl_progress progress = {0};
-    if (sl_scene_load(path, &scene, &error) != SL_OK ||
-        sl_method_create(scene, &settings, &method, &error) != SL_OK)
-        fail_msg("%s", error.message);
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, &error), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &image, &error), SL_OK);
-    sl_image_destroy(image);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    sl_scene *scene = load_scene(path);
+    destroy_picture(render(scene, &settings, NULL), scene);
     assert_true(run.passes >= passes);
     assert_int_equal(run.wrong, 0);
 }

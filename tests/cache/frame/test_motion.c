@@ -39,21 +39,14 @@ static sl_settings settings_of(const motion *m, unsigned threads) {
     return s;
 }
 
-/* To and fro, 25 frames a second. */
-static double time_of(int move) { return 3.96 - fabs(fmod(0.04 * move, 7.92) - 3.96); }
-
 static sl_image *next_frame(const motion *m, sl_method *method, sl_scene *scene, int move) {
     sl_progress progress = {0};
-    sl_image *image;
     sl_error error;
-    unsigned changes = 0;
-    good(sl_scene_set_time(scene, time_of(move), &changes, &error), &error);
-    good(sl_method_edit(method, changes, &error), &error);
+    go_to_time(scene, method, time_of_move(move));
     do good(sl_method_update(method, &progress, &error), &error);
     while (!progress.frame_done && m->records);
     assert_true(progress.frame_done);
-    good(sl_method_resolve(method, &image, &error), &error);
-    return image;
+    return resolved_picture(method);
 }
 
 static double mean_of(const sl_image *image, const char *channel) {

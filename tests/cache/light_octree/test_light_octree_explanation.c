@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "unit_test.h"
-#include "cache/frame/settings.h"
+#include "rendering.h"
 
 enum { SIZE = 20 };
 
@@ -42,20 +42,13 @@ static size_t add_up(sl_method *method, const sl_image *picture) {
 
 /* `batches` 0: to the end. */
 static size_t told(const char *path, const sl_settings *settings, uint64_t batches, bool *done) {
-    sl_scene *scene;
-    sl_method *method;
-    sl_image *picture;
-    sl_progress progress = {0};
-    assert_int_equal(sl_scene_load(path, &scene, NULL), SL_OK);
-    assert_int_equal(sl_method_create(scene, settings, &method, NULL), SL_OK);
-    while (!progress.done && (!batches || progress.batches < batches))
-        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_int_equal(sl_method_resolve(method, &picture, NULL), SL_OK);
+    sl_scene *scene = load_scene(path);
+    sl_method *method = created_method(scene, settings);
+    *done = run_batches(method, batches);
+    sl_image *picture = resolved_picture(method);
     size_t lights = add_up(method, picture);
-    *done = progress.done;
     sl_image_destroy(picture);
-    sl_method_destroy(method);
-    sl_scene_destroy(scene);
+    destroy_method(method, scene);
     return lights;
 }
 

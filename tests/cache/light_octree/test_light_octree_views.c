@@ -126,11 +126,8 @@ static void larger_voxels_close_the_holes_that_empty_ones_tear(void **state) {
 /* ---- edits ---- */
 
 static sl_image *next_frame(sl_method *method, unsigned changes) {
-    sl_progress progress = {0};
     if (changes) assert_int_equal(sl_method_edit(method, changes, NULL), SL_OK);
-    while (!progress.done) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    sl_image *image = resolved_picture(method);
-    return image;
+    return finished_picture(method);
 }
 
 /* Things that move, and lights that change, leave nothing behind: not in photons, not in voxels, not in the

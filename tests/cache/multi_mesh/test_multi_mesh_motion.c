@@ -47,7 +47,7 @@ static sl_settings mesh_settings(unsigned threads) {
 /* An edit, and one update. */
 static void move_to(sl_method *method, sl_scene *scene, double time) {
     go_to_time(scene, method, time);
-    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+    update(method);
 }
 
 static double difference(const sl_image *image, const sl_image *reference, const char *layer) {
@@ -89,8 +89,7 @@ static void light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while(vo
     sl_scene *scene = moving_room();
     const sl_settings settings = mesh_settings(2);
     sl_method *method = created_method(scene, &settings);
-    run_to_end(method);
-    sl_image *still = resolved_picture(method);
+    sl_image *still = finished_picture(method);
     const double light = channel_mean(still, "G");
     uint64_t splits = count_of(method, SL_COUNT_SPLITS), undone = count_of(method, SL_COUNT_COLLAPSES);
     for (int k = 1; k <= MOVES; k++) {
@@ -119,7 +118,7 @@ static void pictures_in_motion_have_the_same_bits_with_any_threads(void **state)
     for (int k = 0; k < 60; k++) {
         sl_image *seen[2];
         for (int i = 0; i < 2; i++) {
-            if (k < 20) assert_int_equal(sl_method_update(method[i], &(sl_progress){0}, NULL), SL_OK);
+            if (k < 20) update(method[i]);
             else move_to(method[i], scene[i], 2.0 + 0.05 * (k - 20));
             seen[i] = resolved_picture(method[i]);
         }
@@ -141,8 +140,7 @@ static void after_edits_that_undo_each_other_a_picture_is_as_good_as_a_fresh_one
     truth.spp = 256;
     sl_method *method = created_method(scene, &settings);
     for (int k = 0; k < 31; k++) move_to(method, scene, k % 2 ? 1.0 : 3.7);
-    run_to_end(method);
-    sl_image *seen = resolved_picture(method), *fresh = render(scene, &settings, NULL),
+    sl_image *seen = finished_picture(method), *fresh = render(scene, &settings, NULL),
              *reference = render(scene, &truth, NULL);
     double ours = difference(seen, reference, "G"), theirs = difference(fresh, reference, "G");
     print_message("%.2f %%, a fresh one %.2f %%\n", 100.0 * ours, 100.0 * theirs);
@@ -248,7 +246,7 @@ static void a_lamps_power_and_a_walls_colour_change_no_sample_and_show_at_once(v
     change_colours(scene);
     assert_int_equal(sl_method_edit(method, 0, NULL), SL_OK);
     assert_int_equal(known_samples(method->state), known);
-    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+    update(method);
     sl_image *seen = resolved_picture(method), *fresh = render(scene, &settings, NULL);
     print_message("direct light %.2f %% off\n", 100.0 * difference(seen, fresh, "direct.G"));
     assert_true(difference(seen, fresh, "direct.G") < 0.08);
@@ -266,15 +264,9 @@ static void indirect_light_does_not_wait_for_a_fine_coarse_mesh_while_things_mov
     sl_method *method = created_method(scene, &settings);
     for (int i = 1; i <= 12; i++) move_to(method, scene, 0.04 * i);
     assert_true(sl_method_counters(method)->value[SL_COUNT_INDIRECT_SAMPLES] > 0);
-    run_to_end(method);
-    sl_image *image = resolved_picture(method);
-    sl_method *fresh = created_method(scene, &settings);
-    run_to_end(fresh);
-    sl_image *reference = resolved_picture(fresh);
+    sl_image *image = finished_picture(method), *reference = render(scene, &settings, NULL);
     assert_true(difference(image, reference, "indirect.G") < 0.05);
-    sl_image_destroy(reference);
-    sl_method_destroy(fresh);
-    sl_image_destroy(image);
+    destroy_pictures(image, reference);
     destroy_method(method, scene);
 }
 
@@ -299,8 +291,7 @@ static void indirect_light_keeps_up_with_a_lamp_that_is_carried(void **state) {
     run_to_end(method);
     for (int i = 1; i <= 20; i++) {
         move_to(method, scene, 0.05 * i);
-        for (int k = 0; k < 2; k++)
-            assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+        for (int k = 0; k < 2; k++) update(method);
     }
     sl_image *image = resolved_picture(method), *fresh = render(scene, &settings, NULL);
     print_message("indirect light %.2f %% off\n", 100.0 * difference(image, fresh, "indirect.G"));
@@ -351,7 +342,7 @@ static void carry_light(sl_method *method, sl_scene *scene, edited_room *room, b
     if (paint) assert_int_equal(sl_edit_material(edit, MATERIAL_WALL, &room->material[0], NULL), SL_OK);
     assert_int_equal(sl_scene_edit_commit(edit, NULL, NULL), SL_OK);
     assert_int_equal(sl_method_edit(method, 0, NULL), SL_OK);
-    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+    update(method);
 }
 
 static double sum_of_reflectances(const sl_method *method) {
@@ -407,7 +398,7 @@ static void where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_h
     sl_counters counters = {{0}};
     assert_int_equal(sl_scene_copy(scene, &copy, NULL), SL_OK);
     assert_int_equal(class->create(method->state, copy, 1, &window, NULL), SL_OK);
-    assert_int_equal(sl_method_update(method, &(sl_progress){0}, NULL), SL_OK);
+    update(method);
     move_to(method, scene, 0.1);
     assert_int_equal(((sl_multi_mesh_state *)method->state)->phase, SL_PHASE_FIRST);
     sl_image *image = blank_image(SIDE, SIDE, 3);

@@ -183,10 +183,9 @@ static void back_in_an_old_view_no_irradiance_is_sampled_again(void **state) {
 static void the_first_picture_takes_the_roots_vertices_and_the_ambient_light(void **state) {
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings settings = mesh_settings(48, 48);
-    sl_progress progress = {0};
     sl_method *method = created_method(scene, &settings);
-    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK); /* the view */
-    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK); /* the roots */
+    update(method); /* the view */
+    update(method); /* the roots */
     sl_counters counters = counters_of(method);
     sl_image *image = resolved_picture(method);
     const float *indirect = sl_image_channel(image, "indirect.R"), *kd = sl_image_channel(image, "kd.R");

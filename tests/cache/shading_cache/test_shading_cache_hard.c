@@ -64,9 +64,7 @@ static void refinement_comes_to_an_end_by_itself(void **state) {
     assert_true(updates > 5 && updates < 5000);
     uint64_t points = sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED];
     assert_true(points > 100);
-    sl_progress progress = {0};
-    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    assert_true(progress.done);
+    assert_true(update(method));
     assert_int_equal(sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED], points);
     destroy_method(method, scene);
 }
@@ -81,10 +79,9 @@ static void play(const char *path, unsigned threads, sl_image *frame[FRAMES], sl
     settings.shading_cache.area_samples = 8;
     settings.shading_cache.frames_per_update = 2;
     sl_method *method = created_method(scene, &settings);
-    sl_progress progress;
     for (int i = 0; i < FRAMES; i++) {
         go_to_time(scene, method, 0.4 * i);
-        for (int k = 0; k < 5; k++) assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+        for (int k = 0; k < 5; k++) update(method);
         frame[i] = resolved_picture(method);
     }
     *counters = *sl_method_counters(method);

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
-#include <time.h>
 
 #include "unit_test.h"
 #include "base/error.h"
@@ -101,8 +100,6 @@ static sl_live_state frame_of(sl_live *live, float picture[3 * PIXELS]) {
     if (picture) memcpy(picture, frame->planes, 3 * PIXELS * sizeof *picture);
     return state;
 }
-
-static void pause_a_millisecond(void) { nanosleep(&(struct timespec){0, 1000000}, NULL); }
 
 static sl_live_state frames_until_done(sl_live *live, float picture[3 * PIXELS]) {
     sl_live_state state = frame_of(live, picture);

@@ -24,12 +24,6 @@ static sl_settings loop_settings(void) {
 
 static sl_shading_state *inside_of(sl_method *method) { return method->state; }
 
-static bool update(sl_method *method) {
-    sl_progress progress = {0};
-    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    return progress.done;
-}
-
 static uint64_t to_the_end(sl_method *method) {
     uint64_t updates = 1;
     while (!update(method)) assert_true(++updates < 4000);
@@ -44,6 +38,12 @@ static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) {
     assert_true(sl_camera_look_at(&scene->camera, eye, target, sl_v3(0, 1, 0), 0.9f));
 }
 
+static sl_scene *before_the_eye(trace_mesh *mesh) {
+    sl_scene *scene = trace_mesh_build(mesh);
+    look(scene, sl_v3(0, 0, 3), sl_v3(0, 0, 0));
+    return scene;
+}
+
 /* A room of six quadrilaterals with a floor of tiles, a light or a lamp in it, and the eye in its front. */
 static sl_scene *room_with(bool lamp) {
     trace_mesh mesh = trace_mesh_begin();
@@ -52,9 +52,7 @@ static sl_scene *room_with(bool lamp) {
     for (int i = 0; i < 4; i++)
         trace_mesh_quad(&mesh, sl_v3(-0.8f + 0.8f * (float)(i % 2), -0.9f, -0.8f + 0.8f * (float)(i / 2)),
                         sl_v3(0, 0, 0.8f), sl_v3(0.8f, 0, 0), wall);
-    mesh.lights[0] =
-        (sl_light){.type = SL_LIGHT_POINT, .position = {0.3f, 0.5f, -0.2f}, .intensity = sl_grey(1.0f)};
-    mesh.light_count = lamp ? 0 : 1;
+    if (!lamp) trace_mesh_point_light(&mesh, sl_v3(0.3f, 0.5f, -0.2f), sl_grey(1.0f));
     if (lamp)
         trace_mesh_quad(&mesh, sl_v3(0.1f, 0.8f, -0.4f), sl_v3(0.6f, 0, 0), sl_v3(0, 0, 0.6f),
                         trace_mesh_lamp(&mesh, 4));
@@ -183,11 +181,8 @@ static void patches_that_are_not_seen_are_left_alone(void **state) {
     trace_mesh_quad(&mesh, sl_v3(-2, -2, 0), sl_v3(4, 0, 0), sl_v3(0, 4, 0), wall);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, -1), sl_v3(2, 0, 0), sl_v3(0, 2, 0), wall);
     trace_mesh_quad(&mesh, sl_v3(-1, -1, 5), sl_v3(0, 2, 0), sl_v3(2, 0, 0), wall);
-    mesh.lights[0] =
-        (sl_light){.type = SL_LIGHT_POINT, .position = {0.4f, 0.2f, 0.5f}, .intensity = sl_grey(1.0f)};
-    mesh.light_count = 1;
-    sl_scene *scene = trace_mesh_build(&mesh);
-    look(scene, sl_v3(0, 0, 3), sl_v3(0, 0, 0));
+    trace_mesh_point_light(&mesh, sl_v3(0.4f, 0.2f, 0.5f), sl_grey(1.0f));
+    sl_scene *scene = before_the_eye(&mesh);
     sl_settings settings = loop_settings();
     sl_method *method = created_method(scene, &settings);
     const sl_patches *p = inside_of(method)->patches;
@@ -222,9 +217,8 @@ static void a_textured_wall_in_even_light_is_exact_with_four_samples(void **stat
         mesh.texture_coordinates[2 * v] = mesh.positions[3 * v] * 0.5f + 0.5f;
         mesh.texture_coordinates[2 * v + 1] = mesh.positions[3 * v + 1] * 0.5f + 0.5f;
     }
-    mesh.lights[0] =
+    mesh.lights[mesh.light_count++] =
         (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0.6f, -0.8f}, .intensity = {1, 2, 3}};
-    mesh.light_count = 1;
     sl_scene *scene = trace_mesh_build(&mesh);
     look(scene, sl_v3(0.1f, 0.1f, 3), sl_v3(0, 0, 0));
     sl_settings settings = loop_settings(), path = small_settings("path", SIZE, SIZE);
@@ -256,9 +250,8 @@ static sl_scene *two_walls(float specular, float exponent, float other_specular,
              other = trace_mesh_material(&mesh, 0.4f, other_specular, other_exponent, 0, 0);
     trace_mesh_quad(&mesh, sl_v3(-2.1f, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), one);
     trace_mesh_quad(&mesh, sl_v3(0.1f, -1, 0), sl_v3(2, 0, 0), sl_v3(0, 2, 0), other);
-    mesh.lights[0] =
+    mesh.lights[mesh.light_count++] =
         (sl_light){.type = SL_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = sl_grey(2.0f)};
-    mesh.light_count = 1;
     sl_scene *scene = trace_mesh_build(&mesh);
     look(scene, sl_v3(0, 0, 4), sl_v3(0, 0, 0));
     return scene;
@@ -472,12 +465,6 @@ static void patches_keep_to_their_limit_and_who_turns_back_within_the_window_fin
     }
 }
 
-static sl_scene *before_the_eye(trace_mesh *mesh) {
-    sl_scene *scene = trace_mesh_build(mesh);
-    look(scene, sl_v3(0, 0, 3), sl_v3(0, 0, 0));
-    return scene;
-}
-
 /* One lamp of two changes, and only one of two walls shows it; the other has to be shaded again before that
  * is known. */
 static sl_scene *two_walls_with_a_lamp_each(trace_mesh *mesh) {
@@ -485,11 +472,9 @@ static sl_scene *two_walls_with_a_lamp_each(trace_mesh *mesh) {
     for (int i = 0; i < 2; i++) {
         float x = i ? 0.5f : -0.5f;
         trace_mesh_quad(mesh, sl_v3(x - 0.5f, -1, 0), sl_v3(1, 0, 0), sl_v3(0, 2, 0), wall);
-        mesh->lights[i] =
-            (sl_light){.type = SL_LIGHT_POINT, .position = {x, 0.2f, 0.3f}, .intensity = sl_grey(1.0f)};
+        trace_mesh_point_light(mesh, sl_v3(x, 0.2f, 0.3f), sl_grey(1.0f));
     }
     trace_mesh_quad(mesh, sl_v3(0, -1, 0), sl_v3(0, 0, 0.9f), sl_v3(0, 2, 0), wall); /* between them */
-    mesh->light_count = 2;
     return before_the_eye(mesh);
 }
 

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
 #include "cache/frame/method.h"
 #include "base/sanitized.h"
@@ -26,18 +25,15 @@ static sl_settings motion_settings(unsigned threads) {
     return s;
 }
 
-static bool update(sl_method *method) {
-    sl_progress progress = {0};
-    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
-    return progress.done;
-}
-
 static void to_the_end(sl_method *method) {
     for (int updates = 0; !update(method); updates++) assert_true(updates < 4000);
 }
 
-/* To and fro, 25 frames a second. */
-static double time_of(int move) { return 3.96 - fabs(fmod(0.04 * move, 7.92) - 3.96); }
+/* An edit, and one update. */
+static void move_to(sl_scene *scene, sl_method *method, int move) {
+    go_to_time(scene, method, time_of_move(move));
+    update(method);
+}
 
 static double apart_from_a_fresh_one(sl_method *method, const sl_scene *scene, const sl_settings *settings) {
     sl_method *fresh = created_method(scene, settings);
@@ -47,10 +43,6 @@ static double apart_from_a_fresh_one(sl_method *method, const sl_scene *scene, c
     destroy_pictures(image, right);
     sl_method_destroy(fresh);
     return difference;
-}
-
-static uint64_t splits_of(const sl_method *method) {
-    return sl_method_counters(method)->value[SL_COUNT_SPLITS];
 }
 
 static bool is_seen_leaf(const sl_shading_state *s, uint32_t patch) {
@@ -77,12 +69,9 @@ static void moves_without_rest(const char *path, int moves, double most) {
     double worst = 0.0;
     for (int window = 0; window < moves / WINDOW; window++) {
         size_t coarse = window ? coarse_leaves(method) : 1;
-        uint64_t before = splits_of(method);
-        for (int i = 0; i < WINDOW; i++) {
-            go_to_time(scene, method, time_of(window * WINDOW + i));
-            update(method);
-        }
-        assert_true(coarse == 0 || splits_of(method) > before);
+        uint64_t before = count_of(method, SL_COUNT_SPLITS);
+        for (int i = 0; i < WINDOW; i++) move_to(scene, method, window * WINDOW + i);
+        assert_true(coarse == 0 || count_of(method, SL_COUNT_SPLITS) > before);
         if ((window + 1) * WINDOW % FRESH == 0)
             worst = fmax(worst, apart_from_a_fresh_one(method, scene, &settings));
     }
@@ -104,10 +93,7 @@ static sl_image *after_moves(const char *path, unsigned threads) {
     sl_scene *scene = load_scene(path);
     sl_settings settings = motion_settings(threads);
     sl_method *method = created_method(scene, &settings);
-    for (int move = 0; move < 30; move++) {
-        go_to_time(scene, method, time_of(move));
-        update(method);
-    }
+    for (int move = 0; move < 30; move++) move_to(scene, method, move);
     for (int i = 0; i < 5; i++) update(method);
     sl_image *image = resolved_picture(method);
     destroy_method(method, scene);
@@ -143,13 +129,9 @@ static void lights_are_sampled_quickly_while_they_move_and_in_full_at_rest(void 
     sl_settings settings = motion_settings(1);
     sl_method *method = created_method(scene, &settings);
     for (int i = 0; i < 20; i++) update(method);
-    go_to_time(scene, method, time_of(1)); /* a single move is sampled in full */
-    update(method);
+    move_to(scene, method, 1); /* a single move is sampled in full */
     assert_int_equal(corners_that_are(is_quick, method), 0);
-    for (int i = 2; i < 12; i++) {
-        go_to_time(scene, method, time_of(i));
-        update(method);
-    }
+    for (int i = 2; i < 12; i++) move_to(scene, method, i);
     assert_true(corners_that_are(is_quick, method) > 0);
     to_the_end(method);
     assert_int_equal(corners_that_are(is_quick, method), 0);
@@ -171,8 +153,7 @@ static void indirect_light_is_by_half_of_the_paths_in_motion_and_by_all_again_at
     assert_true(paths_a_sample(&before, sl_method_counters(method)) == 32.0);
     for (int i = 1; i < 12; i++) {
         if (i == 3) before = *sl_method_counters(method);
-        go_to_time(scene, method, time_of(i));
-        update(method);
+        move_to(scene, method, i);
     }
     assert_true(paths_a_sample(&before, sl_method_counters(method)) == 16.0);
     uint32_t in_motion = s->same_paths;
@@ -242,8 +223,6 @@ static void what_is_made_anew_keeps_the_rate(void **state) {
     destroy_method(method, scene);
 }
 
-static void pause_a_millisecond(void) { nanosleep(&(struct timespec){0, 1000000}, NULL); }
-
 static sl_live_state next_frame(sl_live *live, const sl_image **frame) {
     sl_live_state now;
     pause_a_millisecond();
@@ -294,10 +273,7 @@ static void a_show_is_repeated_from_its_log_to_the_bit(void **state) {
 }
 
 static size_t leaves_after(sl_method *method, sl_scene *scene, int first_move, int moves, int updates) {
-    for (int i = 0; i < moves; i++) {
-        go_to_time(scene, method, time_of(first_move + i));
-        update(method);
-    }
+    for (int i = 0; i < moves; i++) move_to(scene, method, first_move + i);
     for (int i = 0; i < updates; i++) update(method);
     return ((const sl_shading_state *)method->state)->leaf_count;
 }

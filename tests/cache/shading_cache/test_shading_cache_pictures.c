@@ -63,8 +63,7 @@ static void a_moved_object_is_shown_in_its_place_at_once(void **state) {
     settings.shading_cache.indirect = SL_INDIRECT_NONE;
     settings.shading_cache.updates = 40;
     sl_method *method = created_method(scene, &settings);
-    run_to_end(method);
-    sl_image *before = resolved_picture(method);
+    sl_image *before = finished_picture(method);
     uint64_t shaded = sl_method_counters(method)->value[SL_COUNT_POINTS_SHADED];
     go_to_time(scene, method, 1.0);
     sl_image *after = resolved_picture(method);
@@ -97,14 +96,12 @@ static void a_patch_takes_at_most_125_bytes_with_both_copies_of_the_display_and_
     settings.shading_cache.points = 1024;
     settings.shading_cache.updates = 200;
     settings.shading_cache.frames_per_update = 1;
-    sl_progress progress = {0};
     sl_method *method = created_method(scene, &settings);
-    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_false(update(method));
     const uint64_t *count = sl_method_counters(method)->value;
     assert_int_equal(count[SL_COUNT_SPLITS], 0);
     double before = (double)sl_method_memory_bytes(method);
-    while (count[SL_COUNT_SPLITS] < 5000 && !progress.done)
-        assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    while (count[SL_COUNT_SPLITS] < 5000 && !update(method)) {}
     double patches = 4.0 * (double)count[SL_COUNT_SPLITS] - (double)count[SL_COUNT_PATCHES_EVICTED];
     double bytes = ((double)sl_method_memory_bytes(method) - before) / patches;
     print_message("%.0f patches, %.1f bytes each\n", patches, bytes);

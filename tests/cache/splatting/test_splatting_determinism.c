@@ -196,13 +196,11 @@ static void a_moved_camera_keeps_the_records_and_looking_back_needs_none(void **
     assert_int_equal(sl_scene_set_camera(scene, eye, target, up, home.vertical_fov, NULL), SL_OK);
     assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
     /* resolving before the new view has its G-buffer shows nothing and spoils nothing */
-    sl_image *too_early = NULL;
-    too_early = resolved_picture(method);
+    sl_image *too_early = resolved_picture(method);
     for (int i = 0; i < 40 * 40; i++) assert_true(too_early->planes[i] == 0.0f);
     sl_image_destroy(too_early);
     uint64_t second = finish(method) - first;
-    sl_image *moved = NULL;
-    moved = resolved_picture(method);
+    sl_image *moved = resolved_picture(method);
     const float *weight = sl_image_channel(moved, "weight.Y"),
                 *indirect = sl_image_channel(moved, "indirect.R");
     for (int i = 0; i < 40 * 40; i++) assert_true(weight[i] > 0.0f || indirect[i] == 0.0f);

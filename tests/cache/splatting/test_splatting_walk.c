@@ -15,15 +15,6 @@ static sl_settings walk_settings(void) {
     return settings;
 }
 
-static sl_method *start(const sl_scene *scene, const sl_settings *settings) {
-    sl_method *method = created_method(scene, settings);
-    return method;
-}
-
-static uint64_t records_of(const sl_method *method) {
-    return sl_method_counters(method)->value[SL_COUNT_RECORDS];
-}
-
 /* Updates to the end of a frame; returns whether anything is left to refine. */
 static bool finish_frame(sl_method *method) {
     sl_progress progress = {0};
@@ -34,15 +25,15 @@ static bool finish_frame(sl_method *method) {
 static void a_frame_gets_as_many_new_records_as_it_may_and_no_more(void **state) {
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = walk_settings();
-    sl_method *method = start(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     uint64_t before = 0;
     bool more = true;
     int frames = 0;
     for (; more; frames++) {
         more = finish_frame(method);
-        uint64_t new_records = records_of(method) - before;
+        uint64_t new_records = count_of(method, SL_COUNT_RECORDS) - before;
         assert_true(more ? new_records == BUDGET : new_records <= BUDGET);
-        before = records_of(method);
+        before = count_of(method, SL_COUNT_RECORDS);
         assert_true(frames < FRAMES_MAX);
     }
     assert_true(frames > 5);
@@ -53,7 +44,7 @@ static void a_still_walk_ends_with_the_picture_of_a_single_frame(void **state) {
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings by_frames = walk_settings(), at_once = by_frames;
     at_once.records_per_frame = 1000000000;
-    sl_method *walk = start(scene, &by_frames), *whole = start(scene, &at_once);
+    sl_method *walk = created_method(scene, &by_frames), *whole = created_method(scene, &at_once);
     while (finish_frame(walk)) sl_image_destroy(resolved_picture(walk)); /* every frame is shown */
     while (finish_frame(whole)) {}
     sl_image *a = resolved_picture(walk), *b = resolved_picture(whole);
@@ -102,7 +93,7 @@ static void in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end(void *
     sl_settings settings = walk_settings();
     settings.accuracy = 0.5;
     settings.records_per_frame = 8;
-    sl_method *method = start(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     double changes[FRAMES_MAX] = {0.0}, before = 0.0, first = 0.0;
     sl_image *last = NULL;
     int count = 0;
@@ -140,20 +131,20 @@ static void look(sl_scene *scene, sl_method *method, float x) {
 static void a_step_aside_needs_few_new_records_and_a_step_back_none(void **state) {
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = walk_settings();
-    sl_method *method = start(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     while (finish_frame(method)) {}
-    uint64_t first = records_of(method);
+    uint64_t first = count_of(method, SL_COUNT_RECORDS);
     look(scene, method, 300);
     while (finish_frame(method)) {}
-    uint64_t second = records_of(method);
+    uint64_t second = count_of(method, SL_COUNT_RECORDS);
     assert_true(second - first < first / 3);
     look(scene, method, 278);
     while (finish_frame(method)) {}
-    uint64_t third = records_of(method);
+    uint64_t third = count_of(method, SL_COUNT_RECORDS);
     assert_true(third - second <= (second - first) / 2); /* only what neighbour clamping has uncovered */
     look(scene, method, 278);
     while (finish_frame(method)) {}
-    assert_int_equal(records_of(method), third);
+    assert_int_equal(count_of(method, SL_COUNT_RECORDS), third);
     destroy_method(method, scene);
 }
 
@@ -161,7 +152,7 @@ static sl_image *walk_picture(unsigned threads) {
     sl_scene *scene = load_scene("scenes/cornell-glossy.json");
     sl_settings settings = walk_settings();
     settings.threads = threads;
-    sl_method *method = start(scene, &settings);
+    sl_method *method = created_method(scene, &settings);
     for (int step = 0; step < 4; step++) {
         finish_frame(method);
         look(scene, method, 278.0f + 10.0f * (float)step);

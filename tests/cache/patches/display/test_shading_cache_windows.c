@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdatomic.h>
-#include <time.h>
 
 #include "base/math.h"
 #include "base/random.h"
@@ -63,8 +62,6 @@ static void split_or_drop_at_random(hierarchy *h, uint64_t key) {
         else sl_patch_drop_children(h->patches, patch);
     }
 }
-
-static void pause_a_millisecond(void) { nanosleep(&(struct timespec){0, 1000000}, NULL); }
 
 /* ---- one thread builds, another one draws ---------------------------------------------------- */
 
@@ -161,8 +158,7 @@ static void a_build_waits_for_the_frame_that_reads_what_it_would_write_to(void *
     sl_thread_join(&thread);
     assert_int_equal(atomic_load(&t.done), 2);
     assert_int_equal(copy->builds, 2);
-    sl_display_destroy(t.display);
-    hierarchy_discard(&h);
+    display_discard(t.display, &h);
 }
 
 /* ---- where the copy stands ------------------------------------------------------------------- */
@@ -203,8 +199,7 @@ static void curved_surfaces_in_a_window_are_cut_for_its_own_camera(void **state)
     assert_memory_equal(&near_by, &in_window, sizeof there);
     sl_window_destroy(window);
     sl_scene_copy_destroy(scene_copy);
-    sl_display_destroy(display);
-    hierarchy_discard(&h);
+    display_discard(display, &h);
 }
 
 int main(void) {
