@@ -5,11 +5,10 @@
 
 #include "unit_test.h"
 #include "base/random.h"
-#include "softlux.h"
+#include "rendering.h"
 
 static sl_image *make(int width, int height, const float *rgb) {
-    sl_image *image;
-    assert_int_equal(sl_image_create(width, height, 3, NULL, &image, NULL), SL_OK);
+    sl_image *image = blank_image(width, height, 3);
     if (rgb) memcpy(image->planes, rgb, (size_t)(3 * width * height) * sizeof(float));
     return image;
 }
@@ -32,8 +31,7 @@ static sl_comparison compare(const sl_image *image, const sl_image *reference,
                              const sl_compare_options *options) {
     sl_comparison result;
     sl_error error;
-    sl_status status = sl_image_compare(image, reference, options, &result, NULL, &error);
-    if (status != SL_OK) fail_msg("%s", error.message);
+    good(sl_image_compare(image, reference, options, &result, NULL, &error), &error);
     return result;
 }
 
@@ -69,8 +67,7 @@ static void errors_of_two_pixels_are_those_computed_by_hand(void **state) {
     assert_true(c.rel_mse_trimmed == c.rel_mse); /* a thousandth of six values is none */
     assert_true(c.max_abs == 1.0);
     assert_near(c.bias, -0.5 / 12.0, 1e-15);
-    sl_image_destroy(a);
-    sl_image_destroy(b);
+    destroy_pictures(a, b);
 }
 
 static void trimming_leaves_out_a_thousandth_of_the_terms(void **state) {
@@ -87,8 +84,7 @@ static void trimming_leaves_out_a_thousandth_of_the_terms(void **state) {
     assert_near(c.rel_mse, spiked / 6000.0, 1e-12);
     x->planes[1234] = 3.0f; /* the seventh largest stays */
     assert_near(compare(x, r, NULL).rel_mse_trimmed, (usual * 5993.0 + 4.0 / 1.01) / 5994.0, 1e-13);
-    sl_image_destroy(r);
-    sl_image_destroy(x);
+    destroy_pictures(r, x);
 }
 
 /* A lamp at twice the white of a screen is as white as one at ten times. */
@@ -105,8 +101,7 @@ static void what_is_clipped_to_white_is_no_difference_that_is_shown(void **state
                 1e-12);
     assert_near(compare(x, r, &stop).rel_rmse_shown, sqrt(0.5 * 0.5 / 16.0) / ((15.0 * 0.5 + 1.0) / 16.0),
                 1e-12);
-    sl_image_destroy(r);
-    sl_image_destroy(x);
+    destroy_pictures(r, x);
 }
 
 static void a_black_reference_gives_zero_or_infinity(void **state) {
@@ -117,8 +112,7 @@ static void a_black_reference_gives_zero_or_infinity(void **state) {
     assert_true(same.rmse == 0 && same.rel_rmse == 0 && same.rel_mse == 0 && same.bias == 0 &&
                 same.flip == 0 && same.ssim == 1);
     assert_true(other.rmse == 0.5 && isinf(other.rel_rmse) && isinf(other.rel_mse) && isinf(other.bias));
-    sl_image_destroy(black);
-    sl_image_destroy(zero);
+    destroy_pictures(black, zero);
     sl_image_destroy(grey);
 }
 
@@ -135,13 +129,11 @@ static void values_that_are_not_finite_are_counted_and_set_aside(void **state) {
     assert_true(c.rmse == 0 && c.max_abs == 0 && c.flip == 0 && c.ssim == 1); /* the rest is equal */
     sl_comparison self = compare(x, x, NULL);
     assert_true(self.identical && self.nonfinite == 6);
-    sl_image_destroy(x);
-    sl_image_destroy(r);
+    destroy_pictures(x, r);
 }
 
 static void only_pixels_under_the_mask_count(void **state) {
-    sl_image *r = uniform(10, 6, 1, 1, 1), *x = uniform(10, 6, 1, 1, 1), *mask;
-    assert_int_equal(sl_image_create(10, 6, 1, NULL, &mask, NULL), SL_OK);
+    sl_image *r = uniform(10, 6, 1, 1, 1), *x = uniform(10, 6, 1, 1, 1), *mask = blank_image(10, 6, 1);
     mask->planes[0] = 1.0f;
     mask->planes[1] = 0.75f;
     mask->planes[2] = 0.5f; /* not above 0.5 */
@@ -157,8 +149,7 @@ static void only_pixels_under_the_mask_count(void **state) {
     mask->planes[1] = 0.0f;
     c = compare(x, r, &options);
     assert_true(c.values == 3 && c.identical && c.rmse == 0.0);
-    sl_image_destroy(r);
-    sl_image_destroy(x);
+    destroy_pictures(r, x);
     sl_image_destroy(mask);
 }
 
@@ -179,10 +170,8 @@ static void what_cannot_be_compared_is_an_error(void **state) {
     assert_int_equal(sl_image_compare(a, nan, NULL, &result, NULL, &error), SL_ERROR_INPUT);
     assert_int_equal(sl_image_compare(a, a, &empty, &result, NULL, &error), SL_ERROR_INPUT);
     assert_int_equal(sl_image_compare(a, a, &no_exposure, &result, NULL, NULL), SL_ERROR_USAGE);
-    sl_image_destroy(a);
-    sl_image_destroy(b);
-    sl_image_destroy(nan);
-    sl_image_destroy(none);
+    destroy_pictures(a, b);
+    destroy_pictures(nan, none);
 }
 
 static void the_difference_picture_is_blue_too_dark_and_red_too_bright(void **state) {
@@ -199,10 +188,8 @@ static void the_difference_picture_is_blue_too_dark_and_red_too_bright(void **st
     for (int i = 0; i < 6; i++) {
         for (int c = 0; c < 3; c++) assert_near((double)d->planes[6 * c + i], (double)expected[i][c], 1e-6);
     }
-    sl_image_destroy(r);
-    sl_image_destroy(x);
-    sl_image_destroy(mask);
-    sl_image_destroy(d);
+    destroy_pictures(r, x);
+    destroy_pictures(mask, d);
 }
 
 /* ---- structural similarity ---- */
@@ -259,8 +246,7 @@ static void ssim_is_wangs_formula(void **state) {
         sl_compare_options options = {.exposure_stops = (float)stops};
         assert_near(compare(b, a, &options).ssim, plain_ssim(b, a, exp2(stops)), 1e-6);
     }
-    sl_image_destroy(a);
-    sl_image_destroy(b);
+    destroy_pictures(a, b);
 }
 
 /* ---- FLIP, as plainly as the paper writes it ---- */
@@ -391,8 +377,7 @@ static void flip_is_the_papers_formula(void **state) {
     double expected = plain_flip(a, b);
     assert_true(expected > 0.1 && expected < 0.95);
     assert_near(compare(a, b, NULL).flip, expected, 2e-4);
-    sl_image_destroy(a);
-    sl_image_destroy(b);
+    destroy_pictures(a, b);
 }
 
 int main(void) {

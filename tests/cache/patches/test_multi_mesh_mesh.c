@@ -15,8 +15,8 @@ typedef struct world {
     sl_patches *mesh;
 } world;
 
-static world world_of(trace_mesh *parts, int channels, int depth) {
-    world w = {.scene = trace_mesh_build(parts)};
+static world world_of(trace_mesh parts, int channels, int depth) {
+    world w = {.scene = trace_mesh_build(&parts)};
     const sl_patches_settings settings = {.channels = channels, .max_depth = depth};
     assert_int_equal(sl_primitives_of_triangles(w.scene, &w.primitives, NULL), SL_OK);
     assert_int_equal(sl_patches_create(w.primitives, &settings, &w.mesh, NULL), SL_OK);
@@ -147,8 +147,7 @@ static void visit_all(const sl_patches *mesh, place_visitor visitor, void *conte
 
 /* Where nobody holds copies of the tree. Vertices of tested edges stay, with their values. */
 static void blocks_that_drops_leave_are_used_again_at_once(void **state) {
-    trace_mesh parts = field(2, 2);
-    world w = world_of(&parts, 1, 12);
+    world w = world_of(field(2, 2), 1, 12);
     refine_randomly(&w, 200, 6, 9);
     size_t patches = 0, leaves = w.mesh->leaves_alive;
     for (int cycle = 0; cycle < 50; cycle++) {
@@ -166,8 +165,7 @@ static void blocks_that_drops_leave_are_used_again_at_once(void **state) {
 }
 
 static void children_keep_what_is_left_of_closed_edges(void **state) {
-    trace_mesh parts = one_triangle();
-    world w = world_of(&parts, 1, 12);
+    world w = world_of(one_triangle(), 1, 12);
     uint32_t node = root(&w, 0);
     sl_patch_place place = sl_patch_root_place(w.mesh, 0);
     /* edge 1 closed (corners 2 and 0), edge 2 failed */
@@ -182,8 +180,7 @@ static void children_keep_what_is_left_of_closed_edges(void **state) {
 /* ---- points and values ----------------------------------------------------------------------- */
 
 static void a_constant_stays_the_same_in_every_bit_whatever_is_refined(void **state) {
-    trace_mesh parts = field(3, 3);
-    world w = world_of(&parts, 3, 10);
+    world w = world_of(field(3, 3), 3, 10);
     refine_randomly(&w, 2000, 9, 12);
     know_all(w.mesh, "constant");
     for (uint64_t i = 0; i < 20000; i++) {
@@ -196,8 +193,7 @@ static void a_constant_stays_the_same_in_every_bit_whatever_is_refined(void **st
 
 static void a_linear_field_is_reproduced_whatever_is_refined(void **state) {
     for (int hanging = 0; hanging < 2; hanging++) {
-        trace_mesh parts = field(3, 3);
-        world w = world_of(&parts, 3, 10);
+        world w = world_of(field(3, 3), 3, 10);
         refine_randomly(&w, 2000, 9, 21);
         know_all(w.mesh, "linear");
         for (uint64_t i = 0; i < 20000; i++) {
@@ -224,8 +220,7 @@ static void lanes_along_a_line(uint64_t number, float w1[SL_FAN_LANES], float w2
 }
 
 static void points_in_lanes_have_the_values_of_one_after_another_to_the_bit(void **state) {
-    trace_mesh parts = field(3, 3);
-    world w = world_of(&parts, 3, 10);
+    world w = world_of(field(3, 3), 3, 10);
     refine_randomly(&w, 300, 6, 12);
     know_all(w.mesh, "linear");
     size_t together = 0;
@@ -254,8 +249,7 @@ static void points_in_lanes_have_the_values_of_one_after_another_to_the_bit(void
 }
 
 static void a_hanging_vertex_shows_its_value_and_the_centre_the_mean(void **state) {
-    trace_mesh parts = one_triangle();
-    world w = world_of(&parts, 1, 12);
+    world w = world_of(one_triangle(), 1, 12);
     root(&w, 0);
     sl_patch_place place = sl_patch_root_place(w.mesh, 0);
     sl_status status;
@@ -276,8 +270,7 @@ static void a_hanging_vertex_shows_its_value_and_the_centre_the_mean(void **stat
 }
 
 static void corners_that_are_not_known_give_no_value_and_invalid_ones_the_mean_of_the_others(void **state) {
-    trace_mesh parts = one_triangle();
-    world w = world_of(&parts, 1, 12);
+    world w = world_of(one_triangle(), 1, 12);
     root(&w, 0);
     know_all(w.mesh, "constant");
     sl_patch_place place = sl_patch_root_place(w.mesh, 0);
@@ -334,8 +327,7 @@ static int by_position(const void *a, const void *b) {
 }
 
 static void leaves_of_any_size_have_the_same_values_along_common_edges(void **state) {
-    trace_mesh parts = field(3, 3);
-    world w = world_of(&parts, 1, 10);
+    world w = world_of(field(3, 3), 1, 10);
     refine_randomly(&w, 1200, 6, 33);
     know_all(w.mesh, "random");
     edge_samples all = {.capacity = w.mesh->leaves_alive * 3 * EDGE_STEPS};
