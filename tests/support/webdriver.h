@@ -11,12 +11,12 @@ typedef struct browser browser;
 browser *browser_open(int width, int height);
 void browser_close(browser *browser);
 void browser_resize(browser *browser, int width, int height);
-/* A file of this machine, by its absolute path. */
 /* Shows pages as on a screen of that size, narrower than a window can be, until it is 0. */
 void browser_screen(browser *browser, int width, int height);
 /* What `prefers-color-scheme` is. */
 void browser_colours(browser *browser, bool dark);
 void browser_go_to(browser *browser, const char *address);
+/* A file of this machine, by its absolute path. */
 void browser_go_to_file(browser *browser, const char *path);
 /* Runs the body of a function and returns what it returns; the caller frees it with cJSON_Delete(). Aborts
  * the test where the script fails. */
