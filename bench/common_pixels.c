@@ -13,14 +13,8 @@ static void set_ray(const sl_scene *scene, double x, double y, double aspect, sl
     sl_vec3 d = sl_sub(sl_mad(sl_scale(c->right, (float)(x * tangent * aspect)), (float)(y * tangent), c->up),
                        c->back);
     d = sl_normalize_or(d, sl_neg(c->back));
-    *ray = (sl_ray16){.origin_x = {c->eye.x},
-                      .origin_y = {c->eye.y},
-                      .origin_z = {c->eye.z},
-                      .direction_x = {d.x},
-                      .direction_y = {d.y},
-                      .direction_z = {d.z},
-                      .far = {INFINITY},
-                      .skip = {SL_NO_INDEX}};
+    *ray = (sl_ray16){.far = {0.0f}};
+    sl_ray16_set(ray, 0, c->eye, d, 0.0f, INFINITY, SL_NO_INDEX);
 }
 
 /* Finds what the ray hits, if it is a surface that reflects and does not shine. */

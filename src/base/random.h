@@ -28,9 +28,12 @@ static inline uint32_t sl_random_bits(uint64_t key, uint64_t index) {
     return (uint32_t)((x * x + z) >> 32);
 }
 
+/* Returns the fraction bits / 2^32, in [0,1), to 24 bits. */
+static inline float sl_unit_of_bits(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
+
 /* Uniform in [0,1), 24 bits. */
 static inline float sl_random_unit(uint64_t key, uint64_t index) {
-    return (float)(sl_random_bits(key, index) >> 8) * 0x1p-24f;
+    return sl_unit_of_bits(sl_random_bits(key, index));
 }
 
 /* Radical inverse in base 2 of the low 32 bits, as a fraction of 2^32. */

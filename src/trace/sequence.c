@@ -52,15 +52,13 @@ static uint32_t scramble(uint32_t x, uint32_t seed) {
     return sl_van_der_corput(permute_upwards(sl_van_der_corput(x), seed));
 }
 
-static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
-
 void sl_sequence_point(const sl_sequence *sequence, uint64_t key, uint32_t set, uint32_t index,
                        float point[3]) {
     uint64_t a = sl_hash64(key ^ ((uint64_t)set * 0xd1342543de82ef95u)), b = sl_hash64(a);
     /* The same permutation of the index itself only reorders points inside every aligned block of 2^k of
      * them. */
     uint32_t i = scramble(index, (uint32_t)a);
-    point[0] = unit(scramble(sl_van_der_corput(i), (uint32_t)(a >> 32)));
-    point[1] = unit(scramble(sobol(sequence, 0, i), (uint32_t)b));
-    point[2] = unit(scramble(sobol(sequence, 1, i), (uint32_t)(b >> 32)));
+    point[0] = sl_unit_of_bits(scramble(sl_van_der_corput(i), (uint32_t)(a >> 32)));
+    point[1] = sl_unit_of_bits(scramble(sobol(sequence, 0, i), (uint32_t)b));
+    point[2] = sl_unit_of_bits(scramble(sobol(sequence, 1, i), (uint32_t)(b >> 32)));
 }

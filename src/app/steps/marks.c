@@ -27,16 +27,11 @@ bool sl_mark_is_hidden(const sl_mark_view *view, const float at[3]) {
     if (!view->tracer) return false;
     sl_vec3 eye = view->camera.eye, d = sl_sub(vector(at), eye);
     float distance = sqrtf(sl_dot(d, d));
-    sl_ray16 ray = {.origin_x = {eye.x},
-                    .origin_y = {eye.y},
-                    .origin_z = {eye.z},
-                    .direction_x = {d.x},
-                    .direction_y = {d.y},
-                    .direction_z = {d.z},
-                    .far = {1.0f - 5e-3f * view->scale / fmaxf(distance, 1e-6f * view->scale)},
-                    .skip = {SL_NO_INDEX}};
+    const float far = 1.0f - 5e-3f * view->scale / fmaxf(distance, 1e-6f * view->scale);
+    sl_ray16 ray = {.far = {0.0f}};
+    sl_ray16_set(&ray, 0, eye, d, 0.0f, far, SL_NO_INDEX);
     sl_counters unused = {0};
-    return ray.far[0] > 0.0f && sl_trace_occluded(view->tracer, &ray, 1, false, &unused) != 0;
+    return far > 0.0f && sl_trace_occluded(view->tracer, &ray, 1, false, &unused) != 0;
 }
 
 /* Bright enough to be seen whatever it stands for. */

@@ -131,7 +131,8 @@ static void smooth(const window *w, int x, size_t k) {
     for (int c = 0; c < 3 && weights > 0.0f; c++) s->light[c][k] = sum[c] / weights;
 }
 
-void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, int row, sl_pixel_run run) {
+void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
+                          bool smoothed) {
     const window w = {s, gbuffer, row};
     sl_row_scan scatter = sl_row_scan_start(s, s->scatter, gbuffer, row, RADIUS);
     for (size_t i = run.first; i < run.end; i++) {
@@ -140,6 +141,6 @@ void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, in
         const bool sampled = s->samples[k] > 0.0f;
         for (int c = 0; c < 3; c++) s->light[c][k] = sampled ? ratio(s, c, k) : 0.0f;
         if (!sampled || !(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f)) continue;
-        if (sl_row_scan_near(&scatter, x)) smooth(&w, x, k);
+        if (smoothed && sl_row_scan_near(&scatter, x)) smooth(&w, x, k);
     }
 }

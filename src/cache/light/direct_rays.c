@@ -30,7 +30,10 @@ enum {
     PENUMBRA_MARGIN = 2,
     FILTER_MARGIN = 2,
     MARGIN = PENUMBRA_MARGIN + FILTER_MARGIN,
-    SAMPLED_ROWS = 4
+    SAMPLED_ROWS = 4,
+    /* Shared out among more sub-frames, the samples' own mean is smooth; what is smoothed in each of them alike
+     * would be blurred: penumbrae narrower than the filter. */
+    SMOOTHED_SHARE = 4
 };
 
 static int larger(int a, int b) { return a > b ? a : b; }
@@ -103,7 +106,7 @@ void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sam
             float *restrict to = u[d] + (sample - range.first) * stride;
             for (size_t i = 0; i < block->count; i++) {
                 uint32_t index = turn_of(direct, block->rank[i]) * all + sample;
-                to[i] = (float)((start[i] + index * step[d]) >> 8) * 0x1p-24f;
+                to[i] = sl_unit_of_bits(start[i] + index * step[d]);
             }
         }
     }
@@ -114,8 +117,7 @@ void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size
     static const uint32_t step[2] = {3242174889u, 2447445414u}; /* of g^3 = g + 1 */
     uint32_t index = turn_of(direct, block->rank[i]) * 2 * sl_direct_samples(direct) + sample;
     for (uint64_t d = 0; d < 2; d++)
-        u[d] =
-            (float)((sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]) >> 8) * 0x1p-24f;
+        u[d] = sl_unit_of_bits(sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]);
 }
 
 /* ---- rays, sixteen at a time ---- */
@@ -284,9 +286,10 @@ static void finish_run(const pass *p, size_t first, size_t end, unsigned worker,
 }
 
 static void finish_row(const pass *p, int y, unsigned worker, sl_counters *counters) {
+    const bool smooth = p->direct->scene->sub_frame.share <= SMOOTHED_SHARE;
     const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
-        sl_direct_filter_run(p->sums, p->gbuffer, y, r);
+        sl_direct_filter_run(p->sums, p->gbuffer, y, r, smooth);
         finish_run(p, r.first, r.end, worker, counters);
     }
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, width);

@@ -181,17 +181,17 @@ static void unoccluded_emitters_have_no_noise_and_many_have_no_bias(void **state
     }
 }
 
-/* A lamp half hidden by a plate: a wide penumbra. */
-static sl_scene *half_hidden(float specular, float exponent) {
+/* A lamp half hidden by a plate so far above the floor: as wide a penumbra. */
+static sl_scene *half_hidden(float height, float specular, float exponent) {
     trace_mesh mesh = a_floor(0.5f, specular, exponent);
     uint32_t lamp = trace_mesh_lamp(&mesh, 20.0f), plate = trace_mesh_diffuse(&mesh, 0.3f);
     trace_mesh_quad(&mesh, sl_v3(-0.5f, 3, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
-    trace_mesh_box(&mesh, sl_v3(-1.0f, 1.0f, -1.0f), sl_v3(0.1f, 1.05f, 1.0f), false, plate);
+    trace_mesh_box(&mesh, sl_v3(-1.0f, height, -1.0f), sl_v3(0.1f, height + 0.05f, 1.0f), false, plate);
     return trace_mesh_build(&mesh);
 }
 
 static void few_samples_of_a_penumbra_are_those_of_many_but_for_noise(void **state) {
-    sl_scene *scene = half_hidden(0.0f, 0.0f);
+    sl_scene *scene = half_hidden(1.0f, 0.0f, 0.0f);
     picture *many = direct_light(scene, (options){512, 1, 2, false, 64}),
             *maps = direct_light(scene, (options){8, 2, 2, true, 64});
     double last = 1.0;
@@ -211,6 +211,24 @@ static void few_samples_of_a_penumbra_are_those_of_many_but_for_noise(void **sta
     assert_true(difference(maps, many) < 0.03 && fabs(mean_of(maps) / mean_of(many) - 1.0) < 0.004);
     picture_free(many);
     picture_free(maps);
+    sl_scene_destroy(scene);
+}
+
+static void shared_out_among_many_sub_frames_a_narrow_penumbra_stays_narrow(void **state) {
+    enum { SUB_FRAMES = 32 };
+    sl_scene *scene = half_hidden(0.4f, 0.0f, 0.0f);
+    picture *many = direct_light(scene, (options){512, 1, 2, false, 64}), *mean = calloc(1, sizeof *mean);
+    assert_non_null(mean);
+    scene->sub_frame.share = 8;
+    for (unsigned *turn = &scene->sub_frame.turn; *turn < SUB_FRAMES; ++*turn) {
+        picture *p = direct_light(scene, (options){16, 2, 2, false, 64});
+        for (size_t i = 0; i < 3 * PIXELS; i++) mean->rgb[i] += p->rgb[i] / SUB_FRAMES;
+        picture_free(p);
+    }
+    print_message("rms %.4f, bias %+.5f\n", difference(mean, many), mean_of(mean) / mean_of(many) - 1.0);
+    assert_true(difference(mean, many) < 0.01);
+    picture_free(many);
+    picture_free(mean);
     sl_scene_destroy(scene);
 }
 
@@ -440,7 +458,7 @@ static void threads_instruction_sets_and_strips_do_not_change_a_bit(void **state
         sl_scene *scene = kind == 2   ? trace_mesh_build(&mesh)
                           : kind == 1 ? lamps(5)
                           : kind == 4 ? posts_on_a_lamp()
-                                      : half_hidden(0.3f, 40.0f);
+                                      : half_hidden(1.0f, 0.3f, 40.0f);
         if (kind != 2) trace_mesh_discard(&mesh);
         picture *first = NULL;
         for (int run = 0; run < 5; run++) {
@@ -464,6 +482,7 @@ int main(void) {
         cmocka_unit_test(a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps),
         cmocka_unit_test(unoccluded_emitters_have_no_noise_and_many_have_no_bias),
         cmocka_unit_test(few_samples_of_a_penumbra_are_those_of_many_but_for_noise),
+        cmocka_unit_test(shared_out_among_many_sub_frames_a_narrow_penumbra_stays_narrow),
         cmocka_unit_test(between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them),
         cmocka_unit_test(few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is),
         cmocka_unit_test(the_sun_on_an_open_plane_is_the_sum_of_its_texels),

@@ -72,14 +72,8 @@ static sl_rgb truth(const world *w, int x, int y, uint32_t *object) {
            v = top * (1.0 - 2.0 * (y + 0.5) / SIZE);
     sl_vec3 d = sl_normalize_or(
         sl_sub(sl_add(sl_scale(c->right, (float)u), sl_scale(c->up, (float)v)), c->back), sl_neg(c->back));
-    sl_ray16 ray = {.origin_x = {c->eye.x},
-                    .origin_y = {c->eye.y},
-                    .origin_z = {c->eye.z},
-                    .direction_x = {d.x},
-                    .direction_y = {d.y},
-                    .direction_z = {d.z},
-                    .far = {INFINITY},
-                    .skip = {SL_NO_INDEX}};
+    sl_ray16 ray = {.far = {0.0f}};
+    sl_ray16_set(&ray, 0, c->eye, d, 0.0f, INFINITY, SL_NO_INDEX);
     sl_hit16 hit;
     sl_counters counters = {{0}};
     sl_trace(w->tracer, &ray, 1, false, &hit, &counters);
