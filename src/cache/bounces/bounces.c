@@ -34,20 +34,21 @@ sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, dou
     s.gather.kind = SL_GATHER_RAYS;
     s.gather.background = NULL; /* the sky lights what a gather sees by samples, as lamps do */
     s.gather.harmonics_order = 0;
-    s.gather.size = visible->size / 5 * 2;
+    /* Each bounce brings the noise of the gathers back once more. */
+    s.gather.size = visible->size / 5 * (bounces > 10 ? 3 : 2);
     if (s.gather.size < 12) s.gather.size = 12;
     return s;
 }
 
 static void add_irradiance(const void *context, const sl_second_points *points, float *r, float *g, float *b,
-                           sl_counters *counters) {
+                           bool *missed, sl_counters *counters) {
     const sl_second_cache *cache = context;
     uint64_t asked = 0;
     if (!cache->shines) return;
     for (size_t i = 0; i < points->count; i++) asked += points->triangle[i] != SL_NO_INDEX;
     sl_count(counters, SL_COUNT_SECOND_LEVEL_LOOK_UPS, asked);
     sl_count(counters, SL_COUNT_SECOND_LEVEL_MISSES,
-             SL_KERNEL_OF(cache->isa, sl_look_up)(cache, points, (float *[3]){r, g, b}, NULL));
+             SL_KERNEL_OF(cache->isa, sl_look_up)(cache, points, (float *[3]){r, g, b}, NULL, missed));
 }
 
 /* ---- places ---- */
@@ -214,6 +215,8 @@ void sl_second_cache_destroy(sl_second_cache *cache) {
 
 const sl_second_light *sl_second_cache_light(const sl_second_cache *cache) { return &cache->light; }
 sl_second_report sl_second_cache_report(const sl_second_cache *cache) { return cache->report; }
+
+float sl_second_cache_reach(const sl_second_cache *cache) { return (float)cache->radii.minimum_reach; }
 
 size_t sl_second_cache_bytes(const sl_second_cache *cache) {
     const sl_second_list *list = &cache->list;

@@ -62,6 +62,8 @@ bool sl_second_cache_is_renewed(const sl_second_cache *cache);
 void sl_second_cache_destroy(sl_second_cache *cache);
 /* E^(bounces - 1), for sl_gather_settings.second; lives as long as the cache. */
 const sl_second_light *sl_second_cache_light(const sl_second_cache *cache);
+/* Returns how far its records reach at least, m. */
+float sl_second_cache_reach(const sl_second_cache *cache);
 size_t sl_second_cache_bytes(const sl_second_cache *cache);
 typedef struct sl_second_report {
     size_t records;

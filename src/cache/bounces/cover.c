@@ -37,7 +37,7 @@ float sl_second_weight(const sl_second_cache *cache, const sl_gather_point *p) {
     const sl_second_points one = {1, &p->triangle, &p->position.x, &p->position.y, &p->position.z,
                                   &p->normal.x, &p->normal.y, &p->normal.z};
     float weight = 0.0f;
-    (void)SL_KERNEL_OF(cache->isa, sl_look_up)(cache, &one, NULL, &weight);
+    (void)SL_KERNEL_OF(cache->isa, sl_look_up)(cache, &one, NULL, &weight, NULL);
     return weight;
 }
 

@@ -26,6 +26,7 @@ static inline uint32_t weigh(const sl_record_block *restrict block, const sl_wei
                                    .normal = {block->normal_x[l], block->normal_y[l], block->normal_z[l]},
                                    .inverse_radius = block->inverse_radius[l],
                                    .accuracy = rules->accuracy,
+                                   .least = sl_record_least_distance(rules->accuracy),
                                    .offset = rules->offset,
                                    .front = block->front[l],
                                    .behind = block->behind[l]};
@@ -106,7 +107,7 @@ static void give_mean(const chunk_sums *c, float *const light[3]) {
 }
 
 uint64_t SL_KERNEL(sl_look_up)(const sl_second_cache *cache, const sl_second_points *points,
-                               float *const light[3], float *weight) {
+                               float *const light[3], float *weight, bool *missed_at) {
     uint64_t missed = 0;
     for (size_t first = 0; first < points->count; first += CHUNK) {
         const size_t end = first + CHUNK < points->count ? first + CHUNK : points->count;
@@ -116,6 +117,7 @@ uint64_t SL_KERNEL(sl_look_up)(const sl_second_cache *cache, const sl_second_poi
             const look_up_point p = point_of(points, i);
             const sums sum = sum_at(cache, &p, !light, NULL);
             if (weight) weight[i] = sum.weight;
+            if (missed_at) missed_at[i] = !(sum.weight > 0.0f);
             if (!(sum.weight > 0.0f)) {
                 c.miss[c.missed++] = (uint32_t)i;
             } else if (light) {

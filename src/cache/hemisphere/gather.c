@@ -129,10 +129,13 @@ static bool allocate_slots(const sl_gather *gather, sl_gather_scratch *s) {
     size_t lead = ((size_t)t->width + 16) / 16 * 16; /* the row below the first */
     bool more = t->kind == SL_GATHER_RAYS && gather->settings.jitter;
     s->slots_max = t->used + (more ? (size_t)(gather->settings.more_rays * (float)t->used) : 0);
-    size_t slots = s->slots_max > t->padded ? s->slots_max : t->padded,
+    const bool onward = gather->settings.second && gather->settings.onward_reach > 0.0f && gather->tracer;
+    const size_t last = s->slots_max + (onward ? sl_onward_most(s->slots_max) : 0);
+    size_t slots = last > t->padded ? last : t->padded,
            stride = lead + (slots + 15) / 16 * 16;
     s->texel = sl_allocate(slots, sizeof *s->texel);
     if (gather->mirrors) s->mirrored = sl_allocate(slots, sizeof *s->mirrored);
+    if (onward && !sl_onward_allocate(s->slots_max, &s->onward)) return false;
     if (!allocate_planes(s, lead, stride) || !s->texel || (gather->mirrors && !s->mirrored)) return false;
     for (size_t k = 0; k < t->used; k++) s->slot_cell[k] = t->order[k];
     return !gather->sources || sl_light_scratch_create(gather, slots, &s->light, NULL) == SL_OK;
@@ -175,6 +178,7 @@ void sl_gather_scratch_destroy(sl_gather_scratch *scratch) {
     if (!scratch) return;
     sl_raster_scratch_destroy(scratch->raster);
     sl_light_scratch_destroy(scratch->light);
+    sl_onward_free(&scratch->onward);
     SL_FREE_ALL(scratch->block, scratch->ids, scratch->pixels, scratch->texel, scratch->mirrored, scratch);
 }
 
@@ -225,6 +229,8 @@ sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *poi
                              sl_gather_scratch *scratch, sl_counters *counters) {
     sl_gather_view view = sl_gather_view_of(gather, point, scratch);
     scratch->slots = gather->tables->used;
+    scratch->onward.count = 0;
+    scratch->onward.first = SIZE_MAX;
     for (size_t k = 0; k < scratch->slots; k++) scratch->slot_share[k] = 1.0f;
     if (gather->settings.kind == SL_GATHER_RAYS) sl_gather_see_rays(&view, counters);
     else sl_gather_see_raster(&view, counters);

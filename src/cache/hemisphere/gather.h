@@ -30,11 +30,11 @@ typedef struct sl_second_points {
 /* Light that surfaces seen by gathers receive besides direct light: with more than one bounce, the irradiance
  * of the bounce before. Adds it to r, g, b at `count` points with unit shading normals; points whose triangle
  * is SL_NO_INDEX are nowhere. Thread-safe. What is added to a point that no record reaches is by the points
- * next to it in the order given. */
+ * next to it in the order given; missed, if not NULL, tells which these are. */
 typedef struct sl_second_light {
     const void *context;
     void (*irradiance)(const void *context, const sl_second_points *points, float *r, float *g, float *b,
-                       sl_counters *counters);
+                       bool *missed, sl_counters *counters);
 } sl_second_light;
 
 typedef struct sl_gather_settings {
@@ -55,6 +55,9 @@ typedef struct sl_gather_settings {
      * mirrors show what they reflect, lamps in */
     bool all_lobes;
     const sl_second_light *second; /* more light on what is seen, or NULL; must outlive the gather */
+    /* what is seen nearer than that, or is missed by `second`, is lit by a ray that goes on from there; 0:
+     * nothing is */
+    float onward_reach;
     uint64_t seed;
     /* plane, N a power of two from SL_GATHER_COLOURED_LEAST on: the colours of all surfaces, to be summed as
      * they are by sl_gather_known_colours(); or NULL. Both tables must outlive the gather */

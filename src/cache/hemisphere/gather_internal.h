@@ -67,6 +67,18 @@ typedef struct sl_mirrored_hit {
     sl_vec3 position;   /* of what is seen */
 } sl_mirrored_hit;
 
+/* Rays that go on from what is seen (hit_onward.c). */
+typedef struct sl_onward {
+    /* by slot: whether no record of further light reaches it; where rays are asked instead of records, what is
+     * reflected of the light that these tell, all channels together, else 0; NULL: nothing goes on */
+    bool *missed;
+    float *told;
+    size_t first;    /* slot that they end in; SIZE_MAX: none yet */
+    size_t count;    /* slots that are marked, then those behind `first` */
+    uint32_t *from;  /* by these: the slot that a ray goes on from, */
+    sl_rgb *carried; /* and what is reflected there to the gather of what arrives by it */
+} sl_onward;
+
 /* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be
  * read. */
 typedef struct sl_gather_planes {
@@ -88,6 +100,7 @@ struct sl_gather_scratch {
     uint32_t *more_bits;
     sl_gather_hits hits;
     sl_mirrored_hit *mirrored; /* by slot; NULL: mirrors are black */
+    sl_onward onward;
     sl_gather_planes planes;
     sl_light_scratch *light; /* or NULL */
     sl_raster_scratch *raster;
@@ -125,6 +138,9 @@ void sl_gather_see_raster(const sl_gather_view *view, sl_counters *counters);
 /* Draws the plane: ids and weights of the cells; and 1 / depth, or NULL. */
 void sl_gather_draw_plane(const sl_gather_view *view, float *depth, sl_counters *counters);
 void sl_gather_see_rays(const sl_gather_view *view, sl_counters *counters);
+/* Notes in slots from `first` on what up to sixteen rays meet. */
+void sl_gather_trace_packet(const sl_gather_view *view, size_t first, unsigned count, const sl_ray16 *rays,
+                            bool coherent, sl_counters *counters);
 /* More rays where radiance varies; the first ones are there, lit by all that needs no samples (more_rays.c).
  */
 void sl_gather_add_rays(const sl_gather_view *view, sl_counters *counters);
@@ -138,12 +154,31 @@ static inline const sl_mirrored_hit *sl_gather_mirrored(const sl_gather_view *vi
     const sl_mirrored_hit *m = view->scratch->mirrored;
     return m && m[k].any ? &m[k] : NULL;
 }
-/* Returns what mirrors leave of the light of slot k: 1 where there are none. */
-static inline sl_rgb sl_gather_mirrored_share(const sl_gather_view *view, size_t k) {
+static inline bool sl_gather_is_onward(const sl_gather_view *view, size_t k) {
+    return k >= view->scratch->onward.first;
+}
+/* Returns what mirrors, and what its ray goes on from, leave of the light of slot k: 1 where neither is. */
+static inline sl_rgb sl_gather_throughput(const sl_gather_view *view, size_t k) {
+    const sl_onward *o = &view->scratch->onward;
     const sl_mirrored_hit *m = sl_gather_mirrored(view, k);
-    return m ? m->share : sl_grey(1.0f);
+    const sl_rgb mirrored = m ? m->share : sl_grey(1.0f);
+    return k >= o->first ? sl_rgb_mul(mirrored, o->carried[k - o->first]) : mirrored;
 }
 
+/* Of so many slots, how many there may be besides that rays go on into; and room for them. False: no memory. */
+size_t sl_onward_most(size_t slots);
+bool sl_onward_allocate(size_t slots, sl_onward *onward);
+void sl_onward_free(sl_onward *onward);
+/* Marks those of slots first to first + count whose further light rays are to ask for, and takes away what
+ * they have. */
+void sl_gather_mark_onward(const sl_gather_view *view, size_t first, size_t count);
+/* Adds slots for those that are marked, and traces their rays; then places what these meet. */
+void sl_gather_go_on(const sl_gather_view *view, sl_counters *counters);
+void sl_gather_put_onward(const sl_gather_view *view, size_t first, size_t count);
+
+/* Returns about what the lobe at slot k reflects to the gather of light that is the same from everywhere: all
+ * of ks where the lobe is as wide as the hemisphere, and ks times the cosine where it is narrow. */
+sl_rgb sl_gather_lobe(const sl_gather_view *view, size_t k);
 /* Returns the emission of what slot k sees. */
 sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);
 /* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as

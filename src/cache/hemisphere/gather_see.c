@@ -93,24 +93,30 @@ void sl_gather_see_raster(const sl_gather_view *view, sl_counters *counters) {
 
 /* ---- by rays ---- */
 
-/* Rays through the cells of the concentric map: the cells have equal cosine weights, so every ray counts
- * alike. */
-static void trace_packet(const sl_gather_view *view, size_t first, unsigned count, sl_counters *counters) {
+void sl_gather_trace_packet(const sl_gather_view *view, size_t first, unsigned count, const sl_ray16 *rays,
+                            bool coherent, sl_counters *counters) {
     const sl_gather_hits *h = &view->scratch->hits;
-    sl_ray16 rays;
     sl_hit16 hits;
-    for (unsigned i = 0; i < SL_PACKET; i++) {
-        size_t k = first + (i < count ? i : 0);
-        sl_ray16_set(&rays, i, view->eye, sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]),
-                     0.0f, INFINITY, view->point->triangle);
-    }
-    sl_trace(view->gather->tracer, &rays, count, true, &hits, counters);
+    sl_trace(view->gather->tracer, rays, count, coherent, &hits, counters);
     for (unsigned i = 0; i < count; i++) {
         h->triangle[first + i] = hits.triangle[i];
         h->depth[first + i] = hits.triangle[i] != SL_NO_INDEX ? hits.t[i] : 0.0f;
         h->w1[first + i] = hits.w1[i];
         h->w2[first + i] = hits.w2[i];
     }
+}
+
+/* Rays through the cells of the concentric map: the cells have equal cosine weights, so every ray counts
+ * alike. */
+static void trace_packet(const sl_gather_view *view, size_t first, unsigned count, sl_counters *counters) {
+    const sl_gather_hits *h = &view->scratch->hits;
+    sl_ray16 rays;
+    for (unsigned i = 0; i < SL_PACKET; i++) {
+        size_t k = first + (i < count ? i : 0);
+        sl_ray16_set(&rays, i, view->eye, sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]),
+                     0.0f, INFINITY, view->point->triangle);
+    }
+    sl_gather_trace_packet(view, first, count, &rays, true, counters);
 }
 
 static void trace_slots(const sl_gather_view *view, size_t from, size_t to, sl_counters *counters) {

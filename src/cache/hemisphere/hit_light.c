@@ -42,7 +42,7 @@ static sl_rgb glossy_radiance(const sl_gather_view *view, size_t k, sl_vec3 to_l
     const sl_surface surface = {.normal = n, .geometric_normal = n, .material = m};
     const sl_bsdf lobe = sl_bsdf_make(&surface, sl_normalize_or(sl_neg(way), n), SL_LOBE_GLOSSY);
     const sl_rgb f = sl_bsdf_value(&lobe, sl_normalize_or(to_light, n), SL_LOBE_GLOSSY);
-    return sl_rgb_mul(sl_rgb_mul(irradiance, f), sl_gather_mirrored_share(view, k));
+    return sl_rgb_mul(sl_rgb_mul(irradiance, f), sl_gather_throughput(view, k));
 }
 
 void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, bool far_away, sl_rgb irradiance) {
@@ -82,8 +82,6 @@ static void light_by_each(const sl_gather_view *view, size_t first, size_t count
 }
 
 /* ---- one of many sources ---- */
-
-static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
 
 /* Aims anew at the emitter that the sampler has chosen: at what is near by solid angle, or single hits would
  * outshine the gather. */
@@ -125,7 +123,7 @@ static void light_by_many(const sl_gather_view *view, sl_shadow_queue *q) {
         for (size_t k = 0; k < view->scratch->slots;
              k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
             if (sl_hit_reflects(view, k))
-                light_by_one_of_many(view, q, k, unit(select), unit(u1), unit(u2), share);
+                light_by_one_of_many(view, q, k, sl_unit_of_bits(select), sl_unit_of_bits(u1), sl_unit_of_bits(u2), share);
         }
     }
     sl_flush_shadow_rays(q);

@@ -27,8 +27,6 @@
 /* This share of the budget is spread evenly over the hits. */
 #define EVEN_SHARE 0.2
 
-static float unit(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
-
 /* ---- sources ---- */
 
 /* Irradiance on the six planes, each texel by its middle. */
@@ -190,7 +188,7 @@ static void draw_samples(const sl_gather_view *view, uint64_t key) {
             sl_hit_sample sample = {.slot = (uint32_t)k};
             select += 2654435769u; /* golden ratio */
             if (s->samples == s->capacity) continue;
-            float chance = choose_source(view->gather, s, k, unit(select), &sample.source);
+            float chance = choose_source(view->gather, s, k, sl_unit_of_bits(select), &sample.source);
             if (!(chance > 0.0f)) continue;
             sample.share = 1.0f / (chance * s->samples_at[k]);
             s->drawn[s->samples++] = sample;
@@ -206,10 +204,6 @@ static void sort_by_source(const sl_gather *gather, sl_light_scratch *s) {
 }
 
 /* ---- which point ---- */
-
-static sl_vec3 hit_normal(const sl_gather_hits *h, size_t k) {
-    return sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
-}
 
 /* Aims by solid angle; returns the irradiance of radiance 1, 0 where nothing arrives from there. */
 static float aim_by_angle(const sl_gather_hits *h, const sl_near_light *near, size_t k, float u1, float u2,
@@ -239,7 +233,7 @@ float sl_hit_aim(const sl_gather_hits *h, const sl_polygon_light *light, size_t 
                  sl_vec3 *to_light) {
     const sl_vec3 p = sl_hit_position(h, k);
     sl_near_light near = {.seen = {.parts = 0}};
-    if (sl_light_is_near(light, p)) sl_near_light_make(light, p, hit_normal(h, k), &near);
+    if (sl_light_is_near(light, p)) sl_near_light_make(light, p, sl_hit_normal(h, k), &near);
     if (near.seen.parts) return aim_by_angle(h, &near, k, u1, u2, to_light);
     *to_light = aim_by_area(light, p, u1, u2);
     return form_of(h, light, k, *to_light);
@@ -268,10 +262,7 @@ static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2,
         *irradiance = sl_rgb_scale(*irradiance, pdf > 0.0f ? cosine / pdf : 0.0f);
         return pdf > 0.0f && cosine > 0.0f;
     }
-    sl_frame frame = sl_frame_from_normal(hit_normal(h, k));
-    float sine, cosine, radius = sqrtf(u1), height = sqrtf(1.0f - u1);
-    sl_sincos_turnf(u2, &sine, &cosine);
-    *direction = sl_frame_to_world(&frame, sl_v3(radius * cosine, radius * sine, height));
+    *direction = sl_cosine_direction(sl_hit_normal(h, k), u1, u2);
     *irradiance = sl_rgb_scale(e->constant, (float)SL_PI);
     return sl_hit_cosine(h, k, *direction) > 0.0f;
 }
@@ -299,8 +290,8 @@ void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q) 
     for (size_t m = 0; m < s->samples; m++, u1 += 3242174889u, u2 += 2447445414u) {
         const sl_hit_sample *sample = &s->sorted[m];
         if (sample->source < view->gather->sides.count)
-            light_by_side(view, q, sample, unit(u1), unit(u2));
-        else light_by_sky(view, q, sample, unit(u1), unit(u2));
+            light_by_side(view, q, sample, sl_unit_of_bits(u1), sl_unit_of_bits(u2));
+        else light_by_sky(view, q, sample, sl_unit_of_bits(u1), sl_unit_of_bits(u2));
     }
     sl_flush_shadow_rays(q);
 }

@@ -62,9 +62,7 @@ static void put_mirrored(const sl_gather_view *view, size_t k) {
     h->cosine[k] = m->cosine;
 }
 
-/* Returns about what the lobe at slot k reflects to the gather of light that is the same from everywhere: all
- * of ks where the lobe is as wide as the hemisphere, and ks times the cosine where it is narrow. */
-static sl_rgb lobe_of(const sl_gather_view *view, size_t k) {
+sl_rgb sl_gather_lobe(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
     if (h->triangle[k] == SL_NO_INDEX) return sl_grey(0.0f);
     const sl_material *m = sl_hit_material(view, k);
@@ -72,12 +70,12 @@ static sl_rgb lobe_of(const sl_gather_view *view, size_t k) {
                   way = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
     const float cosine = fmaxf(0.0f, -sl_dot(n, sl_normalize_or(way, n)));
     const float part = (1.0f + m->exponent * cosine) / (1.0f + m->exponent);
-    return sl_rgb_scale(sl_rgb_mul(m->specular, sl_gather_mirrored_share(view, k)), part);
+    return sl_rgb_scale(sl_rgb_mul(m->specular, sl_gather_throughput(view, k)), part);
 }
 
 static void take_lobe_for_diffuse(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
-    const sl_rgb ks = lobe_of(view, k);
+    const sl_rgb ks = sl_gather_lobe(view, k);
     h->diffuse_r[k] += ks.r;
     h->diffuse_g[k] += ks.g;
     h->diffuse_b[k] += ks.b;
@@ -102,6 +100,7 @@ static void make_surfaces(const sl_gather_view *view, size_t first, size_t count
         h->diffuse_b[k] *= sl_srgb_to_linear[texel[k][2]];
     }
     SL_KERNEL_OF(gather->isa, sl_gather_surfaces)(h, first, count, view->eye);
+    if (sl_gather_is_onward(view, first)) sl_gather_put_onward(view, first, count);
     for (size_t k = first; gather->mirrors && k < first + count; k++) put_mirrored(view, k);
     for (size_t k = first; gather->glossy && view->second_alone && k < first + count; k++)
         take_lobe_for_diffuse(view, k);
@@ -136,40 +135,45 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
     }
 }
 
-/* Adds what lobes would send back of the irradiance at all hits if they were diffuse. */
-static void add_as_diffuse(const sl_gather_view *view, float sign) {
+/* Adds what lobes would send back of the irradiance at hits if they were diffuse. */
+static void add_as_diffuse(const sl_gather_view *view, size_t first, size_t count) {
     const sl_gather_hits *h = &view->scratch->hits;
-    const float per_pi = sign * (float)(1.0 / SL_PI);
-    for (size_t k = 0; k < view->scratch->slots; k++) {
-        const sl_rgb ks = lobe_of(view, k);
+    const float per_pi = (float)(1.0 / SL_PI);
+    for (size_t k = first; k < first + count; k++) {
+        const sl_rgb ks = sl_gather_lobe(view, k);
         h->glossy_r[k] += per_pi * ks.r * h->irradiance_r[k];
         h->glossy_g[k] += per_pi * ks.g * h->irradiance_g[k];
         h->glossy_b[k] += per_pi * ks.b * h->irradiance_b[k];
     }
 }
 
+static sl_second_points points_of(const sl_gather_hits *h, size_t first, size_t count) {
+    return (sl_second_points){.count = count,
+                              .triangle = h->triangle + first,
+                              .position_x = h->position_x + first,
+                              .position_y = h->position_y + first,
+                              .position_z = h->position_z + first,
+                              .normal_x = h->normal_x + first,
+                              .normal_y = h->normal_y + first,
+                              .normal_z = h->normal_z + first};
+}
+
 /* Light that has met more than one surface before it arrives at what the gather sees. Lobes reflect it as if
- * they were diffuse: with it less without it. */
-static void add_second_light(const sl_gather_view *view, sl_counters *counters) {
+ * they were diffuse. */
+static void add_second_light(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
     const sl_second_light *second = view->gather->settings.second;
     const sl_gather_hits *h = &view->scratch->hits;
-    const sl_second_points points = sl_gather_last_hits(view->scratch).points;
-    const bool lobes = view->gather->glossy && !view->second_alone; /* elsewhere they are in k_d */
-    if (lobes) add_as_diffuse(view, -1.0f);
-    second->irradiance(second->context, &points, h->irradiance_r, h->irradiance_g, h->irradiance_b, counters);
-    if (lobes) add_as_diffuse(view, 1.0f);
+    bool *missed = view->second_alone ? NULL : view->scratch->onward.missed;
+    const sl_second_points points = points_of(h, first, count);
+    second->irradiance(second->context, &points, h->irradiance_r + first, h->irradiance_g + first,
+                       h->irradiance_b + first, missed ? missed + first : NULL, counters);
+    if (missed && !sl_gather_is_onward(view, first)) sl_gather_mark_onward(view, first, count);
+    if (view->gather->glossy && !view->second_alone) add_as_diffuse(view, first, count);
 }
 
 sl_gather_hits_seen sl_gather_last_hits(const sl_gather_scratch *scratch) {
     const sl_gather_hits *h = &scratch->hits;
-    return (sl_gather_hits_seen){.points = {.count = scratch->slots,
-                                            .triangle = h->triangle,
-                                            .position_x = h->position_x,
-                                            .position_y = h->position_y,
-                                            .position_z = h->position_z,
-                                            .normal_x = h->normal_x,
-                                            .normal_y = h->normal_y,
-                                            .normal_z = h->normal_z},
+    return (sl_gather_hits_seen){.points = points_of(h, 0, scratch->slots),
                                  .diffuse = {h->diffuse_r, h->diffuse_g, h->diffuse_b}};
 }
 
@@ -201,8 +205,9 @@ static sl_rgb emission_seen(const sl_gather_view *view, size_t k) {
 }
 
 sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k) {
-    if (view->second_alone) return sl_grey(0.0f);
-    return sl_rgb_mul(sl_gather_mirrored_share(view, k), emission_seen(view, k));
+    if (view->second_alone || (sl_gather_is_onward(view, k) && !sl_gather_mirrored(view, k)))
+        return sl_grey(0.0f);
+    return sl_rgb_mul(sl_gather_throughput(view, k), emission_seen(view, k));
 }
 
 /* The mean of the rays of a cell; the nearest thing that they met, and what the first one did. */
@@ -225,7 +230,8 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
         p->r[cell] += radiance.r;
         p->g[cell] += radiance.g;
         p->b[cell] += radiance.b;
-        p->nearness[cell] = nearness > p->nearness[cell] ? nearness : p->nearness[cell];
+        if (!sl_gather_is_onward(view, k))
+            p->nearness[cell] = nearness > p->nearness[cell] ? nearness : p->nearness[cell];
         return;
     }
     p->r[cell] = radiance.r;
@@ -256,9 +262,10 @@ static void note_geometry(const sl_gather_view *view, size_t k, float length, fl
 
 /* Slots first to first + count: what they see, lit by all but samples. */
 static void begin_slots(const sl_gather_view *view, size_t first, size_t count, sl_counters *counters) {
-    drop_below_horizon(view, first, count);
+    if (!sl_gather_is_onward(view, first)) drop_below_horizon(view, first, count);
     if (view->gather->mirrors) sl_gather_follow_mirrors(view, first, count, counters);
     make_surfaces(view, first, count);
+    if (view->gather->settings.second) add_second_light(view, first, count, counters);
     if (view->second_alone) return;
     if (view->gather->settings.maps) light_by_maps(view, first, count, counters);
     else sl_gather_light_first(view, first, count, counters);
@@ -268,6 +275,10 @@ static void light_directly(const sl_gather_view *view, sl_counters *counters) {
     const size_t used = view->gather->tables->used;
     sl_gather_add_rays(view, counters);
     begin_slots(view, used, view->scratch->slots - used, counters);
+    if (view->scratch->onward.count) {
+        sl_gather_go_on(view, counters);
+        begin_slots(view, view->scratch->onward.first, view->scratch->onward.count, counters);
+    }
     if (!view->gather->settings.maps) sl_gather_light_sampled(view, counters);
 }
 
@@ -280,7 +291,6 @@ void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_we
     *back_weight = 0.0;
     begin_slots(view, 0, t->used, counters);
     if (!view->second_alone) light_directly(view, counters);
-    if (gather->settings.second) add_second_light(view, counters);
     for (size_t k = 0; k < s->slots; k++) {
         float length = t->kind == SL_GATHER_RAYS ? 1.0f : t->length[s->slot_cell[k]];
         write_slot(view, k, length, &nonfinite);

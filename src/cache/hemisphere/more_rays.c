@@ -24,11 +24,13 @@ static void estimate_radiance(const sl_gather_view *view, float *radiance) {
     bool sampled = g->sources > 0,
          emission = g->settings.emission || g->settings.background || g->mirrors;
     float scale = sampled ? g->unit : 0.0f;
+    const float *told = s->onward.told;
     for (size_t k = 0; k < g->tables->used; k++) {
         float light = sampled ? s->light->expected[k] * scale : 0.0f;
         float sum = h->diffuse_r[k] * (h->irradiance_r[k] + light) +
                     h->diffuse_g[k] * (h->irradiance_g[k] + light) +
                     h->diffuse_b[k] * (h->irradiance_b[k] + light);
+        if (told) sum += told[k];
         float seen = emission ? sl_rgb_mean(sl_gather_emission(view, k)) : 0.0f;
         float l = sum * (float)(1.0 / (3.0 * SL_PI)) + seen;
         radiance[s->slot_cell[k]] = l > 0.0f && isfinite(l) ? l : 0.0f;

@@ -109,6 +109,14 @@ sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_erro
     return status;
 }
 
+/* Light of further bounces is asked for by rays where records of the second level are too far apart, but while
+ * things move. These ways have one surface more than `bounces` says, which behind so many is little. */
+static float onward_reach(const sl_splat_state *s) {
+    enum { MANY_BOUNCES = 5 };
+    if (!s->second || sl_splat_is_quick(s) || s->settings.bounces < MANY_BOUNCES) return 0.0f;
+    return sl_second_cache_reach(s->second);
+}
+
 sl_status sl_splat_open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
     if (cache->gathers.gather) return SL_OK;
     sl_status status = open_second(s, error);
@@ -116,6 +124,7 @@ sl_status sl_splat_open_gathers(sl_splat_state *s, sl_record_cache *cache, sl_er
     settings.harmonics_order = cache->class == SL_RECEIVES_RADIANCE ? s->plan.harmonics_order : 0;
     if (sl_splat_is_quick(s) && settings.size > QUICK_SIZE) settings.size = QUICK_SIZE;
     settings.second = s->second ? sl_second_cache_light(s->second) : NULL;
+    settings.onward_reach = onward_reach(s);
     if (status == SL_OK)
         status = sl_gathers_create(s->scene, s->raster, s->tracer, &settings, s->settings.threads,
                                    &cache->gathers, error);

@@ -260,7 +260,7 @@ static void gradients_agree_with_a_rectangle_light(void **state) {
 /* ---- hard numbers ---- */
 
 static void add_what_is_no_number(const void *context, const sl_second_points *points, float *r, float *g,
-                                  float *b, sl_counters *counters) {
+                                  float *b, bool *missed, sl_counters *counters) {
     for (size_t i = 0; i < points->count; i++) {
         r[i] += i % 3 ? 1.0f : NAN;
         g[i] += i % 5 ? 1.0f : INFINITY;
