@@ -31,8 +31,8 @@ enum {
     FILTER_MARGIN = 2,
     MARGIN = PENUMBRA_MARGIN + FILTER_MARGIN,
     SAMPLED_ROWS = 4,
-    /* Shared out among more sub-frames, the samples' own mean is smooth; what is smoothed in each of them alike
-     * would be blurred: penumbrae narrower than the filter. */
+    /* Shared out among more sub-frames, the mean of a penumbra's many samples is smooth; what is smoothed in each
+     * of them alike would be blurred: penumbrae narrower than the filter. */
     SMOOTHED_SHARE = 4
 };
 
@@ -40,16 +40,17 @@ static int larger(int a, int b) { return a > b ? a : b; }
 static int smaller(int a, int b) { return a < b ? a : b; }
 static uint32_t smaller_count(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
+static bool refines_penumbrae(const sl_direct *direct) { return direct->sides.count <= PENUMBRA_EMITTERS_MAX; }
+
 static uint32_t samples_with_refinement(const sl_direct *direct) {
-    uint32_t samples = sl_direct_samples(direct);
-    return direct->sides.count > PENUMBRA_EMITTERS_MAX ? samples : (1 + PENUMBRA_FACTOR) * samples;
+    return (refines_penumbrae(direct) ? 1 + PENUMBRA_FACTOR : 1) * sl_direct_samples(direct);
 }
 
 /* Of the first pass: what all agree on needs few, the others get more anyway. */
 static uint32_t pilot_samples(const sl_direct *direct) {
     const uint32_t samples = sl_direct_samples(direct), quarter = (samples + 3) / 4,
                    least = direct->scene->sub_frame.share > 1 ? PILOT_MIN_SHARED : PILOT_MIN;
-    if (direct->sides.count > PENUMBRA_EMITTERS_MAX) return samples;
+    if (!refines_penumbrae(direct)) return samples;
     return quarter < least ? smaller_count(samples, least) : quarter;
 }
 
@@ -286,7 +287,8 @@ static void finish_run(const pass *p, size_t first, size_t end, unsigned worker,
 }
 
 static void finish_row(const pass *p, int y, unsigned worker, sl_counters *counters) {
-    const bool smooth = p->direct->scene->sub_frame.share <= SMOOTHED_SHARE;
+    const sl_direct *direct = p->direct;
+    const bool smooth = direct->scene->sub_frame.share <= SMOOTHED_SHARE || !refines_penumbrae(direct);
     const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
         sl_direct_filter_run(p->sums, p->gbuffer, y, r, smooth);
