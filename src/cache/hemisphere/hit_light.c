@@ -123,7 +123,8 @@ static void light_by_many(const sl_gather_view *view, sl_shadow_queue *q) {
         for (size_t k = 0; k < view->scratch->slots;
              k++, select += 3518319155u, u1 += 2882110345u, u2 += 2360945575u) {
             if (sl_hit_reflects(view, k))
-                light_by_one_of_many(view, q, k, sl_unit_of_bits(select), sl_unit_of_bits(u1), sl_unit_of_bits(u2), share);
+                light_by_one_of_many(view, q, k, sl_unit_of_bits(select), sl_unit_of_bits(u1),
+                                     sl_unit_of_bits(u2), share);
         }
     }
     sl_flush_shadow_rays(q);
