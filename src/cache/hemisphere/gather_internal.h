@@ -69,9 +69,9 @@ typedef struct sl_mirrored_hit {
 
 /* Rays that go on from what is seen (hit_onward.c). */
 typedef struct sl_onward {
-    /* by slot: whether no record of further light reaches it; where rays are asked instead of records, what is
-     * reflected of the light that these tell, all channels together, else 0; NULL: nothing goes on */
-    bool *missed;
+    bool *missed;    /* by slot: no record of further light reaches it; NULL: nothing goes on */
+    /* by slot: where rays are asked instead of records, what is reflected of the light that these tell, all
+     * channels together, else 0 */
     float *told;
     size_t first;    /* slot that they end in; SIZE_MAX: none yet */
     size_t count;    /* slots that are marked, then those behind `first` */
@@ -162,10 +162,11 @@ static inline sl_rgb sl_gather_throughput(const sl_gather_view *view, size_t k) 
     const sl_onward *o = &view->scratch->onward;
     const sl_mirrored_hit *m = sl_gather_mirrored(view, k);
     const sl_rgb mirrored = m ? m->share : sl_grey(1.0f);
-    return k >= o->first ? sl_rgb_mul(mirrored, o->carried[k - o->first]) : mirrored;
+    return sl_gather_is_onward(view, k) ? sl_rgb_mul(mirrored, o->carried[k - o->first]) : mirrored;
 }
 
-/* Of so many slots, how many there may be besides that rays go on into; and room for them. False: no memory. */
+/* Of so many slots, how many there may be besides that rays go on into; and room for them. False: no
+ * memory. */
 size_t sl_onward_most(size_t slots);
 bool sl_onward_allocate(size_t slots, sl_onward *onward);
 void sl_onward_free(sl_onward *onward);

@@ -2,7 +2,6 @@
 #ifndef SL_CACHE_GATHER_HIT_LIGHT_H
 #define SL_CACHE_GATHER_HIT_LIGHT_H
 
-#include "base/math.h"
 #include "cache/hemisphere/gather_internal.h"
 
 /* Shadow rays wait here until there are sixteen. */
@@ -57,15 +56,6 @@ static inline float sl_hit_cosine(const sl_gather_hits *h, size_t k, sl_vec3 d) 
     float cosine = h->normal_x[k] * d.x + h->normal_y[k] * d.y + h->normal_z[k] * d.z;
     float above = h->geometric_x[k] * d.x + h->geometric_y[k] * d.y + h->geometric_z[k] * d.z;
     return cosine > 0.0f && above > 0.0f ? cosine : 0.0f;
-}
-
-/* Returns a direction in proportion to the cosine with a unit normal. */
-static inline sl_vec3 sl_cosine_direction(sl_vec3 normal, float u1, float u2) {
-    const sl_frame frame = sl_frame_from_normal(normal);
-    const float radius = sqrtf(u1), height = sqrtf(1.0f - u1);
-    float sine, cosine;
-    sl_sincos_turnf(u2, &sine, &cosine);
-    return sl_frame_to_world(&frame, sl_v3(radius * cosine, radius * sine, height));
 }
 
 /* A way from slot k to a point of an emitter, uniform in area, or, of what is near, by solid angle

@@ -1,11 +1,13 @@
-/* Light of further bounces where records do not tell it: at hits that are nearer to the point than records lie
- * apart, as in corners and under edges, and at those that none reaches. From one in four of them a ray goes on,
- * in proportion to the cosine, into a slot of its own, and what arrives by it counts for four: as final gathers
- * ask the surfaces near by (Jensen 1996), since what these receive is as fine as the gather's own picture. */
+/* Light of further bounces where records do not tell it: at hits that are nearer to the point than records
+ * lie apart, as in corners and under edges, and at those that none reaches. From one in four of them a ray
+ * goes on, in proportion to the cosine, into a slot of its own, and what arrives by it counts for four: as
+ * final gathers ask the surfaces near by (Jensen 1996), since what these receive is as fine as the gather's
+ * own picture. */
 #include "cache/hemisphere/hit_light.h"
 
 #include "base/memory.h"
 #include "base/random.h"
+#include "trace/bsdf.h"
 
 enum { ONE_IN = 4 };
 
@@ -69,7 +71,7 @@ static void aim(const sl_gather_view *view, size_t i, float u1, float u2, sl_ray
     const size_t from = o->from[i], to = o->first + i;
     const sl_vec3 p = sl_hit_position(h, from),
                   true_normal = sl_v3(h->geometric_x[from], h->geometric_y[from], h->geometric_z[from]),
-                  d = sl_cosine_direction(sl_hit_normal(h, from), u1, u2);
+                  d = sl_direction_around(sl_hit_normal(h, from), sqrtf(1.0f - u1), u2);
     const float offset = sl_scene_offset_at(view->gather->scene, view->gather->offset, p);
     h->direction_x[to] = d.x;
     h->direction_y[to] = d.y;

@@ -23,6 +23,7 @@
 #include "base/random.h"
 #include "cache/hemisphere/hit_light.h"
 #include "cache/light/near_light.h"
+#include "trace/bsdf.h"
 
 /* This share of the budget is spread evenly over the hits. */
 #define EVEN_SHARE 0.2
@@ -262,7 +263,7 @@ static bool sample_sky(const sl_gather_view *view, size_t k, float u1, float u2,
         *irradiance = sl_rgb_scale(*irradiance, pdf > 0.0f ? cosine / pdf : 0.0f);
         return pdf > 0.0f && cosine > 0.0f;
     }
-    *direction = sl_cosine_direction(sl_hit_normal(h, k), u1, u2);
+    *direction = sl_direction_around(sl_hit_normal(h, k), sqrtf(1.0f - u1), u2);
     *irradiance = sl_rgb_scale(e->constant, (float)SL_PI);
     return sl_hit_cosine(h, k, *direction) > 0.0f;
 }

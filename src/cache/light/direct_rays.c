@@ -31,8 +31,8 @@ enum {
     FILTER_MARGIN = 2,
     MARGIN = PENUMBRA_MARGIN + FILTER_MARGIN,
     SAMPLED_ROWS = 4,
-    /* Shared out among more sub-frames, the mean of a penumbra's many samples is smooth; what is smoothed in each
-     * of them alike would be blurred: penumbrae narrower than the filter. */
+    /* Shared out among more sub-frames, the mean of a penumbra's many samples is smooth; smoothed in each of
+     * them alike, penumbrae narrower than the filter would be blurred. */
     SMOOTHED_SHARE = 4
 };
 
@@ -40,7 +40,9 @@ static int larger(int a, int b) { return a > b ? a : b; }
 static int smaller(int a, int b) { return a < b ? a : b; }
 static uint32_t smaller_count(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
-static bool refines_penumbrae(const sl_direct *direct) { return direct->sides.count <= PENUMBRA_EMITTERS_MAX; }
+static bool refines_penumbrae(const sl_direct *direct) {
+    return direct->sides.count <= PENUMBRA_EMITTERS_MAX;
+}
 
 static uint32_t samples_with_refinement(const sl_direct *direct) {
     return (refines_penumbrae(direct) ? 1 + PENUMBRA_FACTOR : 1) * sl_direct_samples(direct);

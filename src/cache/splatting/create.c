@@ -109,8 +109,8 @@ sl_status sl_splat_open_cache(sl_splat_state *s, sl_record_cache *cache, sl_erro
     return status;
 }
 
-/* Light of further bounces is asked for by rays where records of the second level are too far apart, but while
- * things move. These ways have one surface more than `bounces` says, which behind so many is little. */
+/* Light of further bounces is asked for by rays where records of the second level are too far apart, except
+ * while things move. These ways have one surface more than `bounces` says, which behind so many is little. */
 static float onward_reach(const sl_splat_state *s) {
     enum { MANY_BOUNCES = 5 };
     if (!s->second || sl_splat_is_quick(s) || s->settings.bounces < MANY_BOUNCES) return 0.0f;
