@@ -1,5 +1,4 @@
 /* Meshes, nodes, lights and the camera. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"

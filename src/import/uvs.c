@@ -1,6 +1,5 @@
 /* Texture coordinates: those of the colour texture, which alone is looked up point by point. */
 #include <assimp/material.h>
-#include <math.h>
 
 #include "base/math.h"
 #include "import/assimp.h"

@@ -6,7 +6,6 @@
  * construction on GPUs") until a piece fits. Large triangles are kept apart: one wall among the books on a
  * shelf would make the shelf's box as large as the room. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/code_sort.h"
@@ -282,7 +281,6 @@ sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl
     return create(NULL, mesh, raster, error);
 }
 
-void sl_raster_observe(sl_raster *raster, const sl_raster_observer *observer) { raster->observer = observer; }
 
 void sl_raster_destroy(sl_raster *r) {
     if (!r) return;

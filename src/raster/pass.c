@@ -9,7 +9,7 @@
 
 /* ---- buffers ---- */
 
-bool sl_visible_allocate(sl_visible *v, const sl_raster *raster) {
+static bool allocate_visible(sl_visible *v, const sl_raster *raster) {
     size_t count = raster->cluster_count + SL_LANES;
     *v = (sl_visible){.cluster = sl_allocate(count, 4),
                       .x0 = sl_allocate(count, 4),
@@ -20,11 +20,6 @@ bool sl_visible_allocate(sl_visible *v, const sl_raster *raster) {
                       .distance = sl_allocate(count, 4),
                       .order = sl_allocate(count, 4)};
     return v->cluster && v->x0 && v->y0 && v->x1 && v->y1 && v->nearest && v->distance && v->order;
-}
-
-void sl_visible_free(sl_visible *v) {
-    void *arrays[8] = {v->cluster, v->x0, v->y0, v->x1, v->y1, v->nearest, v->distance, v->order};
-    for (int k = 0; k < 8; k++) sl_free(arrays[k]);
 }
 
 sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int max_height,
@@ -41,7 +36,7 @@ sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int m
         s->fate = sl_allocate(raster->cluster_count, sizeof *s->fate);
         s->tile.id = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.id);
         s->tile.depth = sl_allocate(SL_TILE_PIXELS, sizeof *s->tile.depth);
-        ok = sl_visible_allocate(&s->visible, raster) && s->fate && s->tile.id && s->tile.depth;
+        ok = allocate_visible(&s->visible, raster) && s->fate && s->tile.id && s->tile.depth;
     }
     if (!ok) {
         sl_raster_scratch_destroy(s);
@@ -53,11 +48,9 @@ sl_status sl_raster_scratch_create(const sl_raster *raster, int max_width, int m
 
 void sl_raster_scratch_destroy(sl_raster_scratch *s) {
     if (!s) return;
-    sl_visible_free(&s->visible);
-    sl_free(s->tile.id);
-    sl_free(s->tile.depth);
-    sl_free(s->fate);
-    sl_free(s);
+    const sl_visible *v = &s->visible;
+    SL_FREE_ALL(v->cluster, v->x0, v->y0, v->x1, v->y1, v->nearest, v->distance, v->order);
+    SL_FREE_ALL(s->tile.id, s->tile.depth, (void *)s->fate, s);
 }
 
 /* Kept for later passes: a pass over a large target would otherwise begin by having a megabyte faulted in

@@ -74,8 +74,6 @@ struct sl_raster_scratch {
     sl_triangle_batch batch;
 };
 
-bool sl_visible_allocate(sl_visible *visible, const sl_raster *raster);
-void sl_visible_free(sl_visible *visible);
 /* Sorts the visible clusters by distance into `order`. */
 void sl_visible_sort(sl_visible *visible);
 

@@ -64,8 +64,6 @@ typedef struct sl_raster_mesh {
  * no alpha masks. The arrays must outlive it. */
 sl_status sl_raster_create_mesh(const sl_raster_mesh *mesh, unsigned threads, sl_raster **raster,
                                 sl_error *error);
-/* Sets the observer of a rasterizer, which has been its scene's, or none. */
-void sl_raster_observe(sl_raster *raster, const sl_raster_observer *observer);
 
 /* Half-open, in pixels of the target; x0 = x1 = 0: no scissor. */
 typedef struct sl_scissor {

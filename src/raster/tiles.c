@@ -108,7 +108,8 @@ static void release(tiled_passes *p) {
     sl_free(p->task);
 }
 
-sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_error *error) {
+/* Refuses a viewport that does not lie within the target. */
+static sl_status check_viewport(const sl_view *view, const sl_target *target, sl_error *error) {
     bool fits = view->width >= 1 && view->height >= 1 && view->x >= 0 && view->y >= 0 &&
                 target->width <= SL_RASTER_MAX_SIZE && target->height <= SL_RASTER_MAX_SIZE &&
                 view->width <= target->width - view->x && view->height <= target->height - view->y;
@@ -149,7 +150,7 @@ sl_status sl_raster_ids(const sl_raster *raster, size_t count, const sl_view *vi
     tiled_passes p = {.raster = raster, .pictures = count, .picture = pictures};
     sl_status status = SL_OK;
     for (size_t n = 0; n < count && status == SL_OK; n++) {
-        status = sl_viewport_check(&views[n], &targets[n], error);
+        status = check_viewport(&views[n], &targets[n], error);
         if (status != SL_OK) break;
         pictures[n] = (tiled_view){.view = &views[n], .target = &targets[n], .first_tile = p.tiles,
                                 .pass = sl_pass_view_make(&views[n], targets[n].width, targets[n].height)};

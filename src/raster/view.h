@@ -56,7 +56,5 @@ typedef struct sl_pass_view {
 
 /* The view's constants for a target of this size. */
 sl_pass_view sl_pass_view_make(const sl_view *view, int width, int height);
-/* SL_OK if the viewport lies within the target. */
-sl_status sl_viewport_check(const sl_view *view, const sl_target *target, sl_error *error);
 
 #endif

@@ -66,7 +66,8 @@ static sl_vec3 between_directions(sl_vec3d a, sl_vec3d b, double t) {
     return sl_normalize_or(sl_to_float(d), sl_to_float(a));
 }
 
-sl_key sl_track_at(const sl_track *track, double time) {
+/* The state between the keys on both sides of a time; before the first and after the last it rests. */
+static sl_key track_at(const sl_track *track, double time) {
     size_t next = 0;
     while (next < track->key_count && track->keys[next].time <= time) next++;
     const sl_key *a = &track->keys[next > 0 ? next - 1 : 0],
@@ -85,7 +86,7 @@ sl_key sl_track_at(const sl_track *track, double time) {
 /* In the turned world the same motion is U K U^-1, with U a permutation of axes, so nothing is rounded. */
 static sl_affine track_in_world(const sl_animation *animation, const sl_track *track, double time) {
     if (track->is_placed) return track->placement;
-    const sl_key key = sl_track_at(track, time);
+    const sl_key key = track_at(track, time);
     sl_affine placement = sl_key_placement(&key);
     if (!animation->z_up) return placement;
     sl_affine turn = sl_affine_z_up(), back = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
@@ -240,7 +241,7 @@ static void move_lights(sl_scene *scene, double time, unsigned *changes) {
     for (size_t i = 0; i < scene->animation->track_count; i++) {
         const sl_track *track = &scene->animation->tracks[i];
         if (track->kind != SL_TRACK_LIGHT) continue;
-        const sl_key key = sl_track_at(track, time);
+        const sl_key key = track_at(track, time);
         sl_light *light = &scene->lights[track->first];
         const sl_vec3 position = sl_to_float(key.position), direction = light->type == SL_LIGHT_POINT
                                                                             ? light->direction
@@ -255,7 +256,7 @@ static sl_status camera_at(const sl_scene *scene, double time, sl_camera *camera
     *camera = scene->camera;
     for (size_t i = 0; i < scene->animation->track_count; i++) {
         if (scene->animation->tracks[i].kind != SL_TRACK_CAMERA) continue;
-        const sl_key key = sl_track_at(&scene->animation->tracks[i], time);
+        const sl_key key = track_at(&scene->animation->tracks[i], time);
         if (!sl_camera_look_at(camera, sl_to_float(key.position), sl_to_float(key.target),
                                sl_to_float(key.up), (float)key.vertical_fov))
             return sl_fail(

@@ -47,8 +47,6 @@ struct sl_animation {
     sl_vec3 *rest_control; /* 16 of each bicubic surface; its track is that of its vertices */
 };
 
-/* The state between the keys on both sides of a time; before the first and after the last it rests. */
-sl_key sl_track_at(const sl_track *track, double time);
 sl_affine sl_key_placement(const sl_key *key);
 
 /* Tells whether sl_scene_set_time() would succeed, and why not; what it takes memory for is not asked. */

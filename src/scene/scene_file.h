@@ -19,9 +19,6 @@ typedef struct sl_scene_file {
     sl_affine turn;          /* from the file's world to ours */
 } sl_scene_file;
 
-/* sl_json_vec3(), turned to y up. */
-bool sl_scene_file_vector(sl_scene_file *file, const cJSON *item, sl_vec3d *vector);
-
 /* "transform" of a mesh: 16 numbers by columns, or {translate, rotate_deg, scale}. */
 sl_affine sl_scene_file_transform(sl_scene_file *file, const cJSON *item);
 /* "keyframes" of a mesh or quad light (NULL: none); of a light without extent; of the camera. */

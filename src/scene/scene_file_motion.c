@@ -7,7 +7,8 @@
 #include "base/memory.h"
 #include "scene/scene_file.h"
 
-bool sl_scene_file_vector(sl_scene_file *file, const cJSON *item, sl_vec3d *vector) {
+/* sl_json_vec3(), turned to y up. */
+static bool read_vector(sl_scene_file *file, const cJSON *item, sl_vec3d *vector) {
     if (!sl_json_vec3(&file->json, item, vector)) return false;
     *vector = sl_affine_vector(&file->turn, *vector);
     return true;
@@ -111,8 +112,8 @@ static void read_light_key(sl_scene_file *file, const cJSON *item, sl_key *key) 
     sl_json *json = &file->json;
     const cJSON *direction = sl_json_get(item, "direction");
     sl_vec3d v;
-    sl_scene_file_vector(file, sl_json_get(item, "position"), &key->position);
-    if (!sl_scene_file_vector(file, direction, &v)) return;
+    read_vector(file, sl_json_get(item, "position"), &key->position);
+    if (!read_vector(file, direction, &v)) return;
     const double length = sl_lengthd(v);
     if (length > 0.0) key->direction = sl_scaled(v, 1.0 / length);
     else sl_json_fail(json, direction, "expected 'direction' to be other than 0");
@@ -133,9 +134,9 @@ void sl_scene_file_light_keys(sl_scene_file *file, const cJSON *list, uint32_t l
 static void read_camera(sl_scene_file *file, const cJSON *item, sl_key *key) {
     sl_json *json = &file->json;
     double degrees;
-    sl_scene_file_vector(file, sl_json_get(item, "eye"), &key->position);
-    sl_scene_file_vector(file, sl_json_get(item, "target"), &key->target);
-    sl_scene_file_vector(file, sl_json_get(item, "up"), &key->up);
+    read_vector(file, sl_json_get(item, "eye"), &key->position);
+    read_vector(file, sl_json_get(item, "target"), &key->target);
+    read_vector(file, sl_json_get(item, "up"), &key->up);
     if (sl_json_number(json, sl_json_get(item, "fov_deg"), SL_LEAST_FOV_DEG, SL_MOST_FOV_DEG,
                        &degrees))
         key->vertical_fov = sl_radians(degrees);
@@ -163,7 +164,7 @@ static void read_frame(sl_scene_file *file, const cJSON *item, const cJSON *fram
     double m[9] = {0}, degrees = 45.0;
     if (sl_json_get(item, "target") || sl_json_get(item, "up") || sl_json_get(item, "keyframes"))
         sl_json_fail(json, frame, "expected no 'target', 'up' or 'keyframes' beside 'frame'");
-    sl_scene_file_vector(file, sl_json_need(json, item, "eye"), &eye);
+    read_vector(file, sl_json_need(json, item, "eye"), &eye);
     sl_json_numbers(json, frame, 9, m);
     sl_json_number(json, sl_json_get(item, "fov_deg"), 0.0, 180.0, &degrees);
     c->eye = sl_to_float(eye);

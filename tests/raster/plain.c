@@ -234,7 +234,8 @@ static bool opaque_at(const sl_raster_mesh *mesh, const sl_scene *masks, const s
     float w1, w2;
     if (!masks || !sl_scene_has_alpha(masks, t)) return true;
     for (int k = 0; k < 3; k++) q[k] = sl_sub(sl_mesh_position(mesh, mesh->vertex[k][t]), view->origin);
-    sl_barycentric_weights(pass, q, (double)(i - view->x), (double)(j - view->y), &w1, &w2);
+    const sl_edge_lines lines = sl_edge_lines_make(pass, q[0], q[1], q[2]);
+    sl_weights_at(&lines, i - view->x, j - view->y, &w1, &w2);
     return sl_scene_is_opaque(masks, t, w1, w2);
 }
 

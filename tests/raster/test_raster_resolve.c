@@ -233,8 +233,8 @@ static void plain_weights(const sl_scene *scene, const sl_view *view, uint32_t p
     *w1 = *w2 = 0.0f;
     if (id == SL_NO_INDEX) return;
     for (int k = 0; k < 3; k++) q[k] = sl_sub(sl_scene_position(scene, scene->vertex[k][id]), view->origin);
-    sl_barycentric_weights(&pass, q, (double)(pixel % (uint32_t)view->width),
-                           (double)(pixel / (uint32_t)view->width), w1, w2);
+    const sl_edge_lines lines = sl_edge_lines_make(&pass, q[0], q[1], q[2]);
+    sl_weights_at(&lines, pixel % (uint32_t)view->width, pixel / (uint32_t)view->width, w1, w2);
 }
 
 static void expect_plain_weights(const sl_raster *raster, const sl_scene *scene, const sl_view *view,

@@ -3,8 +3,6 @@
 #include "image/tone.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct halves {

@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { REFERENCE_SAMPLES = 256, TRACER_SAMPLES = 64 };

@@ -3,7 +3,6 @@
 #include "base/vec.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static sl_vec3 vector(const float v[3]) { return (sl_vec3){v[0], v[1], v[2]}; }
 

@@ -4,15 +4,14 @@
 #include "cache/bounces/second_level.h"
 
 #include "base/batch.h"
-#include "base/counters.h"
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 
 /* More bounces would not change anything worth telling. */
 #define SMALL_CHANGE 1e-4f
 
-void sl_second_set_light(sl_record *r, const sl_irradiance *e) {
+/* Gives a record other light than it had; its reach stays. */
+static void set_light(sl_record *r, const sl_irradiance *e) {
     r->irradiance = e->value;
     for (int channel = 0; channel < 3; channel++) {
         r->rotational[channel] = e->rotational[channel];
@@ -38,7 +37,7 @@ static void gather_one(void *context, size_t index, unsigned worker, void *resul
     sl_record *r = result;
     sl_gather_irradiance(g->gather, &cache->list.points[i], g->scratch[worker], &e, counters);
     *r = cache->list.records[i];
-    sl_second_set_light(r, &e);
+    set_light(r, &e);
 }
 
 sl_status sl_second_gather(sl_second_cache *cache, size_t count, sl_counters *counters, sl_error *error) {
@@ -191,7 +190,7 @@ static void add_to_record(const gathered *r, const float all[3], sl_record *reco
         e.rotational[c] = sl_mad(record->rotational[c], scale, r->light.rotational[c]);
         e.translational[c] = sl_mad(record->translational[c], scale, r->light.translational[c]);
     }
-    sl_second_set_light(record, &e);
+    set_light(record, &e);
 }
 
 static void let_bounce(bouncing *b, sl_second_cache *cache, sl_counters *counters) {

@@ -106,8 +106,6 @@ typedef struct sl_link_sums {
 SL_KERNELS(void, sl_second_links,
            (const sl_second_cache *cache, const sl_gather_hits_seen *seen, sl_link_sums *sums));
 
-/* Gives a record other light than it had; its reach stays. */
-void sl_second_set_light(sl_record *record, const sl_irradiance *irradiance);
 /* So many records whose turn it is gather light: of all of them, which have none yet, the first bounce. */
 sl_status sl_second_gather(sl_second_cache *cache, size_t count, sl_counters *counters, sl_error *error);
 /* Of records that have gathered it: the bounces that follow. */

@@ -1,4 +1,3 @@
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"

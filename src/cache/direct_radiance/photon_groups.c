@@ -1,6 +1,5 @@
 /* A photon for each surface that a block of the map shows, with the sum of its texels' flux Psi
  * (SL_MAP_FILTER_FLUX): no light is lost, and no photon flashes as a single texel jumps between surfaces. */
-#include "base/math.h"
 #include "cache/direct_radiance/map.h"
 
 /* One surface's: sums of flux and area, and means of all else, weighted by luminance. */

@@ -6,9 +6,7 @@
 #include "cache/direct_radiance/direct_radiance.h"
 #include "scene/ambient.h"
 
-#include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 
 /* each point is two receivers, one on either side */
 enum { TILES = 16, POINTS = TILES * SL_TILE_PIXELS / 2 };

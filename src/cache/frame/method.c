@@ -13,7 +13,6 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "image/tone.h"
-#include "raster/raster.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -225,8 +225,9 @@ sl_gather_view sl_gather_view_of(const sl_gather *gather, const sl_gather_point 
                             .eye = sl_mad(point->position, offset, point->geometric_normal)};
 }
 
-sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point,
-                             sl_gather_scratch *scratch, sl_counters *counters) {
+/* Visibility alone, by the instrument chosen. */
+static sl_gather_view see(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *scratch,
+                          sl_counters *counters) {
     sl_gather_view view = sl_gather_view_of(gather, point, scratch);
     scratch->slots = gather->tables->used;
     scratch->onward.count = 0;
@@ -272,7 +273,7 @@ static void gather_light(const sl_gather *gather, const sl_gather_point *point, 
     float nearest;
     double back_weight;
     sl_count(counters, SL_COUNT_GATHERS, 1);
-    sl_gather_view view = sl_gather_see(gather, point, scratch, counters);
+    sl_gather_view view = see(gather, point, scratch, counters);
     view.second_alone = second_alone;
     sl_gather_shade(&view, &nearest, &back_weight, counters);
     SL_KERNEL_OF(gather->isa, sl_gather_sums)(gather->tables, p->r, p->g, p->b, p->nearness, p->first, &sums);

@@ -131,9 +131,6 @@ static inline float sl_gather_near(const sl_gather *gather) { return 1e-3f * gat
 
 sl_gather_view sl_gather_view_of(const sl_gather *gather, const sl_gather_point *point,
                                  sl_gather_scratch *scratch);
-/* Visibility alone, by the instrument chosen. */
-sl_gather_view sl_gather_see(const sl_gather *gather, const sl_gather_point *point,
-                             sl_gather_scratch *scratch, sl_counters *counters);
 void sl_gather_see_raster(const sl_gather_view *view, sl_counters *counters);
 /* Draws the plane: ids and weights of the cells; and 1 / depth, or NULL. */
 void sl_gather_draw_plane(const sl_gather_view *view, float *depth, sl_counters *counters);

@@ -8,7 +8,6 @@
  * by the point's key, so that all hits together are spread evenly over the lights. */
 #include "cache/hemisphere/hit_light.h"
 
-#include "base/math.h"
 #include "base/random.h"
 #include "trace/bsdf.h"
 

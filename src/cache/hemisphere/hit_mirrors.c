@@ -3,7 +3,6 @@
  * away the slot's surface is stays the mirror's own distance: that is what moves with the point. */
 #include "cache/hemisphere/hit_light.h"
 
-#include "base/math.h"
 #include "trace/bsdf.h"
 
 static bool is_mirror(const sl_gather_view *view, size_t k) {

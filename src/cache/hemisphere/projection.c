@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 

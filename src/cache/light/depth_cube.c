@@ -2,7 +2,6 @@
 
 #include "base/counters.h"
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 
 #include <math.h>

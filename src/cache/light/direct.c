@@ -1,6 +1,5 @@
 /* Direct light of every pixel, diffuse and glossy lobes. */
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "cache/light/direct_internal.h"
 

@@ -7,8 +7,6 @@
 #include "cache/light/direct_lamps.h"
 #include "cache/light/near_light.h"
 
-#include "base/random.h"
-
 typedef struct {
     size_t sides;                                            /* that light some pixel of the block */
     uint32_t side[SL_EXACT_EMITTERS_MAX];

@@ -1,6 +1,5 @@
 /* Lights without extent, one ray each; and what is not known unoccluded, the sun, and emitters that are too
  * many or masked: plain light samples. */
-#include "base/random.h"
 #include "cache/light/direct_internal.h"
 #include "cache/frame/picture_value.h"
 

@@ -197,7 +197,6 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
                            .triangle = triangles,
                            .normal = planar ? normal : sl_v3(0, 0, 0),
                            .position = area > 0.0 ? sl_to_float(sl_scaled(centre, 1.0 / area)) : corners[0],
-                           .scene_light = SL_NO_INDEX,
                            .object = s->object};
     for (size_t k = 0; k < 3 * count; k++)
         light->extent = fmaxf(light->extent, sl_length(sl_sub(corners[k], light->position)));
@@ -307,7 +306,7 @@ static sl_status add_emitters(collection *c, sl_error *error) {
     return status;
 }
 
-static void add_scene_light(sl_sampled_lights *lights, const sl_light *light, uint32_t index) {
+static void add_scene_light(sl_sampled_lights *lights, const sl_light *light) {
     static const sl_sampled_kind kinds[] = {[SL_LIGHT_POINT] = SL_SAMPLED_POINT,
                                             [SL_LIGHT_SPOT] = SL_SAMPLED_SPOT,
                                             [SL_LIGHT_DIRECTIONAL] = SL_SAMPLED_DIRECTIONAL};
@@ -318,7 +317,6 @@ static void add_scene_light(sl_sampled_lights *lights, const sl_light *light, ui
                                                         .direction = light->direction,
                                                         .cos_inner = light->cos_inner,
                                                         .cos_outer = light->cos_outer,
-                                                        .scene_light = index,
                                                         .object = SL_NO_INDEX};
 }
 
@@ -345,7 +343,7 @@ sl_status sl_sampled_lights_find(const sl_scene *scene, sl_sampled_lights **ligh
         for (size_t k = 0; k < l->light[i].triangles; k++)
             l->light_of_triangle[l->light[i].triangle[k]] = (uint32_t)i;
     }
-    for (size_t i = 0; i < scene->light_count; i++) add_scene_light(l, &scene->lights[i], (uint32_t)i);
+    for (size_t i = 0; i < scene->light_count; i++) add_scene_light(l, &scene->lights[i]);
     *lights = l;
     return SL_OK;
 }

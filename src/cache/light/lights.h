@@ -30,7 +30,6 @@ typedef struct sl_sampled_light {
     sl_vec3 position;           /* of points and spots; the centroid of area lights */
     sl_vec3 direction;          /* of spots and directional lights: unit, the way the light travels */
     float cos_inner, cos_outer; /* spots */
-    uint32_t scene_light;       /* index into the scene's lights, or SL_NO_INDEX */
     uint32_t object;            /* area lights: whose triangles they are */
 } sl_sampled_light;
 

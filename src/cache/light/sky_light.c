@@ -4,7 +4,6 @@
  * directions of its own. */
 #include <math.h>
 
-#include "base/counters.h"
 #include "base/math.h"
 #include "cache/light/light_sample.h"
 

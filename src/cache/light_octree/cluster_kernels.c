@@ -7,8 +7,6 @@
  * at the end, so that every instruction set gives the same bits. */
 #include "cache/light_octree/voxel_lights.h"
 
-#include "base/math.h"
-
 #include <string.h>
 
 enum { LANES = 8 };

@@ -7,7 +7,6 @@
  * voxels
  *
  * Each depth of the octree from 4 on is shown as soon as it is done. The paper numbers no equations. */
-#include "base/math.h"
 #include "cache/light_octree/light_octree.h"
 
 #include <stdio.h>

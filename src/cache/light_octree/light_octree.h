@@ -51,10 +51,6 @@ void sl_octree_transport(const sl_settings *settings, sl_transport *transport);
  * the room, of normal 1.1 and 1.3, and depth 6 errs less all the same: to warn of 2 would be to warn of every
  * picture of high quality. From 4 on a shallower octree shows as much.) */
 static const double SL_OCTREE_FEW_PHOTONS = 0.1, SL_OCTREE_WIDE_GATHERS = 4.0;
-/* Returns how many voxels of that edge surfaces will take: 3/2 A / h^2, since a plane of any tilt meets |n_x|
- * + |n_y|
- * + |n_z| of them in each h^2. */
-double sl_octree_voxels_expected(const sl_scene *scene, double voxel);
 /* Tells whether directional lights show some of the scene's gloss blurred. */
 bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_settings *settings);
 void sl_octree_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);

@@ -46,8 +46,9 @@ static void put(sl_vec3d *p, int axis, double value) {
     else p->z = value;
 }
 
-void sl_triangle_part_below(const sl_triangle_part *in, int axis, double plane, double sign,
-                            sl_triangle_part *out) {
+/* Cuts off the part with sign * (p_axis - plane) <= 0; its corners alone. */
+static void cut_below(const sl_triangle_part *in, int axis, double plane, double sign,
+                      sl_triangle_part *out) {
     out->count = 0;
     for (int i = 0; i < in->count && out->count < SL_TRIANGLE_PART_CORNERS - 1; i++) {
         sl_vec3d p = in->corner[i], q = in->corner[i + 1 < in->count ? i + 1 : 0];
@@ -88,8 +89,8 @@ void sl_triangle_in_box(const sl_cell_triangle *triangle, sl_vec3d low, sl_vec3d
         double a = sl_along(triangle->corner[0], axis), b = sl_along(triangle->corner[1], axis),
                c = sl_along(triangle->corner[2], axis), l = sl_along(low, axis), h = sl_along(high, axis);
         if (fmin(fmin(a, b), c) >= l && fmax(fmax(a, b), c) <= h) continue;
-        sl_triangle_part_below(clipped, axis, l, -1.0, &other);
-        sl_triangle_part_below(&other, axis, h, 1.0, clipped);
+        cut_below(clipped, axis, l, -1.0, &other);
+        cut_below(&other, axis, h, 1.0, clipped);
     }
     measure(clipped);
 }
@@ -153,9 +154,9 @@ static void visit_range(const builder *b, const sl_triangle_part *part, cell_ran
     sl_triangle_part half;
     lower.high[axis] = range.low[axis] + side / 2;
     upper.low[axis] = lower.high[axis] + 1;
-    sl_triangle_part_below(part, axis, lower.high[axis] + 1.0 + b->grown, 1.0, &half);
+    cut_below(part, axis, lower.high[axis] + 1.0 + b->grown, 1.0, &half);
     visit_range(b, &half, lower, triangle, list);
-    sl_triangle_part_below(part, axis, upper.low[axis] - b->grown, -1.0, &half);
+    cut_below(part, axis, upper.low[axis] - b->grown, -1.0, &half);
     visit_range(b, &half, upper, triangle, list);
 }
 

@@ -82,9 +82,6 @@ typedef struct sl_triangle_part {
 /* Boxes are closed: what touches one leaves a point or an edge. */
 void sl_triangle_in_box(const sl_cell_triangle *triangle, sl_vec3d low, sl_vec3d high,
                         sl_triangle_part *clipped);
-/* Cuts off the part with sign * (p_axis - plane) <= 0; its corners alone. */
-void sl_triangle_part_below(const sl_triangle_part *part, int axis, double plane, double sign,
-                            sl_triangle_part *below);
 
 /* A scene's triangles in units of the deepest cells, the root's lower corner at 0. */
 typedef struct sl_cell_space {

@@ -3,7 +3,6 @@
 
 #include <stdio.h>
 
-#include "base/math.h"
 #include "cache/frame/budget.h"
 #include "scene/ambient.h"
 #include "scene/features.h"
@@ -51,7 +50,9 @@ void sl_octree_transport(const sl_settings *settings, sl_transport *transport) {
 
 /* ---- what can be said before anything has run ---- */
 
-double sl_octree_voxels_expected(const sl_scene *scene, double voxel) {
+/* Returns how many voxels of that edge surfaces will take: 3/2 A / h^2, since a plane of any tilt meets |n_x|
+ * + |n_y| + |n_z| of them in each h^2. */
+static double voxels_expected(const sl_scene *scene, double voxel) {
     double area = 0.0, cells = ceil(sl_octree_root_of_central_region(scene).edge / ((1.0 + 1e-4) * voxel));
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
         if (!sl_takes_photons(&scene->materials[scene->material_index[t]])) continue;
@@ -74,7 +75,7 @@ bool sl_octree_widens_gloss(const sl_scene *scene, const sl_light_octree_setting
 static void plan_octree(const sl_scene *scene, const sl_light_octree_settings *o, const sl_octree_plan *p,
                         sl_plan_writer *writer) {
     double voxel = sl_octree_root_of_central_region(scene).edge / (1.0 + 1e-4) / (double)(1u << o->depth),
-           voxels = voxel > 0.0 ? sl_octree_voxels_expected(scene, voxel) : 0.0;
+           voxels = voxel > 0.0 ? voxels_expected(scene, voxel) : 0.0;
     double a_voxel = voxels > 1.0 ? (double)o->photons / voxels : (double)o->photons;
     char few[160] = "";
     if (a_voxel < SL_OCTREE_FEW_PHOTONS * o->neighbours)

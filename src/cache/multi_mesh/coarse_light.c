@@ -6,7 +6,6 @@
 
 #include "base/batch.h"
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/light/moves.h"

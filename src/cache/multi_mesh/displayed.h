@@ -275,8 +275,6 @@ void sl_displayed_judge_size(sl_displayed *d, const sl_patch_place *leaf);
  * count. */
 float sl_displayed_corner_contrast(const sl_displayed *d, const sl_patch_place *leaf);
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_patch_place *leaf);
-/* Priorities in the tree below a node; returns the largest. */
-float sl_displayed_prioritise_below(sl_displayed *d, const sl_patch_place *place);
 /* Sets the largest of the children's priorities from a node's parent up to the root, and the root's place in
  * the heap. */
 void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node);
@@ -301,9 +299,8 @@ bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_patch_place
 
 /* ---- priorities.c: selection ---- */
 
-/* Ranks all roots by their priorities, or one whose priority has changed. */
+/* Ranks all roots by their priorities. */
 void sl_displayed_rank(sl_displayed *d);
-void sl_displayed_rank_root(sl_displayed *d, uint32_t entry);
 
 /* A leaf's vertices or those on its edges have changed: it is drawn again. */
 static inline void sl_displayed_mark(sl_displayed *d, uint32_t leaf) {

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/counters.h"
-#include "base/math.h"
 #include "base/memory.h"
 
 /* An update's at 512 x 512 pixels: pictures of lights, and vertices, gathers of few pixels, those of all.

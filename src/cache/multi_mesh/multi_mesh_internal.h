@@ -184,7 +184,6 @@ double sl_multi_mesh_fraction(sl_multi_mesh_state *s);
 sl_status sl_multi_mesh_warn_of_lobes(const sl_multi_mesh_state *s, sl_image *image, sl_error *error);
 /* Tells whether the meshes have taken what memory they may. To be asked from the first refinement on. */
 bool sl_multi_mesh_is_full(sl_multi_mesh_state *s);
-const char *sl_multi_mesh_filled(const void *state);
 
 /* ---- world.c ---- */
 

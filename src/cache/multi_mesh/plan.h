@@ -22,7 +22,4 @@ sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene);
 void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transport);
 void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
-/* state.c */
-sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *settings);
-
 #endif

@@ -118,6 +118,17 @@ static float largest_of_children(const sl_patches *mesh, uint32_t node) {
     return most;
 }
 
+static void raise_at(sl_displayed *d, size_t at) {
+    float a = d->highest[2 * at], b = d->highest[2 * at + 1];
+    d->highest[at] = a > b ? a : b;
+}
+
+static void rank_root(sl_displayed *d, uint32_t entry) {
+    size_t at = d->leaves + entry;
+    d->highest[at] = d->mesh->patch[d->root[entry]].priority;
+    while (at /= 2) raise_at(d, at);
+}
+
 void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node) {
     sl_patches *mesh = d->mesh;
     for (uint32_t n = sl_patch_parent(mesh, node); n != SL_NO_INDEX; n = sl_patch_parent(mesh, n)) {
@@ -126,17 +137,18 @@ void sl_displayed_raise(sl_displayed *d, uint32_t face, uint32_t node) {
         mesh->patch[n].priority = most;
     }
     uint32_t entry = d->pixels->entry_of_face[face];
-    if (entry != SL_NO_INDEX && sl_displayed_wants(d, entry)) sl_displayed_rank_root(d, entry);
+    if (entry != SL_NO_INDEX && sl_displayed_wants(d, entry)) rank_root(d, entry);
 }
 
-float sl_displayed_prioritise_below(sl_displayed *d, const sl_patch_place *place) {
+/* Priorities in the tree below a node; returns the largest. */
+static float prioritise_below(sl_displayed *d, const sl_patch_place *place) {
     sl_patch *node = &d->mesh->patch[place->patch];
     if (node->child == SL_NO_INDEX) return node->priority = sl_displayed_leaf_priority(d, place);
     float most = 0.0f;
     for (int c = 0; c < 4; c++) {
         if (!d->mesh->patch[node->child + (uint32_t)c].pixels) continue;
         sl_patch_place child = sl_patch_child_place(d->mesh, place, c);
-        float priority = sl_displayed_prioritise_below(d, &child);
+        float priority = prioritise_below(d, &child);
         most = priority > most ? priority : most;
     }
     return node->priority = most;
@@ -147,7 +159,7 @@ static void prioritise_root(void *context, size_t entry, unsigned worker) {
     sl_displayed *d = context;
     if (!sl_displayed_wants(d, entry)) return;
     sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[entry].face);
-    sl_displayed_prioritise_below(d, &root);
+    prioritise_below(d, &root);
 }
 
 void sl_displayed_prioritise(sl_displayed *d) {
@@ -167,23 +179,12 @@ void sl_displayed_prioritise(sl_displayed *d) {
 
 static float priority_of(const sl_displayed *d, uint32_t entry) { return d->highest[d->leaves + entry]; }
 
-static void raise_at(sl_displayed *d, size_t at) {
-    float a = d->highest[2 * at], b = d->highest[2 * at + 1];
-    d->highest[at] = a > b ? a : b;
-}
-
 void sl_displayed_rank(sl_displayed *d) {
     for (size_t e = 0; e < d->leaves; e++) {
         bool wanted = e < d->pixels->face_count && sl_displayed_wants(d, e);
         d->highest[d->leaves + e] = wanted ? d->mesh->patch[d->root[e]].priority : 0.0f;
     }
     for (size_t at = d->leaves; at-- > 1;) raise_at(d, at);
-}
-
-void sl_displayed_rank_root(sl_displayed *d, uint32_t entry) {
-    size_t at = d->leaves + entry;
-    d->highest[at] = d->mesh->patch[d->root[entry]].priority;
-    while (at /= 2) raise_at(d, at);
 }
 
 float sl_displayed_priority(const sl_displayed *d) { return d->root_count ? d->highest[1] : 0.0f; }

@@ -12,7 +12,6 @@
 #include <math.h>
 
 #include "base/batch.h"
-#include "cache/multi_mesh/direct.h"
 
 enum { SPACING = 4, CLOSER_RAYS = 4 };
 /* Of what a light could give at a corner: all of it, or nothing, but for what interpolation makes of them. */

@@ -171,7 +171,7 @@ static double coarse_bytes(const sl_scene *scene, const sl_settings *settings) {
     return 2.0 * (pieces < finest ? pieces : finest) * A_COARSE; /* as many again where light differs */
 }
 
-sl_memory_need sl_multi_mesh_need(const sl_scene *scene, const sl_settings *settings) {
+static sl_memory_need multi_mesh_need(const sl_scene *scene, const sl_settings *settings) {
     const sl_multi_mesh_plan plan = sl_multi_mesh_plan_make(scene);
     const double triangles = (double)scene->triangle_count, n = settings->gather_size,
                  l = settings->multi_mesh.light_size;
@@ -206,7 +206,7 @@ bool sl_multi_mesh_is_full(sl_multi_mesh_state *s) {
     return s->full;
 }
 
-const char *sl_multi_mesh_filled(const void *state) {
+static const char *multi_mesh_filled(const void *state) {
     const sl_multi_mesh_state *s = state;
     return s->full ? s->filled : NULL;
 }
@@ -251,8 +251,8 @@ const sl_method_class sl_multi_mesh_method = {
     .tells_apart = SL_CHANGED_POWER | SL_CHANGED_MATERIALS,
     .counters_at = offsetof(sl_multi_mesh_state, counters),
     .memory_bytes = multi_mesh_bytes,
-    .need = sl_multi_mesh_need,
-    .filled = sl_multi_mesh_filled,
+    .need = multi_mesh_need,
+    .filled = multi_mesh_filled,
     .transport = sl_multi_mesh_transport,
     .plan = sl_multi_mesh_plan_write,
     .raster_at = offsetof(sl_multi_mesh_state, raster),

@@ -2,8 +2,6 @@
  * anew. */
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
-#include "base/error.h"
-
 /* ---- the end of a picture ---- */
 
 static void end_picture(sl_multi_mesh_state *s) {

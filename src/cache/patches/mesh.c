@@ -175,7 +175,7 @@ bool sl_mesh_fan_shown(const sl_patches *mesh, sl_patch_place *place, bool hangi
 
 static float clamp01(float x) { return x > 0.0f ? fminf(x, 1.0f) : 0.0f; }
 
-void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value) {
+static void fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value) {
     static const uint32_t corner[3] = {0, 1, 2};
     const float(*of)[3] = fan->value;
     w1 = clamp01(w1);
@@ -196,7 +196,7 @@ bool sl_mesh_interpolate(const sl_patches *mesh, const sl_patch_place *leaf, flo
                          float *value) {
     sl_mesh_fan fan;
     if (!sl_mesh_fan_make(mesh, leaf, hanging, &fan)) return false;
-    sl_mesh_fan_value(&fan, w1, w2, value);
+    fan_value(&fan, w1, w2, value);
     return true;
 }
 

@@ -132,7 +132,6 @@ typedef struct sl_mesh_fan {
 bool sl_mesh_fan_make(const sl_patches *mesh, const sl_patch_place *leaf, bool hanging, sl_mesh_fan *fan);
 /* The same of the nearest of a patch and its ancestors that has one, as it is shown. */
 bool sl_mesh_fan_shown(const sl_patches *mesh, sl_patch_place *place, bool hanging, sl_mesh_fan *fan);
-void sl_mesh_fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value);
 
 /* The same for points side by side (fan_kernels.c). */
 enum { SL_FAN_LANES = 16 };

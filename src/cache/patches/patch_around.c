@@ -1,5 +1,5 @@
 /* Leaves around a vertex, in its own root and in those that meet there; and vertices along a leaf's edge. */
-#include "cache/patches/patch_parts.h"
+#include "cache/patches/patches.h"
 #include "cache/patches/primitive_parts.h"
 
 /* ---- leaves around a place ------------------------------------------------------------------- */

@@ -4,7 +4,6 @@
  * any, from those of their parents, and so on upwards. So a leaf that is half under the leg shows on its
  * other half what is beside it, and where the leg begins is for splits to find: what such a leaf shows may be
  * wrong by all of it (sl_patch_error()), down to the size at which nothing is split any more. */
-#include "base/math.h"
 #include "cache/patches/patches.h"
 
 void sl_patches_set_extrapolated(sl_patches *p, uint32_t vertex) {

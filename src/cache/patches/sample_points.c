@@ -2,7 +2,6 @@
  * begin, and may be inside other geometry. */
 #include <math.h>
 
-#include "base/math.h"
 #include "cache/patches/mesh.h"
 #include "cache/patches/primitive_parts.h"
 

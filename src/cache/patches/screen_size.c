@@ -67,7 +67,8 @@ static sl_screen_size measure(const sl_view *view, int count, const sl_clip_poin
     return (sl_screen_size){0.5f * fabsf(twice_area), sqrtf(longest)};
 }
 
-sl_screen_size sl_screen_size_of(const sl_view *view, int corners, const sl_clip_point *corner) {
+/* Of a convex polygon of three or four corners. */
+static sl_screen_size size_of(const sl_view *view, int corners, const sl_clip_point *corner) {
     sl_clip_point a[POINTS_MAX], b[POINTS_MAX];
     if (!is_cut(corners, corner)) return measure(view, corners, corner);
     int count = cut(corner, corners, 0, b);
@@ -85,7 +86,7 @@ static sl_clip_point seen_at(const sl_patches *p, const sl_view *view, uint32_t 
 
 static void add(const sl_view *view, sl_clip_point a, sl_clip_point b, sl_clip_point c,
                 sl_screen_size *size) {
-    sl_screen_size part = sl_screen_size_of(view, 3, (const sl_clip_point[3]){a, b, c});
+    sl_screen_size part = size_of(view, 3, (const sl_clip_point[3]){a, b, c});
     size->area += part.area;
     size->edge = fmaxf(size->edge, part.edge);
 }
@@ -117,5 +118,5 @@ sl_screen_size sl_patch_projected(const sl_patches *p, const sl_patch_place *pla
     sl_clip_point corner[4];
     for (int c = 0; c < place->corners; c++)
         corner[c] = seen_at(p, view, place->root, place->u[c], place->v[c]);
-    return sl_screen_size_of(view, place->corners, corner);
+    return size_of(view, place->corners, corner);
 }

@@ -15,7 +15,5 @@ sl_clip_point sl_clip_point_of(const sl_view *view, sl_vec3 point);
 typedef struct sl_screen_size {
     float area, edge;
 } sl_screen_size;
-/* Of a convex polygon of three or four corners. */
-sl_screen_size sl_screen_size_of(const sl_view *view, int corners, const sl_clip_point *corner);
 
 #endif

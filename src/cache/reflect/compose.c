@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-#include "base/math.h"
 #include "base/parallel.h"
 #include "cache/frame/picture_value.h"
 

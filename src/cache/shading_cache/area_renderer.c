@@ -11,7 +11,6 @@
  * part and by its glossy lobe. Mirrors reflect lamps as well as all else by bidirectional_renderer.c. So does
  * the environment shine, which is counted here only where no renderer of indirect light is wanted. */
 #include "base/error.h"
-#include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/shading_cache/renderers.h"

@@ -17,12 +17,9 @@ float sl_curve_level_of(const sl_display_curve *curve, float luminance) {
                             luminance);
 }
 
-float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance) {
-    return sl_curve_level_of(curve, sl_curve_luminance(radiance));
-}
-
 float sl_levels_apart(const sl_display_curve *curve, sl_rgb a, sl_rgb b) {
-    return fabsf(sl_curve_level(curve, a) - sl_curve_level(curve, b));
+    return fabsf(sl_curve_level_of(curve, sl_curve_luminance(a)) -
+                 sl_curve_level_of(curve, sl_curve_luminance(b)));
 }
 
 /* ---- what leaves a patch --------------------------------------------------------------------- */

@@ -14,7 +14,6 @@ typedef struct sl_display_curve {
 } sl_display_curve;
 /* Y; negative, NaN: 0; infinite: the largest float. */
 float sl_curve_luminance(sl_rgb radiance);
-float sl_curve_level(const sl_display_curve *curve, sl_rgb radiance);
 float sl_curve_level_of(const sl_display_curve *curve, float luminance);
 /* The number of levels by which two radiances differ. */
 float sl_levels_apart(const sl_display_curve *curve, sl_rgb a, sl_rgb b);

@@ -13,12 +13,18 @@ static bool is_finite(const sl_sample *s) {
     return sl_rgb_is_finite(s->irradiance) && sl_rgb_is_finite(s->radiance) && isfinite(s->variance);
 }
 
+/* Tells whether position and normals are finite, and normals have a length. */
+static bool is_sound(const sl_lit_point *p) {
+    return sl_is_finite(p->position) && sl_is_finite(p->normal) && sl_is_finite(p->geometric_normal) &&
+           sl_dot(p->normal, p->normal) > 0.0f && sl_dot(p->geometric_normal, p->geometric_normal) > 0.0f;
+}
+
 static void render_one(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
     const point_batch *b = context;
     sl_sample *sample = result;
     *sample = (sl_sample){.valid = true};
     if (b->requests[index].passed_over) return;
-    bool sound = sl_request_is_sound(&b->requests[index]);
+    bool sound = is_sound(&b->requests[index].point);
     if (sound) b->render(b->state, &b->requests[index], worker, sample, counters);
     if (sound && is_finite(sample)) return;
     *sample = (sl_sample){.broken = true};
@@ -32,12 +38,6 @@ void sl_render_each(sl_render_point *render, const void *state, size_t count,
     sl_batch batch = {.count = count, .work = render_one, .context = &points, .results = samples,
                       .result_bytes = sizeof *samples, .shared = true};
     sl_batch_run(&batch, threads, counters);
-}
-
-bool sl_request_is_sound(const sl_sample_request *q) {
-    const sl_lit_point *p = &q->point;
-    return sl_is_finite(p->position) && sl_is_finite(p->normal) && sl_is_finite(p->geometric_normal) &&
-           sl_dot(p->normal, p->normal) > 0.0f && sl_dot(p->geometric_normal, p->geometric_normal) > 0.0f;
 }
 
 bool sl_request_wants_irradiance(const sl_sample_request *q) {

@@ -89,8 +89,6 @@ typedef void sl_render_point(const void *state, const sl_sample_request *request
 void sl_render_each(sl_render_point *render, const void *state, size_t count,
                     const sl_sample_request *requests, unsigned threads, sl_sample *samples,
                     sl_counters *counters);
-/* Position and normals are finite, and normals have a length. */
-bool sl_request_is_sound(const sl_sample_request *request);
 /* Tells what is asked for: irradiance of materials that have a diffuse part, and of points without a
  * material; radiance of glossy lobes and of mirrors. */
 bool sl_request_wants_irradiance(const sl_sample_request *request);

@@ -221,13 +221,9 @@ void sl_shading_note_idle(sl_shading_state *s, size_t choices) {
     s->late = s->late || 2 * idle > choices;
 }
 
-bool sl_shading_is_done(const sl_shading_state *s) {
-    return s->now >= s->last_update || s->samples >= s->last_sample || sl_shading_nothing_is_left(s);
-}
-
 /* Every visible leaf is as small as it gets, and as the scene is now. Objects that change are shown with
  * coarser leaves: they are not the end. */
-bool sl_shading_nothing_is_left(const sl_shading_state *s) {
+static bool nothing_is_left(const sl_shading_state *s) {
     if (s->now == 0 || s->fades.count > 0 || s->stale_left > 0 || s->few_paths) return false;
     for (size_t i = 0; i < s->scene->object_count; i++) {
         if (s->changes.object[i].changing) return false;
@@ -238,4 +234,8 @@ bool sl_shading_nothing_is_left(const sl_shading_state *s) {
         if (!is_finished(s, patch)) return false;
     }
     return true;
+}
+
+bool sl_shading_is_done(const sl_shading_state *s) {
+    return s->now >= s->last_update || s->samples >= s->last_sample || nothing_is_left(s);
 }

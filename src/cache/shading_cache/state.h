@@ -92,7 +92,6 @@ void sl_shading_each_leaf(sl_shading_state *s, sl_leaf_visit *visit);
 /* Finished leaves are not chosen, once half of the choices were theirs. */
 void sl_shading_leave_out_finished(sl_shading_state *s);
 void sl_shading_note_idle(sl_shading_state *s, size_t choices);
-bool sl_shading_nothing_is_left(const sl_shading_state *s);
 bool sl_shading_is_done(const sl_shading_state *s);
 
 /* renewal.c. Appends vertices that are stale to s->vertex[0 .. *count), and tells which layers each of

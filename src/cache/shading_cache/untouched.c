@@ -2,7 +2,6 @@
  * a place where something was, or is now; and all light where nothing but its power has changed. */
 #include <math.h>
 
-#include "base/math.h"
 #include "cache/shading_cache/state.h"
 
 enum { FEW = 32 };

@@ -118,11 +118,4 @@ static inline void sl_weights_at(const sl_edge_lines *l, double x, double y, flo
     *w2 = (float)b2;
 }
 
-/* All of it for one pixel (x, y) of the viewport. */
-static inline void sl_barycentric_weights(const sl_pass_view *view, const sl_vec3 q[3], double x, double y,
-                                          float *w1, float *w2) {
-    sl_edge_lines lines = sl_edge_lines_make(view, q[0], q[1], q[2]);
-    sl_weights_at(&lines, x, y, w1, w2);
-}
-
 #endif

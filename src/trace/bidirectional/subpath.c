@@ -4,8 +4,6 @@
 
 #include <math.h>
 
-#include "base/counters.h"
-#include "base/math.h"
 #include "base/random.h"
 #include "trace/path_walk.h"
 

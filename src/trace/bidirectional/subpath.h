@@ -33,7 +33,6 @@ typedef struct sl_path_vertex {
     sl_vec3 origin;           /* where its rays start: lifted off the surface */
     sl_vec3 back;             /* unit, to the vertex before; of an infinitely distant light, towards it */
     sl_vec3 geometric_normal; /* on the side of `back` */
-    double squared_distance;  /* to the vertex before */
     double pdf_forward;       /* the density with which its own walk made it */
     /* the density with which the other walk would have, coming from the vertex after it */
     double pdf_reverse;

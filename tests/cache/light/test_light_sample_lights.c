@@ -69,9 +69,9 @@ static void lights_without_extent_follow_in_the_scenes_order(void **unused) {
     add_panel(&mesh, 0, 2, 0, 1, lamp_material(&mesh, 1));
     light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 3);
-    assert_int_equal(w.lights->light[0].scene_light, SL_NO_INDEX);
-    assert_true(w.lights->light[1].kind == SL_SAMPLED_SPOT && w.lights->light[1].scene_light == 0);
-    assert_true(w.lights->light[2].kind == SL_SAMPLED_POINT && w.lights->light[2].scene_light == 1);
+    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_AREA);
+    assert_int_equal(w.lights->light[1].kind, SL_SAMPLED_SPOT);
+    assert_int_equal(w.lights->light[2].kind, SL_SAMPLED_POINT);
     light_world_free(&w);
 }
 

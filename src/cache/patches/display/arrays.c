@@ -9,7 +9,8 @@
 #include "cache/frame/picture_value.h"
 #include "cache/patches/display/display_parts.h"
 
-bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes) {
+/* Grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in sl_regrow(). */
+static bool grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes) {
     if (wanted <= *capacity) return true;
     size_t room = *capacity + *capacity / 128 + 32; /* what is allocated and not used counts, too */
     if (room < wanted) room = wanted;
@@ -91,10 +92,10 @@ size_t sl_display_memory_bytes(const sl_display *d) {
 /* As many patches as there are; new ones are leaves until something else is heard of them. */
 static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
     copy->channels = (size_t)p->settings.channels;
-    bool ok = sl_display_grow(&copy->word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
-              sl_display_grow(&copy->value, &copy->vertex_capacity, p->vertex_count,
+    bool ok = grow(&copy->word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
+              grow(&copy->value, &copy->vertex_capacity, p->vertex_count,
                               copy->channels * sizeof *copy->value) &&
-              sl_display_grow(&copy->middle, &copy->block_capacity, p->patch_count / 4, sizeof *copy->middle);
+              grow(&copy->middle, &copy->block_capacity, p->patch_count / 4, sizeof *copy->middle);
     if (!ok) return false;
     for (size_t i = copy->patch_count; i < p->patch_count; i++) copy->word[i] = SL_DISPLAY_LEAF;
     copy->patch_count = p->patch_count;
@@ -107,7 +108,7 @@ static bool put_fan(sl_fans *fans, const sl_patches *p, uint32_t patch, uint32_t
     sl_patch_place leaf = sl_patch_place_of(p, patch);
     size_t count = sl_patch_spokes(p, &leaf, SL_PATCH_DEPTH_MAX, 0, spoke), end = fans->used + 1 + count;
     if (count == 0) return true;
-    if (end > SL_FAN_BIT || !sl_display_grow(&fans->spoke, &fans->capacity, end, sizeof *fans->spoke))
+    if (end > SL_FAN_BIT || !grow(&fans->spoke, &fans->capacity, end, sizeof *fans->spoke))
         return false;
     fans->spoke[fans->used] = (sl_fan_spoke){.vertex = (uint32_t)count};
     memcpy(&fans->spoke[fans->used + 1], spoke, count * sizeof *spoke);

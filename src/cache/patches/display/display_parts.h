@@ -94,10 +94,6 @@ struct sl_display {
     size_t root_count;
 };
 
-/* arrays.c: grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in
- * sl_regrow(). */
-bool sl_display_grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes);
-
 /* window.c. */
 /* to be closed also where this fails */
 sl_status sl_window_open(sl_display *display, const sl_scene *scene, unsigned threads, sl_window *window,
