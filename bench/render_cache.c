@@ -366,7 +366,7 @@ static void shade_points(render_cache *c, size_t count, sl_counters *counters) {
         if (c->fresh[i].triangle != SL_NO_INDEX) c->request[shaded++] = c->request[i];
     for (size_t i = 0; i < shaded; i++) c->sample[i] = (sl_sample){.valid = true};
     for (int r = 0; r < c->s.renderers; r++) {
-        c->s.renderer[r].render(c->s.renderer[r].state, shaded, c->request, c->s.threads, c->part, counters);
+        sl_render(&c->s.renderer[r], shaded, c->request, c->s.threads, c->part, counters);
         for (size_t i = 0; i < shaded; i++) {
             c->sample[i].irradiance = sl_rgb_add(c->sample[i].irradiance, c->part[i].irradiance);
             c->sample[i].radiance = sl_rgb_add(c->sample[i].radiance, c->part[i].radiance);

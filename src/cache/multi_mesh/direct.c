@@ -78,12 +78,8 @@ static double mean_lobe(const sl_sampled_light *light, const highlight *h) {
     return sum[0] > 0.0 ? sum[1] / sum[0] : 0.0;
 }
 
-static bool has_area(const sl_sampled_light *light) {
-    return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID;
-}
-
 static double lobe_of(const sl_sampled_light *light, const highlight *h) {
-    return has_area(light) ? mean_lobe(light, h) : lobe_towards(h, sl_light_direction(light, h->lit));
+    return sl_light_has_extent(light) ? mean_lobe(light, h) : lobe_towards(h, sl_light_direction(light, h->lit));
 }
 
 sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_lit_point *point,

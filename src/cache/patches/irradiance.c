@@ -330,15 +330,7 @@ bool sl_mesh_value_holds(const void *context, const sl_patches *mesh, uint32_t v
            !sl_lights_may_differ(l, sl_vertex_position(mesh, vertex), l->reach);
 }
 
-/* A closed edge's halves were closed with it; where it differs now they are to be tested themselves. */
-static void hand_down_edges(sl_patches *mesh, const sl_patch *parent) {
-    for (int child = 0; child < 3; child++)
-        for (int c = 0; c < 3; c++)
-            if (c != child)
-                sl_set_edge(&mesh->patch[parent->child + (uint32_t)child], c,
-                            sl_edge_of(parent, c) == SL_EDGE_CLOSED ? SL_EDGE_CLOSED : SL_EDGE_UNTESTED);
-}
-
+/* Halves of an edge that differs now are to be tested themselves. */
 static void judge_below(sl_irradiance_meshes *m, uint32_t light, const sl_patch_place *place) {
     sl_patches *mesh = m->mesh[light];
     sl_patch *node = &mesh->patch[place->patch];
@@ -348,7 +340,7 @@ static void judge_below(sl_irradiance_meshes *m, uint32_t light, const sl_patch_
         if (state != SL_EDGE_UNTESTED) sl_set_edge(node, i, state);
     }
     if (node->child == SL_NO_INDEX) return;
-    hand_down_edges(mesh, node);
+    sl_mesh_hand_down_edges(mesh, place->patch);
     for (int c = 0; c < 4; c++) {
         sl_patch_place child = sl_patch_child_place(mesh, place, c);
         judge_below(m, light, &child);

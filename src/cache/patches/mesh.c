@@ -9,15 +9,20 @@
 
 /* Corner c of a child in four keeps the edge opposite to c half, unless c is the corner that it shares with
  * its parent. */
-sl_status sl_mesh_split(sl_patches *mesh, const sl_patch_place *place, sl_error *error) {
-    sl_status status = sl_patch_split_at(mesh, place, error);
-    if (status != SL_OK || sl_patch_is_leaf(mesh, place->patch)) return status;
-    const sl_patch *parent = &mesh->patch[place->patch];
+void sl_mesh_hand_down_edges(sl_patches *mesh, uint32_t patch) {
+    const sl_patch *parent = &mesh->patch[patch];
     for (int child = 0; child < 3; child++)
         for (int c = 0; c < 3; c++)
-            if (c != child && sl_edge_of(parent, c) == SL_EDGE_CLOSED)
-                sl_set_edge(&mesh->patch[parent->child + (uint32_t)child], c, SL_EDGE_CLOSED);
-    return SL_OK;
+            if (c != child)
+                sl_set_edge(&mesh->patch[parent->child + (uint32_t)child], c,
+                            sl_edge_of(parent, c) == SL_EDGE_CLOSED ? SL_EDGE_CLOSED : SL_EDGE_UNTESTED);
+}
+
+sl_status sl_mesh_split(sl_patches *mesh, const sl_patch_place *place, sl_error *error) {
+    sl_status status = sl_patch_split_at(mesh, place, error);
+    if (status == SL_OK && !sl_patch_is_leaf(mesh, place->patch))
+        sl_mesh_hand_down_edges(mesh, place->patch);
+    return status;
 }
 
 void sl_mesh_weights_within(const sl_patch_place *place, float w1, float w2, float *leaf_w1, float *leaf_w2) {

@@ -56,6 +56,9 @@ static inline uint32_t sl_mesh_find_middle(const sl_patches *mesh, const sl_patc
 }
 /* Cuts a leaf in four. Children's edges are untested, but halves of closed ones are closed. */
 sl_status sl_mesh_split(sl_patches *mesh, const sl_patch_place *place, sl_error *error);
+/* Closes the halves of a patch's closed edges, which were closed with them; its other children's edges are
+ * untested then. */
+void sl_mesh_hand_down_edges(sl_patches *mesh, uint32_t patch);
 
 /* The test of an edge: `differs` tells whether an eye can tell the value at a point of a face from the mean
  * of what lies on either side of it. It is asked of the middle of the edge and its ends, and of the middles

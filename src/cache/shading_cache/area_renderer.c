@@ -145,11 +145,10 @@ static void render_point(const void *state, const sl_sample_request *request, un
         sl_request_sky_light(&r->settings, &r->sequence, request, points, sample, counters);
 }
 
-static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
-                   sl_sample *samples, sl_counters *counters) {
+static void prepare(void *state, size_t count, const sl_sample_request *requests) {
+    (void)count, (void)requests;
     const area_renderer *r = state;
     sl_light_sampling_trace_by(r->sampling, *r->settings.tracer);
-    sl_render_each(render_point, state, count, requests, threads, samples, counters);
 }
 
 static void release_lights(area_renderer *r) {
@@ -188,8 +187,8 @@ static double rays(const void *state) {
 
 sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
                            sl_error *error) {
-    *renderer = (sl_sample_renderer){.name = "area", .render = render, .edit = make_lights,
-                                     .destroy = destroy, .rays = rays};
+    *renderer = (sl_sample_renderer){
+        .prepare = prepare, .render = render_point, .edit = make_lights, .destroy = destroy, .rays = rays};
     area_renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;

@@ -98,13 +98,9 @@ static void render_point(const void *state, const sl_sample_request *q, unsigned
 
 /* ---- the renderer ---------------------------------------------------------------------------- */
 
-static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
-                   sl_sample *samples, sl_counters *counters) {
-    const renderer *r = state;
+static void prepare(void *state, size_t count, const sl_sample_request *requests) {
     for (size_t i = 0; i < count; i++)
-        if (!requests[i].passed_over) make_set(r, requests[i].set % SETS_MAX, NULL);
-    sl_render_each(render_point, state, count, requests, threads < r->workers ? threads : r->workers, samples,
-                   counters);
+        if (!requests[i].passed_over) make_set(state, requests[i].set % SETS_MAX, NULL);
 }
 
 /* The first set is made at once, so that what fails fails here. */
@@ -140,8 +136,8 @@ static double rays(const void *state) {
 
 sl_status sl_bidirectional_renderer(const sl_renderer_settings *settings, sl_sample_renderer *out,
                                     sl_error *error) {
-    *out = (sl_sample_renderer){.name = "bidirectional", .render = render, .edit = edit, .destroy = destroy,
-                                .rays = rays};
+    *out = (sl_sample_renderer){
+        .prepare = prepare, .render = render_point, .edit = edit, .destroy = destroy, .rays = rays};
     renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;

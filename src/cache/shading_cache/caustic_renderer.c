@@ -111,11 +111,6 @@ static void render_point(const void *state, const sl_sample_request *request, un
 
 /* ---- the renderer ---------------------------------------------------------------------------- */
 
-static void render(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
-                   sl_sample *samples, sl_counters *counters) {
-    sl_render_each(render_point, state, count, requests, threads, samples, counters);
-}
-
 static void destroy(void *state) {
     renderer *r = state;
     if (!r) return;
@@ -131,8 +126,8 @@ static double rays(const void *state) {
 
 sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_renderer *out,
                               sl_error *error) {
-    *out = (sl_sample_renderer){.name = "caustics", .render = render, .edit = make_map, .destroy = destroy,
-                                .rays = rays};
+    *out = (sl_sample_renderer){
+        .render = render_point, .edit = make_map, .destroy = destroy, .rays = rays};
     renderer *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "a sample renderer");
     r->settings = *settings;

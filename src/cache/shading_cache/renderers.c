@@ -4,8 +4,7 @@
 #include "cache/shading_cache/renderers.h"
 
 typedef struct point_batch {
-    sl_render_point *render;
-    const void *state;
+    const sl_sample_renderer *renderer;
     const sl_sample_request *requests;
 } point_batch;
 
@@ -25,16 +24,16 @@ static void render_one(void *context, size_t index, unsigned worker, void *resul
     *sample = (sl_sample){.valid = true};
     if (b->requests[index].passed_over) return;
     bool sound = is_sound(&b->requests[index].point);
-    if (sound) b->render(b->state, &b->requests[index], worker, sample, counters);
+    if (sound) b->renderer->render(b->renderer->state, &b->requests[index], worker, sample, counters);
     if (sound && is_finite(sample)) return;
     *sample = (sl_sample){.broken = true};
     sl_count(counters, SL_COUNT_NONFINITE, 1);
 }
 
-void sl_render_each(sl_render_point *render, const void *state, size_t count,
-                    const sl_sample_request *requests, unsigned threads,
-                    sl_sample *samples, sl_counters *counters) {
-    point_batch points = {render, state, requests};
+void sl_render(const sl_sample_renderer *renderer, size_t count, const sl_sample_request *requests,
+               unsigned threads, sl_sample *samples, sl_counters *counters) {
+    point_batch points = {renderer, requests};
+    if (renderer->prepare) renderer->prepare(renderer->state, count, requests);
     sl_batch batch = {.count = count, .work = render_one, .context = &points, .results = samples,
                       .result_bytes = sizeof *samples, .shared = true};
     sl_batch_run(&batch, threads, counters);

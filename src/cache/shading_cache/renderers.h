@@ -38,12 +38,12 @@ typedef struct sl_sample {
 } sl_sample;
 
 typedef struct sl_sample_renderer {
-    const char *name;
     void *state;
-    /* samples[i] answers requests[i]; nothing of it depends on `threads` (settings' at most) or on the other
-     * requests. One batch at a time. */
-    void (*render)(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
-                   sl_sample *samples, sl_counters *counters);
+    /* Before a batch of requests; NULL: there is nothing to be made. */
+    void (*prepare)(void *state, size_t count, const sl_sample_request *requests);
+    /* Answers one of them, whatever the others are; worker < threads chooses scratch memory alone. */
+    void (*render)(const void *state, const sl_sample_request *request, unsigned worker, sl_sample *sample,
+                   sl_counters *counters);
     /* More than the camera has changed; the tracer has been made anew where objects moved. */
     sl_status (*edit)(void *state, sl_error *error);
     void (*destroy)(void *state);
@@ -51,6 +51,10 @@ typedef struct sl_sample_renderer {
     double (*rays)(const void *state);
     unsigned layer;            /* SL_LAYER_CHEAP or SL_LAYER_DEAR, as the cache has it */
 } sl_sample_renderer;
+/* samples[i] answers requests[i]; nothing of it depends on `threads` (settings' at most). One batch at a
+ * time. */
+void sl_render(const sl_sample_renderer *renderer, size_t count, const sl_sample_request *requests,
+               unsigned threads, sl_sample *samples, sl_counters *counters);
 
 /* tracer: where the caller keeps it; it may be made anew between batches. */
 typedef struct sl_renderer_settings {
@@ -83,12 +87,6 @@ sl_status sl_caustic_renderer(const sl_renderer_settings *settings, sl_sample_re
 
 /* ---- what they share (renderers.c) ------------------------------------------------------------ */
 
-/* One request; worker < threads chooses scratch memory alone. */
-typedef void sl_render_point(const void *state, const sl_sample_request *request, unsigned worker,
-                             sl_sample *sample, sl_counters *counters);
-void sl_render_each(sl_render_point *render, const void *state, size_t count,
-                    const sl_sample_request *requests, unsigned threads, sl_sample *samples,
-                    sl_counters *counters);
 /* Tells what is asked for: irradiance of materials that have a diffuse part, and of points without a
  * material; radiance of glossy lobes and of mirrors. */
 bool sl_request_wants_irradiance(const sl_sample_request *request);

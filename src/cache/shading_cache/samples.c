@@ -86,7 +86,7 @@ void sl_shading_sample(sl_shading_state *s, size_t count) {
     for (int r = 0; r < s->renderer_count; r++) {
         const sl_sample_renderer *renderer = &s->renderer[r];
         if (!pass_over_others(s, renderer->layer, count)) continue;
-        renderer->render(renderer->state, count, s->request, s->settings.threads, s->part, &s->counters);
+        sl_render(renderer, count, s->request, s->settings.threads, s->part, &s->counters);
         for (size_t i = 0; i < count; i++)
             if (!s->request[i].passed_over) add_part(s, i, renderer->layer, &s->part[i]);
     }

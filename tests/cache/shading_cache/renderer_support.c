@@ -28,7 +28,7 @@ sl_sample_renderer shop_renderer(shop *s, make_renderer *make) {
 
 sl_sample shop_sample(shop *s, const sl_sample_renderer *renderer, const sl_sample_request *request) {
     sl_sample sample;
-    renderer->render(renderer->state, 1, request, 1, &sample, &s->counters);
+    sl_render(renderer, 1, request, 1, &sample, &s->counters);
     return sample;
 }
 
@@ -49,12 +49,6 @@ static void constant_point(const void *state, const sl_sample_request *request, 
     sample->irradiance = *(const sl_rgb *)state;
 }
 
-static void constant_batch(const void *state, size_t count, const sl_sample_request *requests,
-                           unsigned threads, sl_sample *samples,
-                           sl_counters *counters) {
-    sl_render_each(constant_point, state, count, requests, threads, samples, counters);
-}
-
 static sl_status constant_edit(void *state, sl_error *error) {
     return SL_OK;
 }
@@ -63,6 +57,6 @@ sl_sample_renderer constant_renderer(sl_rgb irradiance) {
     sl_rgb *state = sl_allocate(1, sizeof *state);
     assert_non_null(state);
     *state = irradiance;
-    return (sl_sample_renderer){.name = "constant", .state = state, .render = constant_batch,
-                                .edit = constant_edit, .destroy = sl_free};
+    return (sl_sample_renderer){
+        .state = state, .render = constant_point, .edit = constant_edit, .destroy = sl_free};
 }

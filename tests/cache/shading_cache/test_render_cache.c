@@ -152,20 +152,17 @@ static void points_go_along_with_their_object(void **state) {
 
 /* ---- a renderer whose light goes on in one half of the room ---- */
 
-static void render_half(const void *state, size_t count, const sl_sample_request *requests, unsigned threads,
-                        sl_sample *samples, sl_counters *counters) {
-    for (size_t i = 0; i < count; i++)
-        samples[i] = (sl_sample){
-            .irradiance =
-                sl_grey(*(const float *)state > 0.0f && requests[i].point.position.x < 278.0f ? 5.0f : 1.0f),
-            .valid = true};
+static void render_half(const void *state, const sl_sample_request *request, unsigned worker,
+                        sl_sample *sample, sl_counters *counters) {
+    const bool brighter = *(const float *)state > 0.0f && request->point.position.x < 278.0f;
+    sample->irradiance = sl_grey(brighter ? 5.0f : 1.0f);
 }
 
 static void samples_go_where_colours_are_found_to_change(void **state) {
     world w = open_world("scenes/cornell.json");
     sl_sample_renderer constant = w.renderer;
     float lit = 0.0f;
-    w.renderer = (sl_sample_renderer){.name = "half", .state = &lit, .render = render_half};
+    w.renderer = (sl_sample_renderer){.state = &lit, .render = render_half};
     make_cache(&w, SIZE * SIZE / 32, 1);
     run_frames(&w, 60);
     lit = 1.0f;

@@ -143,15 +143,15 @@ static void maps_are_the_same_bits_with_any_threads_and_follow_edits(void **stat
     for (unsigned threads = 1; threads <= 3; threads += 2) {
         s.settings.threads = threads;
         sl_sample_renderer r = shop_renderer(&s, sl_caustic_renderer);
-        r.render(r.state, 5, q, threads, after, &s.counters);
+        sl_render(&r, 5, q, threads, after, &s.counters);
         if (threads == 1) memcpy(before, after, sizeof before);
         for (int i = 0; i < 5; i++) assert_true(same_sample(&before[i], &after[i]));
         assert_int_equal(r.edit(r.state, NULL), SL_OK);
-        r.render(r.state, 5, q, threads, after, &s.counters);
+        sl_render(&r, 5, q, threads, after, &s.counters);
         for (int i = 0; i < 5; i++) assert_true(same_sample(&before[i], &after[i]));
         s.scene->lights[0].intensity = sl_grey(0.0f);
         assert_int_equal(r.edit(r.state, NULL), SL_OK);
-        r.render(r.state, 5, q, threads, after, &s.counters);
+        sl_render(&r, 5, q, threads, after, &s.counters);
         for (int i = 0; i < 5; i++) assert_true(after[i].valid && after[i].irradiance.g == 0.0f);
         s.scene->lights[0].intensity = (sl_rgb){10, 20, 30};
         r.destroy(r.state);

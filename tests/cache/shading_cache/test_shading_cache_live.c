@@ -23,6 +23,7 @@ static bool gate_is_open, edit_fails, edits_brighten;
 static int waiting, arrived, passes, edits; /* passes: of batches that a closed gate lets through */
 static atomic_int batches;
 static float irradiance = 2.0f * (float)SL_PI; /* behind the gate */
+static float of_batch; /* as the last batch found it */
 
 static void open_gate(bool open) {
     sl_monitor_enter(&gate);
@@ -37,8 +38,7 @@ static void wait_until_samples_are_held_up(void) {
     sl_monitor_leave(&gate);
 }
 
-static void render_behind_the_gate(const void *state, size_t count, const sl_sample_request *requests,
-                                   unsigned threads, sl_sample *samples, sl_counters *counters) {
+static void go_through_the_gate(void *state, size_t count, const sl_sample_request *requests) {
     sl_monitor_enter(&gate);
     waiting++;
     arrived++;
@@ -46,10 +46,14 @@ static void render_behind_the_gate(const void *state, size_t count, const sl_sam
     while (!gate_is_open && passes == 0) sl_monitor_wait(&gate);
     if (!gate_is_open) passes--;
     waiting--;
-    float now = irradiance;
+    of_batch = irradiance;
     sl_monitor_leave(&gate);
-    for (size_t i = 0; i < count; i++) samples[i] = (sl_sample){.irradiance = {now, now, now}, .valid = true};
     atomic_fetch_add(&batches, 1);
+}
+
+static void render_as_of_then(const void *state, const sl_sample_request *request, unsigned worker,
+                              sl_sample *sample, sl_counters *counters) {
+    sample->irradiance = sl_grey(of_batch);
 }
 
 static sl_status edit_or_fail(void *state, sl_error *error) {
@@ -64,8 +68,8 @@ static void nothing_to_destroy(void *state) { (void)state; }
 
 sl_status sl_area_renderer(const sl_renderer_settings *settings, sl_sample_renderer *renderer,
                            sl_error *error) {
-    *renderer = (sl_sample_renderer){.name = "waits",
-                                     .render = render_behind_the_gate,
+    *renderer = (sl_sample_renderer){.prepare = go_through_the_gate,
+                                     .render = render_as_of_then,
                                      .edit = edit_or_fail,
                                      .destroy = nothing_to_destroy};
     return SL_OK;

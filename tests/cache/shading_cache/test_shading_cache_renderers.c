@@ -297,6 +297,7 @@ static void answers_depend_on_their_request_alone(void **state) {
     shop s;
     shop_open(&s, load_scene("scenes/cornell-glossy.json"));
     s.settings.cache.indirect_samples = 100;
+    s.settings.threads = 7;
     sl_sample_request q[COUNT];
     for (uint32_t i = 0; i < COUNT; i++) {
         q[i] = request_on(s.scene, i * 7 % (uint32_t)s.scene->triangle_count, 0.01f * (float)i, 0.3f,
@@ -309,19 +310,19 @@ static void answers_depend_on_their_request_alone(void **state) {
         sl_sample_renderer r = shop_renderer(&s, makers[m]), other = shop_renderer(&s, makers[m]);
         sl_sample all[COUNT], parts[COUNT];
         sl_counters once = {{0}}, split = {{0}};
-        r.render(r.state, COUNT, q, 1, all, &once);
-        for (size_t i = COUNT; i-- > 0;) other.render(other.state, 1, &q[i], 1, &parts[i], &split);
+        sl_render(&r, COUNT, q, 1, all, &once);
+        for (size_t i = COUNT; i-- > 0;) sl_render(&other, 1, &q[i], 1, &parts[i], &split);
         for (int i = 0; i < COUNT; i++) assert_true(same_sample(&all[i], &parts[i]));
         assert_memory_equal(&once, &split, sizeof once);
         for (unsigned threads = 2; threads <= 7; threads += 5) {
             sl_counters threaded = {{0}};
-            r.render(r.state, COUNT, q, threads, parts, &threaded);
+            sl_render(&r, COUNT, q, threads, parts, &threaded);
             for (int i = 0; i < COUNT; i++) assert_true(same_sample(&all[i], &parts[i]));
             assert_memory_equal(&once, &threaded, sizeof once);
         }
         /* After an edit that changes nothing all is as it was. */
         assert_int_equal(r.edit(r.state, NULL), SL_OK);
-        r.render(r.state, COUNT, q, 1, parts, &split);
+        sl_render(&r, COUNT, q, 1, parts, &split);
         for (int i = 0; i < COUNT; i++) assert_true(same_sample(&all[i], &parts[i]));
         r.destroy(r.state);
         other.destroy(other.state);
@@ -374,7 +375,7 @@ static void points_that_are_not_finite_are_broken_and_leave_the_batch_alone(void
                               request_at(sl_v3(NAN, 0, 0), up)};
     sl_sample samples[3];
     sl_counters counters = {{0}};
-    r.render(r.state, 3, q, 2, samples, &counters);
+    sl_render(&r, 3, q, 2, samples, &counters);
     for (int i = 0; i < 2; i++)
         assert_true(samples[i].valid && samples[i].irradiance.r == 1 && samples[i].irradiance.g == 2 &&
                     samples[i].irradiance.b == 3);
