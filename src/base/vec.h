@@ -20,6 +20,10 @@ typedef struct sl_rgb {
     float r, g, b;
 } sl_rgb;
 
+/* Moves numbers into [0,1]; NaN: 0. Without branches, for loops over lanes. */
+static inline double sl_clamp_unit(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0; }
+static inline float sl_clamp_unitf(float t) { return t > 0.0f ? (t < 1.0f ? t : 1.0f) : 0.0f; }
+
 static inline sl_vec3 sl_v3(float x, float y, float z) { return (sl_vec3){x, y, z}; }
 static inline sl_vec3 sl_add(sl_vec3 a, sl_vec3 b) { return sl_v3(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline sl_vec3 sl_sub(sl_vec3 a, sl_vec3 b) { return sl_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
@@ -97,6 +101,15 @@ static inline sl_rgb sl_rgb_add(sl_rgb a, sl_rgb b) { return (sl_rgb){a.r + b.r,
 static inline sl_rgb sl_rgb_sub(sl_rgb a, sl_rgb b) { return (sl_rgb){a.r - b.r, a.g - b.g, a.b - b.b}; }
 static inline sl_rgb sl_rgb_mul(sl_rgb a, sl_rgb b) { return (sl_rgb){a.r * b.r, a.g * b.g, a.b * b.b}; }
 static inline sl_rgb sl_rgb_scale(sl_rgb a, float s) { return (sl_rgb){a.r * s, a.g * s, a.b * s}; }
+/* Sums of colours that are to be weighed and divided. */
+static inline void sl_sum_colour(double sum[3], double weight, sl_rgb a) {
+    sum[0] += weight * (double)a.r;
+    sum[1] += weight * (double)a.g;
+    sum[2] += weight * (double)a.b;
+}
+static inline sl_rgb sl_sum_over(const double sum[3], double weight) {
+    return (sl_rgb){(float)(sum[0] / weight), (float)(sum[1] / weight), (float)(sum[2] / weight)};
+}
 static inline float sl_rgb_mean(sl_rgb a) { return (a.r + a.g + a.b) * (1.0f / 3.0f); }
 static inline float sl_rgb_max(sl_rgb a) {
     float m = a.r > a.g ? a.r : a.g;

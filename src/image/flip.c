@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "base/vec.h"
 
 #include <math.h>
 
@@ -151,7 +152,6 @@ static void detect_features(const workspace *w, const double *y, const double *d
     for (size_t i = 0; i < w->pixels; i++) out[i] = sqrt(out[i] * out[i] + w->temporary[i] * w->temporary[i]);
 }
 
-static double clamp_unit(double x) { return x > 1.0 ? 1.0 : x > 0.0 ? x : 0.0; }
 
 /* Filtered y, cx, cz to L*a*b*; filtering can leave the gamut, so the colour is clamped on the way
  * (section 4.1.1). */
@@ -159,7 +159,7 @@ static void perceive_color(const workspace *w, const appearance *a) {
     for (size_t i = 0; i < w->pixels; i++) {
         double y = a->lab[0][i];
         triple rgb = transform(rgb_of_xyz, (triple){{y + a->lab[1][i], y, y - a->lab[2][i]}});
-        for (int c = 0; c < 3; c++) rgb.v[c] = clamp_unit(rgb.v[c]);
+        for (int c = 0; c < 3; c++) rgb.v[c] = sl_clamp_unit(rgb.v[c]);
         triple lab = hunt_adjusted_lab(rgb);
         for (int c = 0; c < 3; c++) a->lab[c][i] = lab.v[c];
     }
@@ -205,7 +205,7 @@ static double color_error(const appearance *a, const appearance *b, size_t i, do
  */
 static double feature_error(const appearance *a, const appearance *b, size_t i) {
     double edge = fabs(a->edge[i] - b->edge[i]), point = fabs(a->point[i] - b->point[i]);
-    return sqrt(clamp_unit((edge > point ? edge : point) * sqrt(0.5)));
+    return sqrt(sl_clamp_unit((edge > point ? edge : point) * sqrt(0.5)));
 }
 
 /* Section 4.3: a feature that differs raises the colour error. */
@@ -215,8 +215,8 @@ static double mean_error(const sl_picture_pair *pictures, size_t pixels, const a
     double sum = 0.0, count = 0.0;
     for (size_t i = 0; i < pixels; i++) {
         if (!pictures->use[i]) continue;
-        sum += clamp_unit(
-            sl_pow(clamp_unit(color_error(a, b, i, exponent, largest)), 1.0 - feature_error(a, b, i)));
+        sum += sl_clamp_unit(
+            sl_pow(sl_clamp_unit(color_error(a, b, i, exponent, largest)), 1.0 - feature_error(a, b, i)));
         count += 1.0;
     }
     return sum / count;

@@ -142,7 +142,6 @@ static void metallic_roughness(sl_material *m, sl_rgb base, sl_rgb textured_base
     set_roughness(m, roughness);
 }
 
-static float clamp_unit(float value) { return fminf(fmaxf(value, 0.0f), 1.0f); }
 
 static sl_status modulate(const source *s, float *metallic, float *roughness) {
     uint32_t index;
@@ -196,8 +195,8 @@ static sl_status specular_glossiness(const source *s, float glossiness, sl_mater
         glossiness *= (float)means_of(texture_at(s, index)).byte[3];
         tell_mean(s, "specular colour and glossiness are those of its");
     }
-    m->diffuse = sl_rgb_scale(m->diffuse, 1.0f - clamp_unit(sl_rgb_max(m->specular)));
-    set_roughness(m, 1.0f - clamp_unit(glossiness));
+    m->diffuse = sl_rgb_scale(m->diffuse, 1.0f - sl_clamp_unitf(sl_rgb_max(m->specular)));
+    set_roughness(m, 1.0f - sl_clamp_unitf(glossiness));
     return SL_OK;
 }
 
@@ -213,7 +212,7 @@ static sl_status metallic_workflow(const source *s, sl_material *m) {
         textured = sl_rgb_mul(base, mean_color(texture_at(s, m->texture)));
         tell_mean(s, "the colour of its metal is that of its base");
     }
-    metallic_roughness(m, base, textured, clamp_unit(metallic), clamp_unit(roughness));
+    metallic_roughness(m, base, textured, sl_clamp_unitf(metallic), sl_clamp_unitf(roughness));
     return SL_OK;
 }
 

@@ -4,15 +4,8 @@
 
 #include <math.h>
 
-typedef struct rgbd {
-    double r, g, b;
-} rgbd;
-
-static void add(rgbd *sum, sl_rgb colour, double scale) {
-    if (!sl_rgb_is_finite(colour) || !(scale > 0.0 && scale < 1e300)) return;
-    sum->r += scale * (double)colour.r;
-    sum->g += scale * (double)colour.g;
-    sum->b += scale * (double)colour.b;
+static void add(double sum[3], sl_rgb colour, double scale) {
+    if (sl_rgb_is_finite(colour) && scale > 0.0 && scale < 1e300) sl_sum_colour(sum, scale, colour);
 }
 
 double sl_triangle_area(const sl_scene *s, size_t triangle) {
@@ -44,27 +37,25 @@ static double central_share(const sl_scene *s, sl_vec3 from) {
 }
 
 /* The integral of k_d over all surfaces; texture at the middles of four equal parts of each triangle. */
-static rgbd reflecting_area(const sl_scene *scene, bool central, double *area) {
+static void reflecting_area(const sl_scene *scene, bool central, double sum[3], double *area) {
     static const float w[4][2] = {{1.0f / 3.0f, 1.0f / 3.0f},
                                   {1.0f / 6.0f, 1.0f / 6.0f},
                                   {2.0f / 3.0f, 1.0f / 6.0f},
                                   {1.0f / 6.0f, 2.0f / 3.0f}};
-    rgbd sum = {0.0, 0.0, 0.0};
-    *area = 0.0;
+    sum[0] = sum[1] = sum[2] = *area = 0.0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
         if (central && !lies_central(scene, t)) continue;
         double a = sl_triangle_area(scene, t);
         *area += a;
         for (int k = 0; k < 4; k++)
-            add(&sum, sl_scene_diffuse_nearest(scene, (uint32_t)t, w[k][0], w[k][1]), 0.25 * a);
+            add(sum, sl_scene_diffuse_nearest(scene, (uint32_t)t, w[k][0], w[k][1]), 0.25 * a);
     }
-    return sum;
 }
 
 double sl_mean_reflectance(const sl_scene *scene) {
-    double area;
-    const rgbd reflecting = reflecting_area(scene, sl_scene_is_scattered(scene), &area);
-    return area > 0.0 ? fmin(fmax(reflecting.r, fmax(reflecting.g, reflecting.b)) / area, 1.0) : 0.0;
+    double kd[3], area;
+    reflecting_area(scene, sl_scene_is_scattered(scene), kd, &area);
+    return area > 0.0 ? fmin(fmax(kd[0], fmax(kd[1], kd[2])) / area, 1.0) : 0.0;
 }
 
 /* Returns what a light sends into the scene: of sunlight, what falls on its box. */
@@ -79,56 +70,49 @@ static double solid_angle_or_area(const sl_scene *scene, bool central, const sl_
     return fabs(d.x) * size.y * size.z + fabs(d.y) * size.z * size.x + fabs(d.z) * size.x * size.y;
 }
 
-static rgbd power_of_lights(const sl_scene *scene, bool central) {
-    rgbd power = {0.0, 0.0, 0.0};
+static void add_power_of_lights(const sl_scene *scene, bool central, double power[3]) {
     for (size_t i = 0; i < scene->emitter_count; i++) {
         const sl_emitter *e = &scene->emitters[i];
         double share =
             !central ? 1.0 : central_share(scene, sl_scene_position(scene, scene->vertex[0][e->triangle]));
-        add(&power, e->radiance,
+        add(power, e->radiance,
             share * SL_PI * (double)e->area * (double)e->opaque * (e->two_sided ? 2.0 : 1.0));
     }
     for (size_t i = 0; i < scene->light_count; i++) {
         const sl_light *light = &scene->lights[i];
         double share =
             !central || light->type == SL_LIGHT_DIRECTIONAL ? 1.0 : central_share(scene, light->position);
-        add(&power, light->intensity, share * solid_angle_or_area(scene, central, light));
+        add(power, light->intensity, share * solid_angle_or_area(scene, central, light));
     }
-    return power;
 }
 
 /* The environment shows in gathers itself: its mean over all directions, as if nothing stood before it. */
-static rgbd environment_irradiance(const sl_environment *e) {
-    rgbd sum = {0.0, 0.0, 0.0};
-    if (!e->present) return sum;
-    if (e->width <= 0) add(&sum, e->constant, SL_PI);
+static void add_environment_irradiance(const sl_environment *e, double sum[3]) {
+    if (!e->present) return;
+    if (e->width <= 0) add(sum, e->constant, SL_PI);
     for (int row = 0; row < e->height && e->width > 0; row++) {
         /* of a texel */
         double share =
             0.5 * (sl_cos(SL_PI * row / e->height) - sl_cos(SL_PI * (row + 1) / e->height)) / e->width;
         for (int column = 0; column < e->width; column++) {
             const float *t = e->texels + 3 * ((size_t)row * (size_t)e->width + (size_t)column);
-            add(&sum, (sl_rgb){t[0], t[1], t[2]}, SL_PI * share);
+            add(sum, (sl_rgb){t[0], t[1], t[2]}, SL_PI * share);
         }
     }
-    return sum;
 }
 
 static sl_rgb ambient_of(const sl_scene *scene, bool central, bool all_bounces) {
-    double area;
-    rgbd reflecting = reflecting_area(scene, central, &area), power = power_of_lights(scene, central),
-         sky = environment_irradiance(&scene->environment);
-    double over = area > 0.0 && area < 1e300 ? 1.0 / area : 0.0;
-    const double reflectance[3] = {reflecting.r * over, reflecting.g * over, reflecting.b * over};
-    const double direct[3] = {power.r * over, power.g * over, power.b * over},
-                 from_sky[3] = {sky.r, sky.g, sky.b};
-    double e[3];
+    double area, reflecting[3], power[3] = {0.0, 0.0, 0.0}, sky[3] = {0.0, 0.0, 0.0}, e[3];
+    reflecting_area(scene, central, reflecting, &area);
+    add_power_of_lights(scene, central, power);
+    add_environment_irradiance(&scene->environment, sky);
+    const double over = area > 0.0 && area < 1e300 ? 1.0 / area : 0.0;
     for (int k = 0; k < 3; k++) {
-        double absorbed = 1.0 - fmin(reflectance[k], 0.99);
-        e[k] = reflectance[k] * direct[k] / (all_bounces ? absorbed : 1.0) + from_sky[k];
+        double reflectance = reflecting[k] * over, absorbed = 1.0 - fmin(reflectance, 0.99);
+        e[k] = reflectance * (power[k] * over) / (all_bounces ? absorbed : 1.0) + sky[k];
         e[k] = e[k] > 0.0 && e[k] < 1e37 ? e[k] : 0.0;
     }
-    return (sl_rgb){(float)e[0], (float)e[1], (float)e[2]};
+    return sl_sum_over(e, 1.0);
 }
 
 /* A plain without end would leave nothing of what lights a room on it, and the walls around a grain light it

@@ -52,23 +52,28 @@ static float embree_far(const query_state *state, unsigned k, float t) {
     return (float)(end * (double)state->tracer->unit);
 }
 
-void sl_intersect_callback(const struct RTCIntersectFunctionNArguments *arguments) {
-    query_state *state = sl_embree_state(arguments->context);
-    unsigned n = arguments->N;
-    const unsigned *id = sl_embree_id(arguments->rayhit, n);
-    float *tfar = sl_embree_tfar(arguments->rayhit, n);
+/* Takes a triangle that is proposed to n rays of either kind of query where it is better than what they have:
+ * any ends a search for occluders. */
+static inline void propose(bool occluders, const void *part, const void *context, unsigned primitive,
+                           const int *valid, void *rays, unsigned n) {
+    query_state *state = sl_embree_state(context);
+    const unsigned *id = sl_embree_id(rays, n);
+    float *tfar = sl_embree_tfar(rays, n);
     sl_triangle_corners own;
     uint32_t triangle;
-    const sl_triangle_corners *corners =
-        find_triangle(arguments->geometryUserPtr, arguments->context, arguments->primID, &own, &triangle);
+    const sl_triangle_corners *corners = find_triangle(part, context, primitive, &own, &triangle);
+    sl_ray_state *r = &state->rays;
     sl_candidates c;
-    uint32_t hits = SL_KERNEL_OF(state->tracer->isa, sl_triangle_test)(&state->rays, corners,
-                                                                       arguments->valid, id, n, &c);
+    uint32_t hits = SL_KERNEL_OF(state->tracer->isa, sl_triangle_test)(r, corners, valid, id, n, &c);
     for (; hits; hits &= hits - 1) {
         unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
-        sl_ray_state *r = &state->rays;
         if (!is_better(r, k, c.t[i], triangle) || !is_opaque(state->tracer, triangle, c.w1[i], c.w2[i]))
             continue;
+        if (occluders) {
+            state->occluded |= 1u << k;
+            tfar[i] = -INFINITY;
+            continue;
+        }
         r->best_t[k] = c.t[i];
         r->best_w1[k] = c.w1[i];
         r->best_w2[k] = c.w2[i];
@@ -77,25 +82,12 @@ void sl_intersect_callback(const struct RTCIntersectFunctionNArguments *argument
     }
 }
 
-void sl_occluded_callback(const struct RTCOccludedFunctionNArguments *arguments) {
-    query_state *state = sl_embree_state(arguments->context);
-    unsigned n = arguments->N;
-    const unsigned *id = sl_embree_id(arguments->ray, n);
-    float *tfar = sl_embree_tfar(arguments->ray, n);
-    sl_triangle_corners own;
-    uint32_t triangle;
-    const sl_triangle_corners *corners =
-        find_triangle(arguments->geometryUserPtr, arguments->context, arguments->primID, &own, &triangle);
-    sl_candidates c;
-    uint32_t hits = SL_KERNEL_OF(state->tracer->isa, sl_triangle_test)(&state->rays, corners,
-                                                                       arguments->valid, id, n, &c);
-    for (; hits; hits &= hits - 1) {
-        unsigned i = (unsigned)__builtin_ctz(hits), k = id[i];
-        if (!is_better(&state->rays, k, c.t[i], triangle)) continue;
-        if (!is_opaque(state->tracer, triangle, c.w1[i], c.w2[i])) continue;
-        state->occluded |= 1u << k;
-        tfar[i] = -INFINITY;
-    }
+void sl_intersect_callback(const struct RTCIntersectFunctionNArguments *a) {
+    propose(false, a->geometryUserPtr, a->context, a->primID, a->valid, a->rayhit, a->N);
+}
+
+void sl_occluded_callback(const struct RTCOccludedFunctionNArguments *a) {
+    propose(true, a->geometryUserPtr, a->context, a->primID, a->valid, a->ray, a->N);
 }
 
 /* ---- queries --------------------------------------------------------------------------------- */

@@ -142,12 +142,6 @@ typedef struct stretch { /* samples [first, end) of each half, for some slots */
     uint32_t first, end;
 } stretch;
 
-static void add(sl_probe *probe, unsigned half, sl_rgb light) {
-    probe->sum[half][0] += (double)light.r;
-    probe->sum[half][1] += (double)light.g;
-    probe->sum[half][2] += (double)light.b;
-}
-
 static void stretch_task(void *context, size_t task, unsigned worker, void *result, sl_counters *counters) {
     (void)worker, (void)result;
     const stretch *s = context;
@@ -159,7 +153,8 @@ static void stretch_task(void *context, size_t task, unsigned worker, void *resu
     for (unsigned half = 0; half < SL_HALVES; half++) {
         for (uint32_t index = s->first; index < s->end; index++) {
             trace_packet(s->t, pixels, count, half, index, radiance, counters);
-            for (unsigned i = 0; i < count; i++) add(&s->t->probe[slots[i]], half, radiance[i]);
+            for (unsigned i = 0; i < count; i++)
+                sl_sum_colour(s->t->probe[slots[i]].sum[half], 1.0, radiance[i]);
         }
     }
 }

@@ -39,7 +39,7 @@ static polar polar_of(sl_vec3d d) {
     double tangential = d.x * d.x + d.y * d.y;
     if (!(tangential <= 4.0)) return (polar){1.0, 0.0, 1.0, 0.0};
     double sine = sqrt(tangential);
-    double c = d.z > 0.0 ? (d.z < 1.0 ? d.z : 1.0) : 0.0;
+    double c = sl_clamp_unit(d.z);
     /* s = 2 sqrt(c (1 - c)), 1 - c from the tangential part: no cancellation at the zenith. */
     polar p = {2.0 * c - 1.0, 2.0 * sqrt(c * (tangential / (1.0 + c))), 1.0, 0.0};
     if (sine > 1e-150) { /* below, squares lose their digits, and s^m with them */
@@ -125,7 +125,7 @@ static double crowded_node(int k, int n, double *weight) {
 
 /* (r . w)^s within reach; rounding may take the cosine a little out of [0,1]. */
 static double lobe_power(const products *p, double cosine) {
-    return p->scale * sl_pow(cosine > 0.0 ? (cosine < 1.0 ? cosine : 1.0) : 0.0, p->exponent);
+    return p->scale * sl_pow(sl_clamp_unit(cosine), p->exponent);
 }
 
 /* r . w = along + across cos phi. */
@@ -253,7 +253,7 @@ static float quick_acos(float x) {
 }
 
 sl_phong_rows sl_moved_lobe_at(const sl_moved_lobe *lobe, float cosine) {
-    float size = fabsf(cosine), c = size > 0.0f ? (size < 1.0f ? size : 1.0f) : 0.0f;
+    float size = fabsf(cosine), c = sl_clamp_unitf(size);
     float at = quick_acos(c) * ((float)(ANGLES - 1) * (float)(2.0 / SL_PI));
     int row = (int)at;
     row = row < ANGLES - 2 ? row : ANGLES - 2;

@@ -35,9 +35,7 @@ static void average_texel(const sl_environment *environment, int size, int x, in
         sl_rgb radiance = sl_environment_radiance(environment, sl_normalize_or(p, sl_v3(0.0f, 0.0f, 1.0f)));
         double squared = (double)sl_dot(p, p), weight = 1.0 / (squared * sqrt(squared));
         if (!sl_rgb_is_finite(radiance)) continue;
-        sum[0] += weight * (double)radiance.r;
-        sum[1] += weight * (double)radiance.g;
-        sum[2] += weight * (double)radiance.b;
+        sl_sum_colour(sum, weight, radiance);
         angle += weight;
     }
     for (int c = 0; c < 3; c++) rgba[c] = angle > 0.0 ? (float)(sum[c] / angle) : 0.0f;

@@ -31,8 +31,6 @@ static inline float cell(float position, float last) {
     return (float)(int32_t)position;
 }
 
-static inline float fraction(float f) { return f > 0.0f ? (f < 1.0f ? f : 1.0f) : 0.0f; }
-
 static inline float not_zero(float v) { return v > 1e-30f ? v : 1e-30f; }
 
 static void locate_on_cube(const sl_depth_cube *map, size_t count, const float *restrict px,
@@ -65,8 +63,8 @@ static void locate_on_cube(const sl_depth_cube *map, size_t count, const float *
         float left = cell(column, last), below = cell(row, last);
         float cx = fabsf(ns) * facing * tangent, cy = fabsf(nt) * facing * tangent;
         texel[i] = start[side] + (mask[side] & ((int32_t)below * width + (int32_t)left));
-        across[i] = fraction(column - left);
-        up[i] = fraction(row - below);
+        across[i] = sl_clamp_unitf(column - left);
+        up[i] = sl_clamp_unitf(row - below);
         change_x[i] = cx * (1.0f + 1e-5f);
         change_y[i] = cy * (1.0f + 1e-5f);
         /* Rounded are the position, by a few units of its own size, and the unit normal, whose error a long
@@ -100,8 +98,8 @@ static void locate_in_parallel(const sl_depth_cube *map, size_t count, const flo
         float left = cell(column, last), below = cell(row, last);
         float cx = fabsf(a) * facing * step_x, cy = fabsf(b) * facing * step_y;
         texel[i] = start + (mask & ((int32_t)below * width + (int32_t)left));
-        across[i] = fraction(column - left);
-        up[i] = fraction(row - below);
+        across[i] = sl_clamp_unitf(column - left);
+        up[i] = sl_clamp_unitf(row - below);
         change_x[i] = cx * (1.0f + 1e-5f);
         change_y[i] = cy * (1.0f + 1e-5f);
         depth[i] = (0.5f - z * scale_z) + (1e-6f + facing * rounding) + (cx + cy) * 4e-4f;

@@ -36,8 +36,6 @@ static sl_vec3d stretched(const sl_ellipsoid *e, sl_vec3d p) {
     return sl_addd(q, sl_scaled(e->normal, (1.0 / flatness_of(e) - 1.0) * sl_dotd(q, e->normal)));
 }
 
-static double within_edge(double t) { return t > 0.0 ? t < 1.0 ? t : 1.0 : 0.0; }
-
 static double sector(sl_vec3d normal, double radius_squared, sl_vec3d p, sl_vec3d q) {
     return 0.5 * radius_squared * sl_atan2(sl_dotd(sl_crossd(p, q), normal), sl_dotd(p, q));
 }
@@ -52,8 +50,8 @@ static double under_edge(sl_vec3d normal, double radius_squared, sl_vec3d a, sl_
     sl_vec3d foot = sl_addd(a, sl_scaled(along, nearest));
     double left = radius_squared - sl_dotd(foot, foot);
     if (!(left > 0.0)) return sector(normal, radius_squared, a, b);
-    double half = sqrt(left / length_squared), enter = within_edge(nearest - half),
-           leave = within_edge(nearest + half);
+    double half = sqrt(left / length_squared), enter = sl_clamp_unit(nearest - half),
+           leave = sl_clamp_unit(nearest + half);
     if (!(enter < leave)) return sector(normal, radius_squared, a, b);
     double area = 0.5 * (leave - enter) * sl_dotd(sl_crossd(foot, along), normal);
     if (enter > 0.0) area += sector(normal, radius_squared, a, sl_addd(a, sl_scaled(along, enter)));

@@ -256,7 +256,7 @@ static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const place *p
     const sl_scene *scene = c->scene;
     uint32_t triangle = face / 2;
     int rows = c->face[face].rows;
-    double r = 0.0, g = 0.0, b = 0.0, count = 0.0;
+    double sum[3] = {0.0, 0.0, 0.0}, count = 0.0;
     for (int s = 0; s < m * m; s++) {
         int j = 0, at = s;
         for (; at >= 2 * (m - j) - 1; j++) at -= 2 * (m - j) - 1;
@@ -265,14 +265,12 @@ static sl_rgb mean_reflectance(const sl_coarse *c, uint32_t face, const place *p
         double v = (p->j[0] + x * (p->j[1] - p->j[0]) + y * (p->j[2] - p->j[0])) / rows;
         float w1 = (float)u, w2 = (float)v;
         if (!sl_scene_is_opaque(scene, triangle, w1, w2)) continue;
-        sl_rgb k = sl_scene_diffuse_nearest(scene, triangle, w1, w2);
-        r += (double)k.r;
-        g += (double)k.g;
-        b += (double)k.b;
+        sl_sum_colour(sum, 1.0, sl_scene_diffuse_nearest(scene, triangle, w1, w2));
         count += 1.0;
     }
     if (!(count > 0.0)) return sl_grey(0.0f); /* all of it is holes */
-    return (sl_rgb){sane((float)(r / count)), sane((float)(g / count)), sane((float)(b / count))};
+    const sl_rgb mean = sl_sum_over(sum, count);
+    return (sl_rgb){sane(mean.r), sane(mean.g), sane(mean.b)};
 }
 
 /* ---- colours --------------------------------------------------------------------------------- */

@@ -8,13 +8,8 @@
 
 sl_rgb sl_direct_diffuse(const sl_sampled_lights *lights, const float *share) {
     double sum[3] = {0.0, 0.0, 0.0};
-    for (size_t l = 0; l < lights->count; l++) {
-        sl_rgb c = lights->light[l].colour;
-        sum[0] += (double)c.r * (double)share[l];
-        sum[1] += (double)c.g * (double)share[l];
-        sum[2] += (double)c.b * (double)share[l];
-    }
-    return (sl_rgb){(float)(sum[0] / SL_PI), (float)(sum[1] / SL_PI), (float)(sum[2] / SL_PI)};
+    for (size_t l = 0; l < lights->count; l++) sl_sum_colour(sum, (double)share[l], lights->light[l].colour);
+    return sl_sum_over(sum, SL_PI);
 }
 
 /* ---- highlights ---- */
@@ -79,7 +74,8 @@ static double mean_lobe(const sl_sampled_light *light, const highlight *h) {
 }
 
 static double lobe_of(const sl_sampled_light *light, const highlight *h) {
-    return sl_light_has_extent(light) ? mean_lobe(light, h) : lobe_towards(h, sl_light_direction(light, h->lit));
+    return sl_light_has_extent(light) ? mean_lobe(light, h)
+                                      : lobe_towards(h, sl_light_direction(light, h->lit));
 }
 
 sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_lit_point *point,
@@ -92,10 +88,7 @@ sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, c
     for (size_t l = 0; l < lights->count; l++) {
         const sl_sampled_light *light = &lights->light[l];
         if (!(share[l] > 0.0f)) continue;
-        double factor = lobe * lobe_of(light, &h) * (double)share[l];
-        sum[0] += factor * (double)light->colour.r;
-        sum[1] += factor * (double)light->colour.g;
-        sum[2] += factor * (double)light->colour.b;
+        sl_sum_colour(sum, lobe * lobe_of(light, &h) * (double)share[l], light->colour);
     }
-    return (sl_rgb){(float)sum[0], (float)sum[1], (float)sum[2]};
+    return sl_sum_over(sum, 1.0);
 }

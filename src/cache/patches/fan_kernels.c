@@ -29,8 +29,6 @@ size_t SL_KERNEL(sl_mesh_run)(const sl_patch_place *place, size_t count, const f
 
 /* ---- values ---- */
 
-static inline float clamp01(float x) { return x > 0.0f ? (x < 1.0f ? x : 1.0f) : 0.0f; }
-
 static inline void flat_values(const sl_mesh_fan *fan, const float *w1, const float *w2,
                                float value[3][SL_FAN_LANES]) {
     const float(*of)[3] = fan->value;
@@ -105,8 +103,8 @@ void SL_KERNEL(sl_mesh_fan_values)(const sl_mesh_fan *fan, const float *w1, cons
     float a[LANES], b[LANES];
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
-        a[l] = clamp01(w1[l]);
-        b[l] = clamp01(w2[l]);
+        a[l] = sl_clamp_unitf(w1[l]);
+        b[l] = sl_clamp_unitf(w2[l]);
     }
     if (fan->count == 0) flat_values(fan, a, b, value);
     else fan_values(fan, a, b, value);

@@ -178,13 +178,11 @@ bool sl_mesh_fan_shown(const sl_patches *mesh, sl_patch_place *place, bool hangi
     return true;
 }
 
-static float clamp01(float x) { return x > 0.0f ? fminf(x, 1.0f) : 0.0f; }
-
 static void fan_value(const sl_mesh_fan *fan, float w1, float w2, float *value) {
     static const uint32_t corner[3] = {0, 1, 2};
     const float(*of)[3] = fan->value;
-    w1 = clamp01(w1);
-    w2 = clamp01(w2);
+    w1 = sl_clamp_unitf(w1);
+    w2 = sl_clamp_unitf(w2);
     if (fan->count == 0) {
         for (int i = 0; i < fan->channels; i++)
             value[i] = of[0][i] + (w1 * (of[1][i] - of[0][i]) + w2 * (of[2][i] - of[0][i]));

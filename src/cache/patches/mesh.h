@@ -91,8 +91,8 @@ void sl_mesh_forget(sl_patches *mesh, const sl_mesh_check *check);
 sl_patch_place sl_mesh_locate(const sl_patches *mesh, uint32_t face, float w1, float w2);
 /* Moves weights of corners 1 and 2 into [0,1], together at most 1; NaN: 0. */
 static inline void sl_mesh_clamp_weights(float w1, float w2, double *clamped1, double *clamped2) {
-    const double a = w1 > 0.0f ? (w1 < 1.0f ? (double)w1 : 1.0) : 0.0,
-                 b = w2 > 0.0f ? (w2 < 1.0f ? (double)w2 : 1.0) : 0.0, sum = a + b > 1.0 ? a + b : 1.0;
+    const double a = sl_clamp_unit((double)w1), b = sl_clamp_unit((double)w2),
+                 sum = a + b > 1.0 ? a + b : 1.0;
     *clamped1 = a / sum;
     *clamped2 = b / sum;
 }

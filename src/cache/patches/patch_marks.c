@@ -54,14 +54,12 @@ void sl_share_add(sl_vertex_shares *s, uint32_t vertex, double weight) {
     s->weight[at] += weight;
 }
 
-static double between_0_and_1(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0; }
-
 /* Barycentric, and bilinear. */
 static void corner_weights(bool triangle, double a, double b, double weight[4]) {
-    a = between_0_and_1(a);
-    b = between_0_and_1(b);
+    a = sl_clamp_unit(a);
+    b = sl_clamp_unit(b);
     double sum = triangle && a + b > 1.0 ? a + b : 1.0, x = a / sum, y = b / sum;
-    weight[0] = triangle ? between_0_and_1(1.0 - x - y) : (1.0 - x) * (1.0 - y);
+    weight[0] = triangle ? sl_clamp_unit(1.0 - x - y) : (1.0 - x) * (1.0 - y);
     weight[1] = triangle ? x : x * (1.0 - y);
     weight[2] = triangle ? y : x * y;
     weight[3] = (1.0 - x) * y;

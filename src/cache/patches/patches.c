@@ -184,7 +184,7 @@ sl_patch_place sl_patch_place_of(const sl_patches *p, uint32_t patch) {
     return place;
 }
 
-static double scaled(double t) { return t > 0.0 ? (t < 1.0 ? t * SL_PATCH_DYADIC : SL_PATCH_DYADIC) : 0.0; }
+static double scaled(double t) { return SL_PATCH_DYADIC * sl_clamp_unit(t); }
 
 /* Goes from a place in a triangle to that in one of its children, which is returned. */
 static uint32_t go_down_triangle(double *a, double *b) {
@@ -224,8 +224,8 @@ uint32_t sl_patch_leaf_at(const sl_patches *p, uint32_t patch, int corners, doub
 
 sl_patch_place sl_patch_locate(const sl_patches *p, uint32_t root, double u, double v) {
     const sl_patch_place whole = sl_patch_root_place(p, root);
-    const double a = u > 0.0 ? (u < 1.0 ? u : 1.0) : 0.0, b = v > 0.0 ? (v < 1.0 ? v : 1.0) : 0.0;
-    const uint32_t leaf = sl_patch_leaf_at(p, whole.patch, whole.corners, a, b);
+    const uint32_t leaf =
+        sl_patch_leaf_at(p, whole.patch, whole.corners, sl_clamp_unit(u), sl_clamp_unit(v));
     return leaf == whole.patch ? whole : sl_patch_place_of(p, leaf);
 }
 

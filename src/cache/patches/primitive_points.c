@@ -106,13 +106,11 @@ static uint32_t bicubic_triangle_at(const sl_primitives *p, uint32_t primitive, 
     return triangle;
 }
 
-static double clamped(double t) { return t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0; }
-
 uint32_t sl_root_triangle_at(const sl_primitives *p, uint32_t root, double u, double v, float *w1,
                              float *w2) {
     uint32_t primitive = root / 2;
-    u = clamped(u);
-    v = clamped(v);
+    u = sl_clamp_unit(u);
+    v = sl_clamp_unit(v);
     switch ((sl_primitive_kind)p->kind[primitive]) {
     case SL_PRIMITIVE_QUAD: return quad_triangle_at(p, primitive, u, v, w1, w2);
     case SL_PRIMITIVE_BICUBIC: return bicubic_triangle_at(p, primitive, u, v, w1, w2);
@@ -145,8 +143,8 @@ void sl_root_parameters(const sl_primitives *p, uint32_t triangle, float w1, flo
             *v += weight[c] * (double)(at / side) / (double)b->steps;
         }
     }
-    *u = clamped(*u);
-    *v = clamped(*v);
+    *u = sl_clamp_unit(*u);
+    *v = sl_clamp_unit(*v);
 }
 
 void sl_root_corner_parameters(const sl_primitives *p, uint32_t triangle, float uv[6]) {

@@ -149,13 +149,9 @@ static sl_rgb average_diffuse(const sl_primitives *p, uint32_t primitive) {
         bool fold = triangle && u + v > 1.0;
         float w1, w2;
         uint32_t t = sl_root_triangle_at(p, 2 * primitive, fold ? 1.0 - u : u, fold ? 1.0 - v : v, &w1, &w2);
-        sl_rgb kd = sl_scene_diffuse(p->scene, t, w1, w2);
-        sum[0] += (double)kd.r;
-        sum[1] += (double)kd.g;
-        sum[2] += (double)kd.b;
+        sl_sum_colour(sum, 1.0, sl_scene_diffuse(p->scene, t, w1, w2));
     }
-    double points = SIDE * SIDE;
-    return (sl_rgb){(float)(sum[0] / points), (float)(sum[1] / points), (float)(sum[2] / points)};
+    return sl_sum_over(sum, SIDE * SIDE);
 }
 
 sl_rgb sl_root_mean_diffuse(const sl_primitives *p, uint32_t root) {

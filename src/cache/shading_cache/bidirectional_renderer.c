@@ -55,8 +55,6 @@ static void forget_sets(renderer *r) {
 
 /* ---- at a point ------------------------------------------------------------------------------ */
 
-static sl_rgb colour_of(const double c[3]) { return (sl_rgb){(float)c[0], (float)c[1], (float)c[2]}; }
-
 /* Of the channels' mean, as if they varied together: never less than it is. */
 static float mean_variance(const double v[3]) {
     double deviation = (sqrt(v[0]) + sqrt(v[1]) + sqrt(v[2])) / 3.0;
@@ -83,13 +81,13 @@ static void render_point(const void *state, const sl_sample_request *q, unsigned
     sl_bidirectional_value value;
     if (irradiance) {
         sl_bidirectional_irradiance(points, &request, r->scratch[worker], &value, counters);
-        sample->irradiance = colour_of(value.mean);
+        sample->irradiance = sl_sum_over(value.mean, 1.0);
         sample->variance = mean_variance(value.variance);
         sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     }
     if (lobe || mirror) {
         sl_bidirectional_radiance(points, &request, q->eye, r->scratch[worker], &value, counters);
-        sample->radiance = colour_of(value.mean);
+        sample->radiance = sl_sum_over(value.mean, 1.0);
         sl_count(counters, SL_COUNT_INDIRECT_SAMPLES, 1);
     }
     if (irradiance || lobe)

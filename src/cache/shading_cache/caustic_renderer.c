@@ -105,7 +105,7 @@ static void render_point(const void *state, const sl_sample_request *request, un
         }
         squares += mean * mean;
     }
-    sample->irradiance = (sl_rgb){(float)sum[0], (float)sum[1], (float)sum[2]};
+    sample->irradiance = sl_sum_over(sum, 1.0);
     sample->variance = (float)squares; /* photons arrive independently */
 }
 

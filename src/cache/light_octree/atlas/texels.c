@@ -63,8 +63,7 @@ typedef struct nearest_point {
 static nearest_point on_edge(const flat_triangle *f, int k, double x, double y) {
     int next = k < 2 ? k + 1 : 0;
     double dx = f->x[next] - f->x[k], dy = f->y[next] - f->y[k], square = dx * dx + dy * dy;
-    double t = square > 0.0 ? ((x - f->x[k]) * dx + (y - f->y[k]) * dy) / square : 0.0;
-    t = t > 0.0 ? t < 1.0 ? t : 1.0 : 0.0;
+    double t = square > 0.0 ? sl_clamp_unit(((x - f->x[k]) * dx + (y - f->y[k]) * dy) / square) : 0.0;
     double off_x = f->x[k] + t * dx - x, off_y = f->y[k] + t * dy - y, w[3] = {0.0, 0.0, 0.0};
     w[k] = 1.0 - t;
     w[next] = t;
@@ -97,14 +96,12 @@ static bool find_nearest(const flat_triangle *f, double x, double y, nearest_poi
 
 /* ---- all texels, band by band ---- */
 
-static float weight(double w) { return (float)(w > 0.0 ? w < 1.0 ? w : 1.0 : 0.0); }
-
 static void offer(const texel_map *m, size_t texel, uint32_t triangle, const nearest_point *p) {
     if (m->triangle[texel] != SL_NO_INDEX && !((float)p->squared < m->distance[texel])) return;
     m->triangle[texel] = triangle;
     m->distance[texel] = (float)p->squared;
-    m->w1[texel] = weight(p->w1);
-    m->w2[texel] = fminf(weight(p->w2), 1.0f - m->w1[texel]);
+    m->w1[texel] = (float)sl_clamp_unit(p->w1);
+    m->w2[texel] = fminf((float)sl_clamp_unit(p->w2), 1.0f - m->w1[texel]);
 }
 
 static void map_band(void *context, size_t band, unsigned worker) {
