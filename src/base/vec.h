@@ -7,6 +7,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 typedef struct sl_vec3 {
     float x, y, z;
@@ -39,6 +40,13 @@ static inline sl_vec3 sl_mad(sl_vec3 a, float s, sl_vec3 b) {
 }
 static inline float sl_length(sl_vec3 a) { return sqrtf(sl_dot(a, a)); }
 static inline bool sl_is_finite(sl_vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+
+/* Components in planes of their own. */
+static inline void sl_put(float *x, float *y, float *z, size_t i, sl_vec3 a) {
+    x[i] = a.x;
+    y[i] = a.y;
+    z[i] = a.z;
+}
 
 static inline sl_vec3d sl_v3d(double x, double y, double z) { return (sl_vec3d){x, y, z}; }
 static inline sl_vec3d sl_to_double(sl_vec3 a) { return sl_v3d((double)a.x, (double)a.y, (double)a.z); }
@@ -109,6 +117,16 @@ static inline void sl_sum_colour(double sum[3], double weight, sl_rgb a) {
 }
 static inline sl_rgb sl_sum_over(const double sum[3], double weight) {
     return (sl_rgb){(float)(sum[0] / weight), (float)(sum[1] / weight), (float)(sum[2] / weight)};
+}
+static inline void sl_rgb_put(float *r, float *g, float *b, size_t i, sl_rgb a) {
+    r[i] = a.r;
+    g[i] = a.g;
+    b[i] = a.b;
+}
+static inline void sl_rgb_add_at(float *r, float *g, float *b, size_t i, sl_rgb a) {
+    r[i] += a.r;
+    g[i] += a.g;
+    b[i] += a.b;
 }
 static inline float sl_rgb_mean(sl_rgb a) { return (a.r + a.g + a.b) * (1.0f / 3.0f); }
 static inline float sl_rgb_max(sl_rgb a) {

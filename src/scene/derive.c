@@ -34,9 +34,7 @@ size_t sl_scene_derive(sl_scene *scene) {
         double length = has_area ? sl_lengthd(cross) : 0.0;
         sl_vec3 normal = has_area ? sl_to_float(sl_scaled(cross, 1.0 / length))
                                   : sl_scene_normal(scene, scene->vertex[0][t]);
-        scene->geometric_normal_x[t] = normal.x;
-        scene->geometric_normal_y[t] = normal.y;
-        scene->geometric_normal_z[t] = normal.z;
+        sl_put(scene->geometric_normal_x, scene->geometric_normal_y, scene->geometric_normal_z, t, normal);
         scene->emitter_of_triangle[t] = SL_NO_INDEX;
         const sl_material *material = &scene->materials[scene->material_index[t]];
         if (!sl_material_is_emitter(material)) continue;

@@ -8,9 +8,7 @@ enum { GRID = 8 };
 _Static_assert(GRID * GRID == SL_SIGHT_RAYS, "a square of rays");
 
 void sl_sight_set(sl_sight *s, int ray, sl_vec3 direction) {
-    s->x[ray] = direction.x;
-    s->y[ray] = direction.y;
-    s->z[ray] = direction.z;
+    sl_put(s->x, s->y, s->z, (size_t)ray, direction);
 }
 
 /* A spiral from pole to pole, each turn further by the golden angle. */

@@ -70,12 +70,9 @@ static void spread(const sl_scene *scene, report_points *points) {
 /* ---- how much of the photons' flux arrives ---- */
 
 static void put_receiver(sl_receiver_tile *tile, size_t i, sl_vec3 p, sl_vec3 n) {
-    tile->x[i] = p.x;
-    tile->y[i] = p.y;
-    tile->z[i] = p.z;
-    tile->geometric_x[i] = tile->normal_x[i] = n.x;
-    tile->geometric_y[i] = tile->normal_y[i] = n.y;
-    tile->geometric_z[i] = tile->normal_z[i] = n.z;
+    sl_put(tile->x, tile->y, tile->z, i, p);
+    sl_put(tile->geometric_x, tile->geometric_y, tile->geometric_z, i, n);
+    sl_put(tile->normal_x, tile->normal_y, tile->normal_z, i, n);
 }
 
 /* Fronts in even lanes, backs in odd ones. */

@@ -20,9 +20,7 @@ static void hits_of_cells(const sl_gather_view *view) {
         bool hit = s->cell_id[cell] != SL_NO_INDEX && inverse > 0.0f;
         sl_vec3 d = sl_frame_to_world(
             &view->frame, sl_v3(t->direction_x[cell], t->direction_y[cell], t->direction_z[cell]));
-        h->direction_x[k] = d.x;
-        h->direction_y[k] = d.y;
-        h->direction_z[k] = d.z;
+        sl_put(h->direction_x, h->direction_y, h->direction_z, k, d);
         h->triangle[k] = hit ? s->cell_id[cell] : SL_NO_INDEX;
         h->depth[k] = hit ? 1.0f / inverse : 0.0f;
         h->w1[k] = s->cell_w1[cell];

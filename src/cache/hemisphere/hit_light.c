@@ -20,13 +20,9 @@ void sl_flush_shadow_rays(sl_shadow_queue *q) {
         sl_trace_occluded(q->view->gather->tracer, &q->rays, q->count, q->coherent, q->counters);
     for (unsigned i = 0; i < q->count; i++) {
         if (occluded >> i & 1u) continue;
-        h->irradiance_r[q->slot[i]] += q->light[i].r;
-        h->irradiance_g[q->slot[i]] += q->light[i].g;
-        h->irradiance_b[q->slot[i]] += q->light[i].b;
-        if (!q->view->gather->glossy) continue;
-        h->glossy_r[q->slot[i]] += q->glossy[i].r;
-        h->glossy_g[q->slot[i]] += q->glossy[i].g;
-        h->glossy_b[q->slot[i]] += q->glossy[i].b;
+        sl_rgb_add_at(h->irradiance_r, h->irradiance_g, h->irradiance_b, q->slot[i], q->light[i]);
+        if (q->view->gather->glossy)
+            sl_rgb_add_at(h->glossy_r, h->glossy_g, h->glossy_b, q->slot[i], q->glossy[i]);
     }
     q->count = 0;
 }
@@ -36,8 +32,7 @@ static sl_rgb glossy_radiance(const sl_gather_view *view, size_t k, sl_vec3 to_l
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_material *m = sl_hit_material(view, k);
     if (!sl_material_is_glossy(m)) return sl_grey(0.0f);
-    const sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]),
-                  way = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+    const sl_vec3 n = sl_hit_normal(h, k), way = sl_hit_direction(h, k);
     const sl_surface surface = {.normal = n, .geometric_normal = n, .material = m};
     const sl_bsdf lobe = sl_bsdf_make(&surface, sl_normalize_or(sl_neg(way), n), SL_LOBE_GLOSSY);
     const sl_rgb f = sl_bsdf_value(&lobe, sl_normalize_or(to_light, n), SL_LOBE_GLOSSY);
@@ -48,8 +43,7 @@ void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, bool far
     const sl_gather_hits *h = &q->view->scratch->hits;
     float offset = sl_scene_offset_at(q->view->gather->scene, q->view->gather->offset, sl_hit_position(h, k));
     unsigned i = q->count++;
-    sl_ray16_set_shadow(&q->rays, i, sl_hit_position(h, k),
-                        sl_v3(h->geometric_x[k], h->geometric_y[k], h->geometric_z[k]), offset, to_light,
+    sl_ray16_set_shadow(&q->rays, i, sl_hit_position(h, k), sl_hit_true_normal(h, k), offset, to_light,
                         far_away, h->triangle[k]);
     q->slot[i] = (uint32_t)k;
     q->light[i] = irradiance;
@@ -101,8 +95,8 @@ static void light_by_one_of_many(const sl_gather_view *view, sl_shadow_queue *q,
                                  float u1, float u2, float share) {
     const sl_gather_hits *h = &view->scratch->hits;
     sl_light_sample sample;
-    sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
-    if (!sl_light_sampler_sample_at(view->gather->sampler, sl_hit_position(h, k), n, select, u1, u2, &sample))
+    if (!sl_light_sampler_sample_at(view->gather->sampler, sl_hit_position(h, k), sl_hit_normal(h, k), select,
+                                    u1, u2, &sample))
         return;
     const bool far_away = isinf(sample.distance);
     sl_vec3 to_light = far_away ? sample.to_light : sl_scale(sample.to_light, sample.distance);

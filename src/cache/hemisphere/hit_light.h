@@ -44,6 +44,18 @@ static inline sl_vec3 sl_hit_normal(const sl_gather_hits *h, size_t k) {
     return sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]);
 }
 
+static inline sl_vec3 sl_hit_true_normal(const sl_gather_hits *h, size_t k) {
+    return sl_v3(h->geometric_x[k], h->geometric_y[k], h->geometric_z[k]);
+}
+
+static inline sl_vec3 sl_hit_direction(const sl_gather_hits *h, size_t k) {
+    return sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+}
+
+static inline sl_rgb sl_hit_diffuse(const sl_gather_hits *h, size_t k) {
+    return (sl_rgb){h->diffuse_r[k], h->diffuse_g[k], h->diffuse_b[k]};
+}
+
 static inline sl_light_points sl_hit_points(const sl_gather_hits *h, size_t first, size_t count) {
     return (sl_light_points){count,
                              h->position_x + first,  h->position_y + first,  h->position_z + first,

@@ -14,7 +14,7 @@ static void reflect(const sl_gather_view *view, size_t k, sl_ray16 *rays, unsign
     const sl_scene *scene = view->gather->scene;
     const sl_gather_hits *h = &view->scratch->hits;
     sl_mirrored_hit *m = &view->scratch->mirrored[k];
-    const sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+    const sl_vec3 d = sl_hit_direction(h, k);
     sl_surface surface;
     sl_scene_surface(scene, h->triangle[k], h->w1[k], h->w2[k], sl_neg(d), &surface);
     const sl_vec3 out = sl_normalize_or(sl_reflect_off(d, surface.normal, surface.geometric_normal),
@@ -24,9 +24,7 @@ static void reflect(const sl_gather_view *view, size_t k, sl_ray16 *rays, unsign
                                sl_grey(1.0f), surface.position};
     m->share = sl_rgb_mul(m->share, surface.material->mirror);
     m->position = sl_surface_lift(scene, h->triangle[k], &surface);
-    h->direction_x[k] = out.x;
-    h->direction_y[k] = out.y;
-    h->direction_z[k] = out.z;
+    sl_put(h->direction_x, h->direction_y, h->direction_z, k, out);
     sl_ray16_set(rays, ray, m->position, out, 0.0f, INFINITY, h->triangle[k]);
 }
 
@@ -37,8 +35,7 @@ static void note_hit(const sl_gather_view *view, size_t k, const sl_hit16 *hits,
     h->w1[k] = hits->w1[ray];
     h->w2[k] = hits->w2[ray];
     if (hits->triangle[ray] != SL_NO_INDEX)
-        m->position =
-            sl_mad(m->position, hits->t[ray], sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]));
+        m->position = sl_mad(m->position, hits->t[ray], sl_hit_direction(h, k));
 }
 
 /* Follows up to sixteen rays until none shows a mirror; between two that face each other some end black. */

@@ -58,7 +58,7 @@ static void open_slot(const sl_gather_view *view, size_t i) {
     sl_gather_scratch *s = view->scratch;
     const sl_gather_hits *h = &s->hits;
     const size_t from = s->onward.from[i], to = s->onward.first + i;
-    const sl_rgb diffuse = {h->diffuse_r[from], h->diffuse_g[from], h->diffuse_b[from]};
+    const sl_rgb diffuse = sl_hit_diffuse(h, from);
     s->slot_cell[to] = s->slot_cell[from];
     s->slot_share[to] = s->slot_share[from] * (float)ONE_IN;
     s->onward.carried[i] = view->gather->glossy ? sl_rgb_add(diffuse, sl_gather_lobe(view, from)) : diffuse;
@@ -69,13 +69,10 @@ static void aim(const sl_gather_view *view, size_t i, float u1, float u2, sl_ray
     const sl_onward *o = &view->scratch->onward;
     const sl_gather_hits *h = &view->scratch->hits;
     const size_t from = o->from[i], to = o->first + i;
-    const sl_vec3 p = sl_hit_position(h, from),
-                  true_normal = sl_v3(h->geometric_x[from], h->geometric_y[from], h->geometric_z[from]),
+    const sl_vec3 p = sl_hit_position(h, from), true_normal = sl_hit_true_normal(h, from),
                   d = sl_direction_around(sl_hit_normal(h, from), sqrtf(1.0f - u1), u2);
     const float offset = sl_scene_offset_at(view->gather->scene, view->gather->offset, p);
-    h->direction_x[to] = d.x;
-    h->direction_y[to] = d.y;
-    h->direction_z[to] = d.z;
+    sl_put(h->direction_x, h->direction_y, h->direction_z, to, d);
     sl_ray16_set(rays, ray, sl_mad(p, offset, true_normal), d, 0.0f,
                  sl_dot(d, true_normal) > 0.0f ? INFINITY : 0.0f, h->triangle[from]);
 }
@@ -105,12 +102,9 @@ void sl_gather_put_onward(const sl_gather_view *view, size_t first, size_t count
     const sl_gather_hits *h = &view->scratch->hits;
     for (size_t k = first; k < first + count; k++) {
         const size_t from = o->from[k - o->first];
-        const sl_rgb carried = o->carried[k - o->first];
-        h->position_x[k] = h->position_x[from] + h->depth[k] * h->direction_x[k];
-        h->position_y[k] = h->position_y[from] + h->depth[k] * h->direction_y[k];
-        h->position_z[k] = h->position_z[from] + h->depth[k] * h->direction_z[k];
-        h->diffuse_r[k] *= carried.r;
-        h->diffuse_g[k] *= carried.g;
-        h->diffuse_b[k] *= carried.b;
+        sl_put(h->position_x, h->position_y, h->position_z, k,
+               sl_mad(sl_hit_position(h, from), h->depth[k], sl_hit_direction(h, k)));
+        sl_rgb_put(h->diffuse_r, h->diffuse_g, h->diffuse_b, k,
+                   sl_rgb_mul(sl_hit_diffuse(h, k), o->carried[k - o->first]));
     }
 }

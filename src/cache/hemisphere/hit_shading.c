@@ -33,13 +33,9 @@ static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k
     h->normal_x[k] = interpolate(s->normal_x, corner, w1, w2);
     h->normal_y[k] = interpolate(s->normal_y, corner, w1, w2);
     h->normal_z[k] = interpolate(s->normal_z, corner, w1, w2);
-    h->geometric_x[k] = s->geometric_normal_x[triangle];
-    h->geometric_y[k] = s->geometric_normal_y[triangle];
-    h->geometric_z[k] = s->geometric_normal_z[triangle];
+    sl_put(h->geometric_x, h->geometric_y, h->geometric_z, k, sl_scene_geometric_normal(s, triangle));
     const sl_material *material = &s->materials[s->material_index[triangle]];
-    h->diffuse_r[k] = material->diffuse.r;
-    h->diffuse_g[k] = material->diffuse.g;
-    h->diffuse_b[k] = material->diffuse.b;
+    sl_rgb_put(h->diffuse_r, h->diffuse_g, h->diffuse_b, k, material->diffuse);
     *texel = NULL;
     if (material->texture == SL_NO_INDEX) return;
     float u = interpolate(s->texture_u, corner, w1, w2), v = interpolate(s->texture_v, corner, w1, w2);
@@ -53,12 +49,8 @@ static void put_mirrored(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
     const sl_mirrored_hit *m = sl_gather_mirrored(view, k);
     if (!m || h->triangle[k] == SL_NO_INDEX) return;
-    h->position_x[k] = m->position.x;
-    h->position_y[k] = m->position.y;
-    h->position_z[k] = m->position.z;
-    h->diffuse_r[k] *= m->share.r;
-    h->diffuse_g[k] *= m->share.g;
-    h->diffuse_b[k] *= m->share.b;
+    sl_put(h->position_x, h->position_y, h->position_z, k, m->position);
+    sl_rgb_put(h->diffuse_r, h->diffuse_g, h->diffuse_b, k, sl_rgb_mul(sl_hit_diffuse(h, k), m->share));
     h->cosine[k] = m->cosine;
 }
 
@@ -66,8 +58,7 @@ sl_rgb sl_gather_lobe(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
     if (h->triangle[k] == SL_NO_INDEX) return sl_grey(0.0f);
     const sl_material *m = sl_hit_material(view, k);
-    const sl_vec3 n = sl_v3(h->normal_x[k], h->normal_y[k], h->normal_z[k]),
-                  way = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
+    const sl_vec3 n = sl_hit_normal(h, k), way = sl_hit_direction(h, k);
     const float cosine = fmaxf(0.0f, -sl_dot(n, sl_normalize_or(way, n)));
     const float part = (1.0f + m->exponent * cosine) / (1.0f + m->exponent);
     return sl_rgb_scale(sl_rgb_mul(m->specular, sl_gather_throughput(view, k)), part);
@@ -75,10 +66,7 @@ sl_rgb sl_gather_lobe(const sl_gather_view *view, size_t k) {
 
 static void take_lobe_for_diffuse(const sl_gather_view *view, size_t k) {
     const sl_gather_hits *h = &view->scratch->hits;
-    const sl_rgb ks = sl_gather_lobe(view, k);
-    h->diffuse_r[k] += ks.r;
-    h->diffuse_g[k] += ks.g;
-    h->diffuse_b[k] += ks.b;
+    sl_rgb_add_at(h->diffuse_r, h->diffuse_g, h->diffuse_b, k, sl_gather_lobe(view, k));
 }
 
 /* A texel that a ray finds is mostly in no cache: all are sent for before the first is read. */
@@ -109,9 +97,7 @@ static void make_surfaces(const sl_gather_view *view, size_t first, size_t count
 /* A shading normal may tilt the gather below the geometric horizon: nothing arrives from there, neither from
  * the surface itself nor from what lies behind it. */
 static bool is_below_horizon(const sl_gather_view *view, size_t k) {
-    const sl_gather_hits *h = &view->scratch->hits;
-    return !(sl_dot(view->point->geometric_normal,
-                    sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k])) > 0.0f);
+    return !(sl_dot(view->point->geometric_normal, sl_hit_direction(&view->scratch->hits, k)) > 0.0f);
 }
 
 static void drop_below_horizon(const sl_gather_view *view, size_t first, size_t count) {
@@ -196,8 +182,7 @@ static sl_rgb emission_seen(const sl_gather_view *view, size_t k) {
         const sl_environment *environment = emission ? &scene->environment
                                                      : view->gather->settings.background;
         if (!environment || (!mirrored && is_below_horizon(view, k))) return sl_grey(0.0f);
-        sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
-        return sl_environment_radiance(environment, sl_normalize_or(d, view->frame.z));
+        return sl_environment_radiance(environment, sl_normalize_or(sl_hit_direction(h, k), view->frame.z));
     }
     if (!emission) return sl_grey(0.0f);
     const sl_material *material = sl_hit_material(view, k);
@@ -227,16 +212,12 @@ static void write_slot(const sl_gather_view *view, size_t k, float length, uint6
     bool hit = h->triangle[k] != SL_NO_INDEX;
     float nearness = hit ? 1.0f / (h->depth[k] > nearest_depth ? h->depth[k] : nearest_depth) : 0.0f;
     if (k >= view->gather->tables->used) {
-        p->r[cell] += radiance.r;
-        p->g[cell] += radiance.g;
-        p->b[cell] += radiance.b;
+        sl_rgb_add_at(p->r, p->g, p->b, cell, radiance);
         if (!sl_gather_is_onward(view, k))
             p->nearness[cell] = nearness > p->nearness[cell] ? nearness : p->nearness[cell];
         return;
     }
-    p->r[cell] = radiance.r;
-    p->g[cell] = radiance.g;
-    p->b[cell] = radiance.b;
+    sl_rgb_put(p->r, p->g, p->b, cell, radiance);
     p->nearness[cell] = p->first[cell] = nearness;
     p->distance[cell] = hit ? h->depth[k] * length : INFINITY;
 }
@@ -252,8 +233,8 @@ static void note_geometry(const sl_gather_view *view, size_t k, float length, fl
     const sl_mirrored_hit *m = sl_gather_mirrored(view, k);
     if (h->triangle[k] == SL_NO_INDEX) return;
     *back_weight += (double)((m ? m->back : h->back[k]) * t->weight[s->slot_cell[k]]);
-    sl_vec3 d = sl_v3(h->direction_x[k], h->direction_y[k], h->direction_z[k]);
-    if (!(h->cosine[k] > 0.0f) || !(m || sl_dot(d, view->point->geometric_normal) > 0.0f)) return;
+    const float above = sl_dot(sl_hit_direction(h, k), view->point->geometric_normal);
+    if (!(h->cosine[k] > 0.0f) || !(m || above > 0.0f)) return;
     float reach = h->depth[k] * length * length / h->cosine[k]; /* r / cos theta' */
     if (reach < *nearest) *nearest = reach;
 }

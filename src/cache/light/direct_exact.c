@@ -62,10 +62,7 @@ static void aim_by_angle(const sl_lit_block *block, const near_emitter *e, sl_ve
     float total = aim->sums[(aim->sides - 1) * SL_LIGHT_BLOCK + i],
           exact = aim->share[(size_t)e->chosen * SL_LIGHT_BLOCK + i];
     bool lit = cosine > 0.0 && distance > 0.0 && exact > 0.0f;
-    sl_vec3 to_light = sl_to_float(sl_scaled(direction, distance));
-    aim->x[i] = to_light.x;
-    aim->y[i] = to_light.y;
-    aim->z[i] = to_light.z;
+    sl_put(aim->x, aim->y, aim->z, i, sl_to_float(sl_scaled(direction, distance)));
     /* f / pdf = (cos solid angle / density) / (E_side / E_all) */
     aim->weight[i] = lit ? (float)(e->light.seen.solid_angle * cosine / density) / exact * total : 0.0f;
     aim->wanted[i] = lit && facing > 0.0 ? 1.0f : 0.0f;

@@ -66,12 +66,8 @@ static void set_sample(const sl_lit_block *block, size_t i, sl_vec3 to_light, fl
     float facing = block->geometric_x[i] * to_light.x + block->geometric_y[i] * to_light.y +
                    block->geometric_z[i] * to_light.z;
     cosine = cosine > 0.0f ? cosine : 0.0f;
-    s->x[i] = to_light.x * length;
-    s->y[i] = to_light.y * length;
-    s->z[i] = to_light.z * length;
-    s->r[i] = radiance.r * cosine;
-    s->g[i] = radiance.g * cosine;
-    s->b[i] = radiance.b * cosine;
+    sl_put(s->x, s->y, s->z, i, sl_scale(to_light, length));
+    sl_rgb_put(s->r, s->g, s->b, i, sl_rgb_scale(radiance, cosine));
     s->wanted[i] = cosine > 0.0f && facing > 0.0f ? 1.0f : 0.0f;
 }
 

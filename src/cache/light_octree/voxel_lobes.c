@@ -29,9 +29,7 @@ void sl_lobe_photons_add(sl_lobe_photons *p, sl_vec3 direction, sl_vec3 normal, 
     double cosine = (double)sl_dot(direction, normal);
     if (!(y > 0.0 && y <= DBL_MAX) || !isfinite(cosine)) return;
     size_t i = p->count++;
-    p->x[i] = direction.x;
-    p->y[i] = direction.y;
-    p->z[i] = direction.z;
+    sl_put(p->x, p->y, p->z, i, direction);
     for (int c = 0; c < 3; c++) p->flux[c][i] = flux[c];
     p->luminance[i] = y;
     p->inverse_cosine[i] = 1.0 / (cosine > SL_GRAZING ? cosine : SL_GRAZING);

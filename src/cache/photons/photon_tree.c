@@ -177,13 +177,10 @@ static void sort_by_id(tree_point *points, size_t count) {
 }
 
 static void fill_lane(sl_photon_bucket *bucket, size_t lane, const sl_photon *photon, uint32_t id) {
-    sl_vec3 normal = sl_octahedral_decode(photon->normal);
     bucket->x[lane] = photon->position[0];
     bucket->y[lane] = photon->position[1];
     bucket->z[lane] = photon->position[2];
-    bucket->normal_x[lane] = normal.x;
-    bucket->normal_y[lane] = normal.y;
-    bucket->normal_z[lane] = normal.z;
+    sl_put(bucket->normal_x, bucket->normal_y, bucket->normal_z, lane, sl_octahedral_decode(photon->normal));
     bucket->id[lane] = id;
 }
 

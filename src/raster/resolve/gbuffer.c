@@ -84,14 +84,10 @@ static void fetch_normals(const sl_scene *scene, workspace *w) {
             for (int k = 0; k < 3; k++) n[k] = sl_scene_normal(scene, scene->vertex[k][triangle]);
         }
         for (int k = 0; k < 3; k++) {
-            s->corner_normal.x[k][r] = n[k].x;
-            s->corner_normal.y[k][r] = n[k].y;
-            s->corner_normal.z[k][r] = n[k].z;
+            sl_put(s->corner_normal.x[k], s->corner_normal.y[k], s->corner_normal.z[k], r, n[k]);
             facets &= (n[k].x == n[0].x) & (n[k].y == n[0].y) & (n[k].z == n[0].z);
         }
-        s->face_x[r] = face.x;
-        s->face_y[r] = face.y;
-        s->face_z[r] = face.z;
+        sl_put(s->face_x, s->face_y, s->face_z, r, face);
     }
     s->facets = facets;
 }

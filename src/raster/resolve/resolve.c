@@ -36,9 +36,7 @@ static void fetch_corners(const sl_raster *raster, sl_resolve_block *block) {
         for (int k = 0; k < 3; k++) {
             const uint32_t v = block->vertex[k][r];
             const sl_vec3 p = v == SL_NO_INDEX ? sl_v3(0.0f, 0.0f, 0.0f) : sl_mesh_position(&raster->mesh, v);
-            block->corner.x[k][r] = p.x;
-            block->corner.y[k][r] = p.y;
-            block->corner.z[k][r] = p.z;
+            sl_put(block->corner.x[k], block->corner.y[k], block->corner.z[k], r, p);
         }
     }
 }
