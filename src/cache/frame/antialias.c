@@ -5,12 +5,12 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cache/frame/antialias_kernels.h"
 #include "cache/frame/picture_value.h"
 
 #include <math.h>
-#include <string.h>
 
-enum { SAMPLES = 4 };
+enum { SAMPLES = SL_EDGE_SAMPLES };
 
 /* A grid that is turned: no edge along rows or columns falls between its lines. */
 static const float sample_right[SAMPLES] = {-0.125f, 0.375f, -0.375f, 0.125f},
@@ -110,26 +110,19 @@ static void find_edges_of_row(void *context, size_t row, unsigned worker) {
     }
 }
 
-/* A triangle from the eye, by the camera's axes: a direction d = (u, v, 1) is within it where d side[i] have
- * one sign for all i, and meets it at inverse distance (d, sum of side) / volume. */
-typedef struct cone {
-    uint32_t id;
-    bool flat, masked; /* it shows no area; nobody knows where it is opaque but at its own centres */
-    sl_vec3d side[3];
-    double inverse_volume;
-} cone;
-
 /* Those that were made last: pixels side by side show the same triangles. */
 enum { CONES = 64 };
 typedef struct cones {
-    bool made[CONES];
-    cone cone[CONES];
+    int used[CONES]; /* the column of the last pixel that asked for it; -1: it is not made */
+    uint32_t id[CONES];
+    sl_edge_cone cone[CONES];
 } cones;
 
 /* Those that the centres around show, the own one first; SL_NO_INDEX is one, infinitely far away. */
 typedef struct candidates {
     size_t count;
-    cone cone[9];
+    uint32_t id[9];
+    const sl_edge_cone *cone[9];
     uint8_t surface[9]; /* the first candidate that is of the same */
     int around;         /* pixels, the own one first: their candidates, where they lie */
     uint8_t shows[9];
@@ -148,9 +141,9 @@ static sl_vec3d from_eye(const sl_scene *s, uint32_t triangle, int corner) {
     return sl_v3d(along(c->right, d), along(c->up, d), -along(c->back, d));
 }
 
-static cone make_cone(const sl_scene *s, uint32_t id) {
-    cone c = {.id = id};
-    if (id == SL_NO_INDEX) return c;
+static sl_edge_cone make_cone(const sl_scene *s, uint32_t id) {
+    sl_edge_cone c = {.everywhere = id == SL_NO_INDEX};
+    if (c.everywhere) return c;
     const sl_vec3d p[3] = {from_eye(s, id, 0), from_eye(s, id, 1), from_eye(s, id, 2)};
     for (int k = 0; k < 3; k++) c.side[k] = sl_crossd(p[(k + 1) % 3], p[(k + 2) % 3]);
     const double volume = sl_dotd(p[0], c.side[0]);
@@ -160,20 +153,24 @@ static cone make_cone(const sl_scene *s, uint32_t id) {
     return c;
 }
 
-static const cone *cone_of(const sl_scene *s, uint32_t id, cones *last) {
-    const size_t slot = id % CONES;
-    if (last->made[slot] && last->cone[slot].id == id) return &last->cone[slot];
-    last->made[slot] = true;
-    last->cone[slot] = make_cone(s, id);
+/* Those of the pixel in column x stay where they are. */
+static const sl_edge_cone *cone_of(const sl_scene *s, uint32_t id, int x, cones *last) {
+    size_t slot = id % CONES;
+    while (last->used[slot] == x) slot = (slot + 1) % CONES;
+    if (last->used[slot] < 0 || last->id[slot] != id) last->cone[slot] = make_cone(s, id);
+    last->id[slot] = id;
+    last->used[slot] = x;
     return &last->cone[slot];
 }
 
-static uint8_t candidate_of(const pass *p, uint32_t id, cones *last, candidates *all) {
+static uint8_t candidate_of(const pass *p, uint32_t id, int x, cones *last, candidates *all) {
     uint8_t k = 0, same = 0;
-    while (k < all->count && all->cone[k].id != id) k++;
+    while (k < all->count && all->id[k] != id) k++;
     if (k < all->count) return k;
-    all->cone[all->count++] = *cone_of(p->scene, id, last);
-    while (same < k && !is_same_surface(p->scene, all->cone[same].id, id)) same++;
+    all->id[k] = id;
+    all->cone[k] = cone_of(p->scene, id, x, last);
+    all->count++;
+    while (same < k && !is_same_surface(p->scene, all->id[same], id)) same++;
     all->surface[k] = same;
     return k;
 }
@@ -189,17 +186,12 @@ static void find_candidates(const pass *p, int x, int y, cones *last, candidates
         all->right[all->around] = order[k % 3];
         all->up[all->around] = order[k / 3];
         const uint32_t id = p->id[(size_t)v * (size_t)a->width + (size_t)u];
-        all->shows[all->around++] = candidate_of(p, id, last, all);
+        all->shows[all->around++] = candidate_of(p, id, x, last, all);
     }
 }
 
-/* The samples of a pixel as places on a plane at unit distance before the eye. */
-typedef struct sample_places {
-    double u[SAMPLES], v[SAMPLES];
-} sample_places;
-
-static sample_places places_of(const pass *p, int x, int row) {
-    sample_places at;
+static sl_edge_places places_of(const pass *p, int x, int row) {
+    sl_edge_places at;
     for (int k = 0; k < SAMPLES; k++) {
         at.u[k] = (2.0 * (x + 0.5 + (double)sample_right[k]) / p->a->width - 1.0) * p->right;
         at.v[k] = (2.0 * (row + 0.5 + (double)sample_up[k]) / p->a->height - 1.0) * p->top;
@@ -207,37 +199,9 @@ static sample_places places_of(const pass *p, int x, int row) {
     return at;
 }
 
-/* Gives inverse distances; negative: the sample does not meet it. */
-static void meet(const cone *c, const sample_places *at, double inverse[SAMPLES]) {
-    for (int k = 0; k < SAMPLES; k++) {
-        double s[3];
-        for (int i = 0; i < 3; i++) s[i] = c->side[i].x * at->u[k] + c->side[i].y * at->v[k] + c->side[i].z;
-        const bool above = (s[0] >= 0.0) & (s[1] >= 0.0) & (s[2] >= 0.0),
-                   below = (s[0] <= 0.0) & (s[1] <= 0.0) & (s[2] <= 0.0);
-        inverse[k] = (above | below) ? (s[0] + s[1] + s[2]) * c->inverse_volume : -1.0;
-    }
-}
-
-/* Finds what samples see: the nearest of the candidates; the pixel's own where they meet none. */
-static void see(const candidates *all, const sample_places *at, size_t seen[SAMPLES]) {
-    double nearest[SAMPLES];
-    for (int k = 0; k < SAMPLES; k++) nearest[k] = -1.0, seen[k] = 0;
-    for (size_t i = 0; i < all->count; i++) {
-        const cone *c = &all->cone[i];
-        double inverse[SAMPLES] = {0.0};
-        if (c->flat || (c->masked && i > 0)) continue;
-        if (c->id != SL_NO_INDEX) meet(c, at, inverse);
-        for (int k = 0; k < SAMPLES; k++) {
-            if (!(inverse[k] > nearest[k] && (inverse[k] > 0.0 || c->id == SL_NO_INDEX))) continue;
-            nearest[k] = inverse[k];
-            seen[k] = i;
-        }
-    }
-}
-
 /* Returns which of the pixels around has the centre that is nearest to a sample, of those that show the
  * surface of candidate `seen`: the own one where it does. */
-static int find_centre(const candidates *all, size_t seen, int sample) {
+static int find_centre(const candidates *all, uint8_t seen, int sample) {
     int best = 0;
     float least = 1e9f;
     if (all->surface[seen] == all->surface[0]) return 0;
@@ -255,17 +219,18 @@ static void mix_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const pass *p = context;
     const sl_antialias *a = p->a;
+    const sl_isa isa = sl_isa_best();
     cones last;
-    memset(last.made, 0, sizeof last.made);
+    for (int k = 0; k < CONES; k++) last.used[k] = -1;
     for (int x = 0; x < a->width; x++) {
         const size_t pixel = row * (size_t)a->width + (size_t)x;
         float sum[3] = {0.0f, 0.0f, 0.0f};
         candidates all;
         if (!a->at_edge[pixel]) continue;
         find_candidates(p, x, (int)row, &last, &all);
-        const sample_places places = places_of(p, x, (int)row);
-        size_t seen[SAMPLES];
-        see(&all, &places, seen);
+        const sl_edge_places places = places_of(p, x, (int)row);
+        uint8_t seen[SAMPLES];
+        SL_KERNEL_OF(isa, sl_edge_see)(all.count, all.cone, &places, seen);
         for (int k = 0; k < SAMPLES; k++) {
             const int at = find_centre(&all, seen[k], k);
             const size_t from =
