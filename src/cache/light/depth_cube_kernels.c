@@ -15,6 +15,7 @@
 
 typedef struct {
     int32_t texel[SL_LIGHT_BLOCK];                    /* lower left of the four */
+    int32_t column[SL_LIGHT_BLOCK], row[SL_LIGHT_BLOCK]; /* its place in the picture */
     float across[SL_LIGHT_BLOCK], up[SL_LIGHT_BLOCK]; /* place between the four, in [0,1] */
     /* of the receiver, in the units stored, with room for rounding */
     float depth[SL_LIGHT_BLOCK];
@@ -42,7 +43,7 @@ static void locate_on_cube(const sl_depth_cube *map, size_t count, const float *
     const float tangent = 2.0f * map->tangent / (size - 2.0f), rounding = map->rounding;
     const int32_t width = map->size;
     const int32_t *restrict start = map->start, *restrict mask = map->mask;
-    int32_t *restrict texel = out->texel;
+    int32_t *restrict texel = out->texel, *restrict columns = out->column, *restrict rows = out->row;
     float *restrict across = out->across, *restrict up = out->up, *restrict depth = out->depth;
     float *restrict change_x = out->change_x, *restrict change_y = out->change_y;
 #pragma omp simd
@@ -62,6 +63,8 @@ static void locate_on_cube(const sl_depth_cube *map, size_t count, const float *
         float column = s * over * half + middle, row = t * over * half + middle;
         float left = cell(column, last), below = cell(row, last);
         float cx = fabsf(ns) * facing * tangent, cy = fabsf(nt) * facing * tangent;
+        columns[i] = (int32_t)left;
+        rows[i] = (int32_t)below;
         texel[i] = start[side] + (mask[side] & ((int32_t)below * width + (int32_t)left));
         across[i] = sl_clamp_unitf(column - left);
         up[i] = sl_clamp_unitf(row - below);
@@ -84,7 +87,7 @@ static void locate_in_parallel(const sl_depth_cube *map, size_t count, const flo
     const float step_x = scale_z / scale_x, step_y = scale_z / scale_y,
                 rounding = map->rounding * scale_z + 3e-7f;
     const int32_t width = map->size, start = map->start[0], mask = map->mask[0];
-    int32_t *restrict texel = out->texel;
+    int32_t *restrict texel = out->texel, *restrict columns = out->column, *restrict rows = out->row;
     float *restrict across = out->across, *restrict up = out->up, *restrict depth = out->depth;
     float *restrict change_x = out->change_x, *restrict change_y = out->change_y;
 #pragma omp simd
@@ -97,6 +100,8 @@ static void locate_in_parallel(const sl_depth_cube *map, size_t count, const flo
         float column = x * scale_x + middle, row = y * scale_y + middle, facing = 1.0f / not_zero(fabsf(c));
         float left = cell(column, last), below = cell(row, last);
         float cx = fabsf(a) * facing * step_x, cy = fabsf(b) * facing * step_y;
+        columns[i] = (int32_t)left;
+        rows[i] = (int32_t)below;
         texel[i] = start + (mask & ((int32_t)below * width + (int32_t)left));
         across[i] = sl_clamp_unitf(column - left);
         up[i] = sl_clamp_unitf(row - below);
@@ -136,51 +141,89 @@ static void compare(const sl_depth_cube *map, size_t count, lookups *at) {
 
 /* ---- corners ---- */
 
-/* Returns the change of texel k's depth along a row or a column (place: k's in it), told from its neighbour
- * on the far side of the receiver, which lies `away` texels from k's middle: the near side is where the
- * surface may end. */
-static float slope_at(const float *stored, int32_t k, int32_t step, int32_t place, int32_t size, float away) {
-    bool back = place > 0 && (away > 0.0f || place + 1 == size);
-    return back ? stored[k] - stored[k - step] : stored[k + step] - stored[k];
-}
-
-/* Does the receiver, `right` and `above` texels from the middle of texel k, lie before the plane of what that
- * one holds? Not asked of what lies more than four texels' sizes before it: that is no corner. Nor where the
- * receiver's own plane, seen at a grazing angle, rises as much from texel to texel: there facets are too
- * narrow to tell their planes. */
-static bool lies_before(const sl_depth_cube *map, const lookups *at, size_t i, int32_t k, float right,
-                        float above) {
-    const float *stored = map->depth;
-    const int32_t size = map->size, place = k - (int32_t)sl_depth_zeros(size), column = place % size,
-                  row = place / size % size;
-    const float texel = map->directional ? (map->extent_x > map->extent_y ? map->extent_x : map->extent_y) /
-                                               (map->extent_z * (float)size)
-                                         : 2.0f * map->tangent / (float)(size - 2) * stored[k];
-    const float excess = stored[k] - at->depth[i];
-    if (excess <= at->change_x[i] + at->change_y[i]) return true;
-    if (excess > 4.0f * texel) return false;
-    float slope_x = slope_at(stored, k, 1, column, size, right),
-          slope_y = slope_at(stored, k, size, row, size, above);
-    float there = stored[k] + slope_x * right + slope_y * above,
-          room = 0.02f * (fabsf(slope_x) + fabsf(slope_y));
-    return there <= at->depth[i] + room;
-}
-
-/* The receiver's four texels once more, one by one. */
-static float dark_at_corner(const sl_depth_cube *map, const lookups *at, size_t i) {
-    float dark = 0.0f;
-    for (int t = 0; t < 4; t++) {
-        int32_t column = t & 1, row = t >> 1, k = at->texel[i] + column + row * map->size;
-        float right = at->across[i] - (float)column, above = at->up[i] - (float)row;
-        float beta = fabsf(right) * at->change_x[i] + fabsf(above) * at->change_y[i];
-        float share = (1.0f - fabsf(right)) * (1.0f - fabsf(above));
-        bool hides = map->depth[k] > at->depth[i] + beta && !lies_before(map, at, i, k, right, above);
-        dark += hides ? share : 0.0f;
-    }
-    return dark;
-}
-
 static inline bool is_part(float dark) { return (dark > 0.0f) & (dark < 1.0f - 1e-6f); }
+
+/* Copies those that are dark in part, and not dark anyway. Returns how many. */
+static size_t list_parts(const lookups *at, const float *lit, size_t count, lookups *part, uint8_t *place) {
+    size_t parts = 0;
+    for (size_t i = 0; i < count; i++) {
+        place[parts] = (uint8_t)i;
+        parts += is_part(at->dark[i]) & (lit[i] > 0.0f);
+    }
+    for (size_t j = 0; j < parts; j++) {
+        const size_t i = place[j];
+        part->texel[j] = at->texel[i], part->column[j] = at->column[i], part->row[j] = at->row[i];
+        part->across[j] = at->across[i], part->up[j] = at->up[i], part->depth[j] = at->depth[i];
+        part->change_x[j] = at->change_x[i], part->change_y[j] = at->change_y[i];
+        part->dark[j] = 0.0f;
+    }
+    return parts;
+}
+
+/* Tells whether the neighbour behind texel k in a row or a column, k's place in it, is the one by which the
+ * depth changes there: the one on the far side of the receiver, which lies `away` texels from k's middle,
+ * since on the near side the surface may end. */
+static inline bool is_behind(int32_t place, int32_t size, float away) {
+    return (place > 0) & ((away > 0.0f) | (place + 1 == size));
+}
+
+/* Of one of the four texels: what it holds, and its slopes. */
+typedef struct {
+    float held[SL_LIGHT_BLOCK], slope_x[SL_LIGHT_BLOCK], slope_y[SL_LIGHT_BLOCK];
+} texels;
+
+/* right, above: of the lower left one. */
+static void fetch_slopes(const sl_depth_cube *map, size_t count, int32_t right, int32_t above,
+                         const lookups *part, texels *t) {
+    const int32_t size = map->size;
+    for (size_t j = 0; j < count; j++) {
+        const float *held = map->depth + part->texel[j] + right + above * size;
+        const bool left = is_behind(part->column[j] + right, size, part->across[j] - (float)right),
+                   below = is_behind(part->row[j] + above, size, part->up[j] - (float)above);
+        const float *x = left ? held - 1 : held, *y = below ? held - size : held;
+        t->held[j] = *held;
+        t->slope_x[j] = x[1] - x[0];
+        t->slope_y[j] = y[size] - y[0];
+    }
+}
+
+/* Looks at the texel once more. It hides a receiver that does not lie before the plane of what it holds. That
+ * is not asked of what lies more than four texels' sizes before: that is no corner. Nor where the receiver's
+ * own plane, seen at a grazing angle, rises as much from texel to texel: there facets are too narrow to tell
+ * their planes. */
+static void look_again(const sl_depth_cube *map, size_t count, int32_t right, int32_t above, const texels *t,
+                       lookups *part) {
+    const float *restrict across = part->across, *restrict up = part->up, *restrict depth = part->depth;
+    const float *restrict change_x = part->change_x, *restrict change_y = part->change_y;
+    const float *restrict held = t->held, *restrict slope_x = t->slope_x, *restrict slope_y = t->slope_y;
+    float *restrict dark = part->dark;
+    const float extent = map->extent_x > map->extent_y ? map->extent_x : map->extent_y,
+                far_texel = map->directional ? extent / (map->extent_z * (float)map->size) : 0.0f,
+                near_texel = map->directional ? 0.0f : 2.0f * map->tangent / (float)(map->size - 2);
+#pragma omp simd
+    for (size_t j = 0; j < count; j++) {
+        const float x = across[j] - (float)right, y = up[j] - (float)above, ax = fabsf(x), ay = fabsf(y);
+        const float excess = held[j] - depth[j], there = held[j] + slope_x[j] * x + slope_y[j] * y,
+                    room = 0.02f * (fabsf(slope_x[j]) + fabsf(slope_y[j]));
+        const bool grazes = excess <= change_x[j] + change_y[j],
+                   far = excess > 4.0f * (far_texel + near_texel * held[j]);
+        const bool before = grazes | (!far & (there <= depth[j] + room)),
+                   hides = (held[j] > depth[j] + (ax * change_x[j] + ay * change_y[j])) & !before;
+        dark[j] += hides ? (1.0f - ax) * (1.0f - ay) : 0.0f;
+    }
+}
+
+static void look_at_corners(const sl_depth_cube *map, size_t count, const float *lit, lookups *at) {
+    lookups part;
+    uint8_t place[SL_LIGHT_BLOCK + 1];
+    const size_t parts = list_parts(at, lit, count, &part, place);
+    texels of;
+    for (int32_t t = 0; t < 4 && parts; t++) {
+        fetch_slopes(map, parts, t & 1, t >> 1, &part, &of);
+        look_again(map, parts, t & 1, t >> 1, &of, &part);
+    }
+    for (size_t j = 0; j < parts; j++) at->dark[place[j]] = part.dark[j];
+}
 
 static bool some_are_dark_in_part(size_t count, const lookups *at) {
     const float *restrict dark = at->dark;
@@ -198,11 +241,7 @@ void SL_KERNEL(sl_depth_cube_lit)(const sl_light_points *points, const sl_depth_
     if (cube->directional) locate_in_parallel(cube, count, px, py, pz, nx, ny, nz, &at);
     else locate_on_cube(cube, count, px, py, pz, nx, ny, nz, &at);
     compare(cube, count, &at);
-    if (some_are_dark_in_part(count, &at)) {
-        for (size_t i = 0; i < count; i++) {
-            if (is_part(at.dark[i]) && lit[i] > 0.0f) at.dark[i] = dark_at_corner(cube, &at, i);
-        }
-    }
+    if (some_are_dark_in_part(count, &at)) look_at_corners(cube, count, lit, &at);
     const float *restrict dark = at.dark;
     float *restrict out = lit;
 #pragma omp simd
