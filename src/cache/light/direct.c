@@ -62,9 +62,13 @@ sl_status sl_direct_create_quick(const sl_scene *scene, const sl_raster *raster,
         status = sl_shadow_maps_create(scene, raster, &mapped, &maps, counters, error);
     quick.maps = maps;
     if (status == SL_OK) status = sl_direct_create(scene, tracer, &quick, direct, error);
-    if (status == SL_OK) (*direct)->own_maps = maps;
+    if (status == SL_OK) (*direct)->own_maps = maps, (*direct)->hurries = true;
     else sl_shadow_maps_destroy(maps);
     return status;
+}
+
+void sl_direct_hurry(sl_direct *direct, bool hurries) {
+    if (direct) direct->hurries = hurries;
 }
 
 size_t sl_direct_map_bytes(const sl_direct *direct) {

@@ -7,8 +7,6 @@
 
 enum { RADIUS = 2 };
 
-#define CHORD_SLOPE 0.05f
-
 typedef struct {
     const sl_direct_sums *sums;
     const sl_gbuffer *gbuffer;
@@ -39,14 +37,6 @@ void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t cou
         sums->scatter[k] = sums->samples[k] > 0.0f ? scatter_of(sums, k) : 0.0f;
 }
 
-/* The chord between two points of one smooth surface leans as far out of it at one end as into it at the
- * other, so it is square to the sum of the normals. A step between two parallel surfaces is not, however
- * small the angle at which they are seen. */
-static bool is_chord(sl_vec3 d, sl_vec3 sum) {
-    float out = sl_dot(d, sum);
-    return out * out <= CHORD_SLOPE * CHORD_SLOPE * 4.0f * sl_dot(d, d);
-}
-
 static sl_vec3 sum_of(const float *x, const float *y, const float *z, size_t i, size_t j) {
     return sl_v3(x[i] + x[j], y[i] + y[j], z[i] + z[j]);
 }
@@ -57,8 +47,8 @@ static bool same_surface(const sl_gbuffer *g, size_t i, size_t j) {
                        sl_gbuffer_position(g, i));
     float alike =
         g->normal_x[i] * g->normal_x[j] + g->normal_y[i] * g->normal_y[j] + g->normal_z[i] * g->normal_z[j];
-    return alike > 0.9f && (is_chord(d, sum_of(g->geometric_x, g->geometric_y, g->geometric_z, i, j)) ||
-                            is_chord(d, sum_of(g->normal_x, g->normal_y, g->normal_z, i, j)));
+    return alike > 0.9f && (sl_is_chord(d, sum_of(g->geometric_x, g->geometric_y, g->geometric_z, i, j)) ||
+                            sl_is_chord(d, sum_of(g->normal_x, g->normal_y, g->normal_z, i, j)));
 }
 
 typedef struct {

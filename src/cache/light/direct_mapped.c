@@ -65,12 +65,25 @@ static bool some_are_glossy(const mapped_block *b) {
     return glossy;
 }
 
+/* All pixels of tile after tile of eight by eight. */
+static bool has_no_gaps(const mapped_block *b) {
+    const uint32_t width = (uint32_t)b->pass->gbuffer->width, *pixel = b->points.pixel;
+    for (size_t i = 0; i < b->points.count; i += TILE_HEIGHT * PART_WIDTH) {
+        const uint32_t last = TILE_HEIGHT * PART_WIDTH - 1;
+        if (i + last >= b->points.count || pixel[i + PART_WIDTH - 1] != pixel[i] + PART_WIDTH - 1 ||
+            pixel[i + last] != pixel[i] + (TILE_HEIGHT - 1) * width + PART_WIDTH - 1)
+            return false;
+    }
+    return true;
+}
+
 static void light_block(mapped_block *b) {
     const sl_shadow_maps *maps = b->pass->direct->settings.maps;
     const sl_light_points points = sl_lit_points(&b->points);
     memset(b->irradiance, 0, sizeof b->irradiance);
     memset(b->glossy, 0, sizeof b->glossy);
-    const unsigned parts = SL_MAPPED_LIGHTS | (b->whole ? SL_MAPPED_TILE : 0);
+    const unsigned parts = SL_MAPPED_LIGHTS | (b->whole ? SL_MAPPED_TILE : 0) |
+                           (b->whole && b->pass->direct->hurries && has_no_gaps(b) ? SL_MAPPED_HURRY : 0);
     sl_shadow_maps_irradiance(maps, &points, parts, b->irradiance[0], b->irradiance[1], b->irradiance[2],
                               b->counters);
     if (some_are_glossy(b)) sl_shadow_maps_each(maps, &points, SL_MAPPED_LIGHTS, add_lobes, b, b->counters);
@@ -113,6 +126,8 @@ static void light_tiles(void *context, size_t index, unsigned worker) {
     for (int x = 0; x < width; x += PART_WIDTH) {
         add_part(&b, x, first, middle);
         add_part(&b, x, middle, end);
+        /* so that one with gaps does not shift those behind it */
+        if (p->direct->hurries && x / PART_WIDTH % 2 && b.points.count) light_block(&b);
     }
     if (b.points.count) light_block(&b);
     sl_count(b.counters, SL_COUNT_FRAGMENTS_SHADED, (size_t)(end - first) * (size_t)width);

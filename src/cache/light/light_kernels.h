@@ -15,6 +15,14 @@ typedef struct sl_light_points {
     const float *normal_x, *normal_y, *normal_z;          /* unit, shading */
 } sl_light_points;
 
+/* Tells whether d leads from one point of a smooth surface to another, of normals with this sum. Such a chord
+ * leans as far out of the surface at one end as into it at the other, so it is square to the sum. A step
+ * between two parallel surfaces is not, however small the angle at which they are seen. */
+static inline bool sl_is_chord(sl_vec3 d, sl_vec3 sum) {
+    const float slope = 0.05f, out = sl_dot(d, sum);
+    return out * out <= slope * slope * 4.0f * sl_dot(d, d);
+}
+
 /* A light without extent, or a point of an emitter; and as pictures are taken from it. */
 typedef enum sl_source_kind {
     SL_SOURCE_POINT,

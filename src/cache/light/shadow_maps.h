@@ -2,12 +2,14 @@
  *
  *   point and spot lights    a cube of six maps each
  *   directional lights       a map each, over the scene's box
- *   emissive triangles       32 point samples among all of them, by power and at least one each, with a small
- * cube each. The light itself is exact (Lambert's formula); the samples tell which share of it arrives
+ *   emissive triangles       32 point samples among all of them, by power and at least one each, with a
+ *                            small cube each. The light itself is exact (Lambert's formula); the samples
+ *                            tell which share of it arrives
  *   environment              sun and sky as directional lights of equal power, 8 and 32, a map each
  *
  * Read in this order:
- *   shadow_maps.c        making the maps; lighting points, a block at a time
+ *   shadow_maps.c        making the maps
+ *   shadow_map_light.c   lighting points, a block at a time
  *   depth_cube.c         the pictures around a light
  *   depth_cube_kernels.c what a cube says of a point
  *   light_kernels.c      Lambert's formula
@@ -43,7 +45,8 @@ enum {
     SL_MAPPED_SKY = 2,
     SL_MAPPED_FEW = 4, /* the first quarter of an emitter's samples does: for gathers, which see thousands of
                           points each */
-    SL_MAPPED_TILE = 8 /* the block is a tile of a picture, part by part */
+    SL_MAPPED_TILE = 8, /* the block are tiles of a picture, part by part */
+    SL_MAPPED_HURRY = 16 /* ... without gaps: neighbours share the first half of an emitter's samples */
 };
 
 /* Points a row of a part of a tile, and of the part. */

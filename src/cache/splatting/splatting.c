@@ -81,7 +81,8 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status =
         sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
-    if (status == SL_OK && s->tracer && !is_for(s, SL_SUB_FRAME_SHOWS))
+    const bool looks = s->tracer && !s->settings.records_per_frame && !is_for(s, SL_SUB_FRAME_SHOWS);
+    if (status == SL_OK && looks)
         status = sl_look_at_edges(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status == SL_OK) status = follow_mirrors(s, error);
     if (status != SL_OK) return status;
@@ -104,6 +105,14 @@ static sl_status light_rows(sl_splat_state *s, sl_error *error) {
     announce(s, "direct light", "direct lighting", 3, s->planes, true);
     start_records(s, 0);
     return SL_OK;
+}
+
+/* Where frames follow each other, light is asked hurriedly (light/direct.h), and once more at the end. */
+static void take_time_for_light(sl_splat_state *s) {
+    s->hurries = false;
+    sl_direct_hurry(s->direct, false);
+    s->direct_row = 0;
+    s->phase = SL_PHASE_DIRECT;
 }
 
 /* ---- step 4: new records where a pixel's sum of weights is below the threshold (10) ---- */
@@ -239,12 +248,15 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
     case SL_PHASE_RECORDS:
     case SL_PHASE_SECOND: status = new_records(s, error); break;
     case SL_PHASE_CLAMP: status = clamp_to_neighbours(s, error); break;
-    case SL_PHASE_DONE: status = s->ages.aged ? sl_splat_rest(s, error) : SL_OK; break;
+    case SL_PHASE_DONE:
+        if (s->ages.aged) status = sl_splat_rest(s, error);
+        else if (s->hurries) take_time_for_light(s);
+        break;
     }
     const bool drawn = s->phase == SL_PHASE_DONE;
     if (drawn && s->ages.anew) sl_splat_settle(s);
     progress->fraction = sl_splat_fraction(s);
-    progress->done = drawn && !s->ages.aged;
+    progress->done = drawn && !s->ages.aged && !s->hurries;
     progress->frame_done = drawn || (is_budget_spent(s) && !s->ages.anew);
     return status;
 }
@@ -258,6 +270,8 @@ void sl_splat_begin_view(sl_splat_state *s) {
     sl_sub_frame_clear(&s->scene->sub_frame, s->planes, planes, pixels);
     memset(s->owned, 0, pixels);
     s->phase = sl_splat_is_quick(s) ? SL_PHASE_RENEW : SL_PHASE_GBUFFER;
+    s->hurries = s->maps && s->settings.records_per_frame && !is_on_film(s);
+    sl_direct_hurry(s->direct, s->hurries);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         s->cache[c].splatted = 0;
         s->cache[c].receivers = 0;

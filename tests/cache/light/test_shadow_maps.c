@@ -35,13 +35,15 @@ static sl_light_points points_of(const block *b) {
     return (sl_light_points){b->count, b->x, b->y, b->z, b->nx, b->ny, b->nz, b->nx, b->ny, b->nz};
 }
 
-static void light_as(const sl_shadow_maps *maps, unsigned parts, block *b) {
+/* Returns how often it looked into a map. */
+static uint64_t light_as(const sl_shadow_maps *maps, unsigned parts, block *b) {
     sl_light_points points = points_of(b);
     sl_counters counters = {{0}};
     memset(b->r, 0, sizeof b->r);
     memset(b->g, 0, sizeof b->g);
     memset(b->b, 0, sizeof b->b);
     sl_shadow_maps_irradiance(maps, &points, parts, b->r, b->g, b->b, &counters);
+    return counters.value[SL_COUNT_SHADOW_LOOKUPS];
 }
 
 static void light_block(const sl_shadow_maps *maps, block *b) {
@@ -255,6 +257,52 @@ static void points_of_a_tile_have_the_light_that_they_have_by_themselves(void **
     world_free(w);
 }
 
+static void in_a_hurry_four_neighbours_share_samples_and_penumbrae_stay(void **state) {
+    world *w = world_room(true);
+    sl_shadow_maps *maps = maps_of(w, 512);
+    double apart = 0.0, more = 0.0, total = 0.0;
+    uint64_t shared = 0, all = 0;
+    for (int k = 0; k < 400; k++) {
+        block whole = floor_tile(0.02f + 0.19f * (float)(k % 20), 0.02f + 0.29f * (float)(k / 20), 0.01f),
+              alone = whole;
+        shared += light_as(maps, SL_MAPPED_LIGHTS | SL_MAPPED_TILE | SL_MAPPED_HURRY, &whole);
+        all += light_as(maps, SL_MAPPED_LIGHTS, &alone);
+        for (int i = 0; i < POINTS; i++) {
+            apart += fabs((double)whole.r[i] - (double)alone.r[i]);
+            more += (double)whole.r[i] - (double)alone.r[i];
+            total += (double)alone.r[i];
+        }
+    }
+    print_message("%.4f apart, %+.5f more, %.2f of the look-ups\n", apart / total, more / total,
+                  (double)shared / (double)all);
+    assert_true(apart < 0.02 * total && fabs(more) < 0.002 * total);
+    assert_true(shared < all / 3);
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
+/* Columns of pixels show the floor and, in between, a board above it. */
+static void in_a_hurry_pixels_of_several_surfaces_share_no_samples(void **state) {
+    world *w = world_room(true);
+    sl_shadow_maps *maps = maps_of(w, 512);
+    double apart = 0.0, total = 0.0;
+    for (int k = 0; k < 400; k++) {
+        block whole = floor_tile(0.02f + 0.19f * (float)(k % 20), 0.02f + 0.29f * (float)(k / 20), 0.01f);
+        for (int i = 1; i < POINTS; i += 2) whole.y[i] = 0.9f;
+        block alone = whole;
+        light_as(maps, SL_MAPPED_LIGHTS | SL_MAPPED_TILE | SL_MAPPED_HURRY, &whole);
+        light_as(maps, SL_MAPPED_LIGHTS, &alone);
+        for (int i = 0; i < POINTS; i++) {
+            apart += fabs((double)whole.r[i] - (double)alone.r[i]);
+            total += (double)alone.r[i];
+        }
+    }
+    print_message("%.5f apart\n", apart / total);
+    assert_true(apart < 0.01 * total);
+    sl_shadow_maps_destroy(maps);
+    world_free(w);
+}
+
 /* ---- lights far away ------------------------------------------------------------ */
 
 static void an_open_plane_under_an_even_sky_gets_pi_times_its_radiance(void **state) {
@@ -301,6 +349,8 @@ int main(void) {
         cmocka_unit_test(facets_of_spheres_do_not_shadow_each_other),
         cmocka_unit_test(a_quad_light_is_exact_where_seen_and_soft_where_half_hidden),
         cmocka_unit_test(points_of_a_tile_have_the_light_that_they_have_by_themselves),
+        cmocka_unit_test(in_a_hurry_four_neighbours_share_samples_and_penumbrae_stay),
+        cmocka_unit_test(in_a_hurry_pixels_of_several_surfaces_share_no_samples),
         cmocka_unit_test(an_open_plane_under_an_even_sky_gets_pi_times_its_radiance),
         cmocka_unit_test(points_at_the_light_without_normal_or_not_finite_do_no_harm),
     };

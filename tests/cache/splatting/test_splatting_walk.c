@@ -54,12 +54,38 @@ static void a_still_walk_ends_with_the_picture_of_a_single_frame(void **state) {
     destroy_method(whole, scene);
 }
 
-/* Mean absolute difference of indirect light. */
-static double change(const sl_image *a, const sl_image *b) {
-    const float *x = sl_image_channel(a, "indirect.G"), *y = sl_image_channel(b, "indirect.G");
+/* Mean absolute difference of a layer. */
+static double change_of(const char *layer, const sl_image *a, const sl_image *b) {
+    const float *x = sl_image_channel(a, layer), *y = sl_image_channel(b, layer);
     double sum = 0.0;
     for (int i = 0; i < SIDE * SIDE; i++) sum += fabs((double)x[i] - (double)y[i]);
     return sum / (SIDE * SIDE);
+}
+
+static double change(const sl_image *a, const sl_image *b) { return change_of("indirect.G", a, b); }
+
+/* But for edges: of those rays are asked only where frames do not follow each other. */
+static void after_a_step_light_is_asked_in_a_hurry_and_once_more_at_the_end(void **state) {
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings walks = walk_settings(), stands = walks;
+    walks.direct = stands.direct = SL_DIRECT_SHADOW_MAPS;
+    stands.records_per_frame = 0;
+    sl_method *walk = created_method(scene, &walks), *still = created_method(scene, &stands);
+    while (finish_frame(walk)) {}
+    good(sl_method_edit(walk, SL_CHANGED_CAMERA, NULL), NULL);
+    assert_true(finish_frame(walk));
+    sl_image *first = resolved_picture(walk);
+    while (finish_frame(walk)) {}
+    while (finish_frame(still)) {}
+    sl_image *last = resolved_picture(walk), *truth = resolved_picture(still);
+    const double in_a_hurry = change_of("direct.G", first, truth),
+                 at_rest = change_of("direct.G", last, truth);
+    print_message("direct light: %g in a hurry, %g at rest\n", in_a_hurry, at_rest);
+    assert_true(in_a_hurry > 5e-5 && in_a_hurry < 1e-3 && at_rest < 0.05 * in_a_hurry);
+    destroy_pictures(first, last);
+    sl_image_destroy(truth);
+    sl_method_destroy(walk);
+    destroy_method(still, scene);
 }
 
 /* A room whose floor is full of thin fins: what is gathered between them reaches far less than what is
@@ -173,6 +199,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_gets_as_many_new_records_as_it_may_and_no_more),
         cmocka_unit_test(a_still_walk_ends_with_the_picture_of_a_single_frame),
+        cmocka_unit_test(after_a_step_light_is_asked_in_a_hurry_and_once_more_at_the_end),
         cmocka_unit_test(in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end),
         cmocka_unit_test(a_step_aside_needs_few_new_records_and_a_step_back_none),
         cmocka_unit_test(a_walk_has_the_same_bits_at_any_number_of_threads),
