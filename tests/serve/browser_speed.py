@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""tests/serve/browser_speed.py PROGRAM SCENE... [--methods a,b] [--size 512x512] [--seconds 5] [--lamp]:
-frames a second that a headless browser shows while its pointer orbits, and milliseconds from the pointer's
-event to the frame that shows it, as the page itself counts them; with --lamp the first lamp is carried to and
-fro instead, from a picture that is done or a minute old, and it tells how far from its last picture the page
-was when the lamp stopped, and the seconds until half of that was gone, and nine tenths. The browser takes its
-share of the processors."""
+"""tests/serve/browser_speed.py PROGRAM SCENE... [--methods a,b] [--size 512x512] [--seconds 5] [--lamp]
+[--eye X,Y,Z] [--target X,Y,Z]: frames a second that a headless browser shows while its pointer orbits, and
+milliseconds from the pointer's event to the frame that shows it, as the page itself counts them; with --lamp
+the first lamp is carried to and fro instead, from a picture that is done or a minute old, and it tells how far
+from its last picture the page was when the lamp stopped, and the seconds until half of that was gone, and nine
+tenths. The browser takes its share of the processors."""
 import argparse
 import json
 import subprocess
@@ -110,13 +110,17 @@ def main():
     parser.add_argument("--size", default="512x512")
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--lamp", action="store_true")
+    parser.add_argument("--eye", help="of serve: an orbit inside of walls must stay there")
+    parser.add_argument("--target")
     options = parser.parse_args()
+    view = [word for name, at in (("--eye", options.eye), ("--target", options.target)) if at
+            for word in (name, at)]
     browser = Browser(9517)
     told = "wrong %  to half s  to a tenth s" if options.lamp else "frames/s  KB/s  median ms  95 % ms"
     print(f"{'scene':24} {'method':16} {told}")
     for scene in options.scenes:
         for method in options.methods.split(","):
-            server = Server(options.program, scene, "-s", options.size, "-m", method, "--quiet")
+            server = Server(options.program, scene, "-s", options.size, "-m", method, "--quiet", *view)
             browser.ask("POST", "/url", {"url": server.address})
             while not browser.tell("return document.querySelector('#frame.ready') !== null"):
                 time.sleep(0.2)

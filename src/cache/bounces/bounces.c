@@ -18,7 +18,7 @@ static const size_t most_records[GENERATIONS] = {4000, 5000};
 #define MOST_MISSED 0.1f
 /* Where a view sees a little more: origins, and records that it may add and have gather again; few enough for
  * a frame, and fewer for one that somebody waits for. */
-enum { MORE = 256, AGAIN = 32, QUICK_ORIGINS = ORIGINS / 8, QUICK_MORE = MORE / 4 };
+enum { MORE = 256, AGAIN = 32, QUICK_ORIGINS = ORIGINS / 8, QUICK_MORE = MORE / 4, QUICK_AGAIN = AGAIN / 4 };
 
 sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, double accuracy,
                                           uint32_t bounces) {
@@ -153,7 +153,8 @@ static sl_status settle(sl_second_cache *cache, size_t first, sl_counters *count
 
 /* Has some more of those that wait for it gather again. */
 static sl_status take_turns(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
-    const size_t count = cache->waiting < AGAIN ? cache->waiting : AGAIN;
+    const size_t most = cache->settings.quick ? QUICK_AGAIN : AGAIN,
+                 count = cache->waiting < most ? cache->waiting : most;
     cache->waiting -= count;
     return sl_second_cache_renew(cache, count, counters, error);
 }
