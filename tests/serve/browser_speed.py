@@ -2,9 +2,9 @@
 """tests/serve/browser_speed.py PROGRAM SCENE... [--methods a,b] [--size 512x512] [--seconds 5] [--lamp]
 [--eye X,Y,Z] [--target X,Y,Z]: frames a second that a headless browser shows while its pointer orbits, and
 milliseconds from the pointer's event to the frame that shows it, as the page itself counts them; with --lamp
-the first lamp is carried to and fro instead, from a picture that is done or a minute old, and it tells how far
-from its last picture the page was when the lamp stopped, and the seconds until half of that was gone, and nine
-tenths. The browser takes its share of the processors."""
+the first lamp is carried to and fro instead, from a picture that is done or a minute old, and it tells how
+far from its last picture the page was when the lamp stopped, and the seconds until half of that was gone, and
+nine tenths. The browser takes its share of the processors."""
 import argparse
 import json
 import subprocess

@@ -24,7 +24,7 @@ sl_settings sl_side_shown(const sl_settings *settings) {
     sl_settings shown = *settings;
     if (strcmp(shown.method, "splatting") == 0 && shown.direct == SL_DIRECT_AUTO)
         shown.direct = SL_DIRECT_SHADOW_MAPS;
-    if (!shown.records_per_frame) shown.records_per_frame = 32;
+    if (!shown.records_per_frame) shown.records_per_frame = 24;
     return shown;
 }
 

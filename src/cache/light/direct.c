@@ -53,7 +53,8 @@ static int quick_size(const sl_scene *scene) {
 sl_status sl_direct_create_quick(const sl_scene *scene, const sl_raster *raster, const sl_tracer *tracer,
                                  const sl_direct_settings *settings, bool may_map, sl_direct **direct,
                                  sl_counters *counters, sl_error *error) {
-    const sl_shadow_map_settings mapped = {quick_size(scene), settings->sun, NULL, settings->threads};
+    const sl_shadow_map_settings mapped = {
+        .size = quick_size(scene), .sun = settings->sun, .threads = settings->threads};
     sl_direct_settings quick = *settings;
     sl_shadow_maps *maps = NULL;
     sl_status status = SL_OK;

@@ -46,14 +46,17 @@ static void add_lobes(void *context, const sl_arrivals *a, const float *lit, sl_
 static void put_radiance(const mapped_block *b) {
     const sl_gbuffer *g = b->pass->gbuffer;
     const float *diffuse[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
+    const size_t count = b->points.count;
     for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < b->points.count; i++) {
-            const uint32_t pixel = b->points.pixel[i];
-            /* black times infinite is black */
-            const float reflected =
-                sl_picture_value(diffuse[c][pixel] * (float)(1.0 / SL_PI) * b->irradiance[c][i]);
-            b->pass->out[c][pixel] = sl_picture_value(reflected + b->glossy[c][i]);
+        const float *irradiance = b->irradiance[c], *glossy = b->glossy[c];
+        float radiance[SL_LIGHT_BLOCK];
+        for (size_t i = 0; i < count; i++) radiance[i] = diffuse[c][b->points.pixel[i]];
+#pragma omp simd
+        for (size_t i = 0; i < count; i++) { /* black times infinite is black */
+            const float reflected = sl_picture_value(radiance[i] * (float)(1.0 / SL_PI) * irradiance[i]);
+            radiance[i] = sl_picture_value(reflected + glossy[i]);
         }
+        for (size_t i = 0; i < count; i++) b->pass->out[c][b->points.pixel[i]] = radiance[i];
     }
 }
 

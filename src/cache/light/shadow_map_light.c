@@ -7,8 +7,9 @@
 /* ---- lighting points, a block at a time ---- */
 
 static bool any(const float *values, size_t count) {
-    bool found = false;
-    for (size_t i = 0; i < count; i++) found |= values[i] > 0.0f;
+    uint32_t found = 0;
+#pragma omp simd reduction(| : found)
+    for (size_t i = 0; i < count; i++) found |= values[i] > 0.0f ? 1u : 0u;
     return found;
 }
 
@@ -131,84 +132,90 @@ static bool fill_by_common_share(shares *s, size_t asked, size_t count) {
 /* Interleaved sampling (Keller and Heidrich 2001), in squares of two by two pixels. */
 enum { SHARERS = 4, HALF = SL_LIGHT_BLOCK / 2, SQUARES = HALF / SHARERS, SQUARES_A_TILE = SQUARES / 2 };
 
+/* Of two tiles. */
+typedef struct {
+    thinned sorted;
+    uint32_t one_surface[2 * SQUARES];
+} squares;
+
 /* Returns how many samples of an emitter a square asks. */
 static size_t hurried_count(const sl_mapped_emitter *e) { return e->count / 2; }
 
+/* Tells of each square whether its pixels show one surface. */
+static void find_surfaces(const sl_light_points *p, uint32_t *one) {
+    const float *x = p->x, *y = p->y, *z = p->z, *nx = p->geometric_x, *ny = p->geometric_y,
+                *nz = p->geometric_z;
+    for (size_t first = 0; first < SL_LIGHT_BLOCK; first += HALF, one += SQUARES) {
+        for (size_t k = 0; k < SQUARES; k++) one[k] = 1;
+        for (size_t j = first + SQUARES; j < first + HALF; j += SQUARES) {
+#pragma omp simd
+            for (size_t k = 0; k < SQUARES; k++) {
+                const size_t a = first + k, b = j + k;
+                const sl_vec3 d = sl_v3(x[b] - x[a], y[b] - y[a], z[b] - z[a]),
+                              m = sl_v3(nx[a], ny[a], nz[a]), n = sl_v3(nx[b], ny[b], nz[b]);
+                one[k] &= (sl_dot(m, n) > 0.9f) & sl_is_chord(d, sl_add(m, n));
+            }
+        }
+    }
+}
+
 /* Sorts the pixels of two tiles: first those of every other square, as on a chess board; in each half the
  * first ones of all squares, then the second ones, and so on. */
-static void sort_by_squares(const sl_light_points *points, thinned *sorted) {
+static void sort_by_squares(const sl_light_points *points, squares *of) {
     for (size_t k = 0; k < SL_LIGHT_BLOCK; k++) {
         const size_t half = k / HALF, sharer = k % HALF / SQUARES, square = k % SQUARES,
                      first = square / SQUARES_A_TILE * HALF, row = square % SQUARES_A_TILE / 2,
                      column = 2 * (square % 2) + (row + half) % 2, x = 2 * column + sharer % 2,
                      y = 2 * row + sharer / 2;
-        sorted->place[k] = (uint8_t)(first + y * SL_MAPPED_COLUMNS + x);
+        of->sorted.place[k] = (uint8_t)(first + y * SL_MAPPED_COLUMNS + x);
     }
-    take(points, SL_LIGHT_BLOCK, sorted);
+    take(points, SL_LIGHT_BLOCK, &of->sorted);
+    find_surfaces(&of->sorted.points, of->one_surface);
 }
 
-static sl_vec3 geometric_of(const sl_light_points *p, size_t i) {
-    return sl_v3(p->geometric_x[i], p->geometric_y[i], p->geometric_z[i]);
+/* Adds up what the pixels of each square have asked. Where they show several surfaces, and do not all say the
+ * same, each is to ask all samples for itself: it is listed. Returns how many are. */
+static size_t add_up_squares(const uint32_t *one, shares *s, uint8_t *apart) {
+    size_t count = 0;
+    for (size_t i = 0; i < 2 * SQUARES; i++) {
+        const size_t first = i / SQUARES * HALF + i % SQUARES, end = first + HALF;
+        float seen = 0.0f, all = 0.0f;
+        for (size_t k = first; k < end; k += SQUARES) seen += s->seen[k], all += s->all[k];
+        if (seen == 0.0f || seen == all) continue;
+        for (size_t k = first; k < end; k += SQUARES) {
+            s->seen[k] = seen;
+            s->all[k] = all;
+            if (!one[i]) apart[count++] = (uint8_t)k;
+        }
+    }
+    return count;
 }
 
-/* Tells whether a square, of which this is the first pixel, shows one. */
-static bool is_one_surface(const sl_light_points *p, size_t first) {
-    const sl_vec3 normal = geometric_of(p, first);
-    bool one = true;
-    for (size_t k = 1; k < SHARERS; k++) {
-        const size_t i = first + k * SQUARES;
-        const sl_vec3 d = sl_v3(p->x[i] - p->x[first], p->y[i] - p->y[first], p->z[i] - p->z[first]),
-                      other = geometric_of(p, i);
-        one &= sl_dot(normal, other) > 0.9f && sl_is_chord(d, sl_add(normal, other));
-    }
-    return one;
-}
-
-/* Adds up what the pixels of a square have asked. Where they show several surfaces, and do not all say the
- * same, each is to ask all samples for itself: it is listed. */
-static void share_square(const sl_light_points *sorted, size_t first, shares *s, thinned *apart,
-                         size_t *count) {
-    float seen = 0.0f, all = 0.0f;
-    for (size_t k = 0; k < SHARERS; k++) {
-        seen += s->seen[first + k * SQUARES];
-        all += s->all[first + k * SQUARES];
-    }
-    if (seen == 0.0f || seen == all) return;
-    const bool one = is_one_surface(sorted, first);
-    for (size_t k = 0; k < SHARERS; k++) {
-        s->seen[first + k * SQUARES] = seen;
-        s->all[first + k * SQUARES] = all;
-        if (!one) apart->place[(*count)++] = (uint8_t)(first + k * SQUARES);
-    }
-}
-
-static void share_squares(const sl_shadow_maps *maps, const sl_mapped_emitter *e,
-                          const sl_light_points *sorted, shares *s, sl_counters *counters) {
+static void share_squares(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const squares *of,
+                          shares *s, sl_counters *counters) {
     thinned apart;
     shares own = {0};
-    size_t count = 0;
-    for (size_t i = 0; i < 2 * SQUARES; i++)
-        share_square(sorted, i / SQUARES * HALF + i % SQUARES, s, &apart, &count);
+    const size_t count = add_up_squares(of->one_surface, s, apart.place);
     if (!count) return;
-    take(sorted, count, &apart);
+    take(&of->sorted.points, count, &apart);
     add_samples(maps, e, 0, hurried_count(e), &apart.points, (span){0, count}, &own, counters);
     put_back(&own, &apart, s);
 }
 
 /* The pixels of a square ask a quarter of the samples each. Where half of the squares say the same, the
  * others would too. */
-static void share_by_squares(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const thinned *sorted,
+static void share_by_squares(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const squares *of,
                              shares *s, sl_counters *counters) {
     const size_t asked = hurried_count(e);
     shares own = {0};
     for (size_t k = 0; k < 2 * SHARERS; k++) {
         const size_t begin = k * SQUARES, q = k % SHARERS;
         if (k == SHARERS && fill_by_common_share(&own, HALF, SL_LIGHT_BLOCK)) break;
-        add_samples(maps, e, q * asked / SHARERS, (q + 1) * asked / SHARERS, &sorted->points,
+        add_samples(maps, e, q * asked / SHARERS, (q + 1) * asked / SHARERS, &of->sorted.points,
                     (span){begin, begin + SQUARES}, &own, counters);
     }
-    share_squares(maps, e, &sorted->points, &own, counters);
-    put_back(&own, sorted, s);
+    share_squares(maps, e, of, &own, counters);
+    put_back(&own, &of->sorted, s);
 }
 
 /* ---- the share of all ---- */
@@ -239,7 +246,8 @@ static void share_of_tiles(const sl_shadow_maps *maps, const sl_mapped_emitter *
 /* What is asked of a block first, or instead of all. */
 typedef struct {
     bool has_squares;
-    thinned squares, few;
+    squares squares;
+    thinned few;
 } tile;
 
 static void share_of_samples(const sl_shadow_maps *maps, const sl_mapped_emitter *e,

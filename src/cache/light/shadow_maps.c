@@ -72,6 +72,7 @@ static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const s
     sl_mapped_emitter *m = &maps->emitters[maps->emitter_count++];
     *m = (sl_mapped_emitter){sl_polygon_light_of(maps->scene, e, back), e->radiance, maps->source_count,
                              samples};
+    const int size = smaller(maps->settings.size, maps->settings.in_motion ? 8 : 4);
     float area = e->area / (float)samples;
     sl_status status = SL_OK;
     for (size_t i = 0; i < samples && status == SL_OK; i++) {
@@ -83,7 +84,7 @@ static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const s
                                       .colour = sl_rgb_scale(e->radiance, area)};
         /* A little before the emitter, which must not hide its own light. */
         s->source.position = sl_mad(point_of(&m->polygon, i), 2.0f * maps->offset, m->polygon.normal);
-        status = draw(maps, raster, s, smaller(maps->settings.size, 4), counters, error);
+        status = draw(maps, raster, s, size, counters, error);
     }
     return status;
 }

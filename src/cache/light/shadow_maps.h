@@ -23,8 +23,10 @@
 typedef struct sl_shadow_maps sl_shadow_maps;
 
 typedef struct sl_shadow_map_settings {
-    /* texels a side of a map or of a cube's face; samples of emitters have a quarter, the sky half */
+    /* texels a side of a map or of a cube's face; the sky has half, samples of emitters have a quarter, in
+     * motion an eighth */
     int size;
+    bool in_motion;
     const sl_environment *sun; /* part of SL_MAPPED_LIGHTS; or NULL */
     const sl_environment *sky; /* is SL_MAPPED_SKY; or NULL */
     unsigned threads;

@@ -40,6 +40,18 @@ static bool is_budget_spent(const sl_splat_state *s) {
 
 /* ---- steps 2 and 3: splat what earlier views have left, and see what that covers ---- */
 
+static sl_status splat_new_records_of(sl_splat_state *s, sl_record_cache *cache, sl_error *error);
+
+/* In a walk records never shrink: what they give is of use as it is. */
+static bool walks(const sl_splat_state *s) { return s->settings.records_per_frame && !is_on_film(s); }
+
+static sl_status cover_by(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
+    if (!walks(s)) return sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
+    sl_status status = splat_new_records_of(s, cache, error);
+    if (status == SL_OK) memcpy(s->coverage, s->splats.weight, sl_splat_pixels(s) * sizeof *s->coverage);
+    return status;
+}
+
 static sl_status cover_by_old_records(sl_splat_state *s, sl_error *error) {
     const bool grows = !is_for(s, SL_SUB_FRAME_SHOWS);
     sl_status status = SL_OK;
@@ -49,7 +61,7 @@ static sl_status cover_by_old_records(sl_splat_state *s, sl_error *error) {
         sl_record_cache *cache = &s->cache[c];
         if (cache->receivers) status = sl_splat_open_cache(s, cache, error);
         if (status == SL_OK && cache->receivers && cache->list.count && grows)
-            status = sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
+            status = cover_by(s, cache, error);
     }
     return status;
 }
@@ -270,7 +282,7 @@ void sl_splat_begin_view(sl_splat_state *s) {
     sl_sub_frame_clear(&s->scene->sub_frame, s->planes, planes, pixels);
     memset(s->owned, 0, pixels);
     s->phase = sl_splat_is_quick(s) ? SL_PHASE_RENEW : SL_PHASE_GBUFFER;
-    s->hurries = s->maps && s->settings.records_per_frame && !is_on_film(s);
+    s->hurries = s->maps && walks(s);
     sl_direct_hurry(s->direct, s->hurries);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         s->cache[c].splatted = 0;

@@ -176,7 +176,7 @@ static void shadow_maps_and_rays_light_alike(void **state) {
         sl_gather_settings rays = gather_settings(SL_GATHER_RAYS, 64), maps = rays;
         rays.emission = maps.emission = false;
         sl_shadow_maps *made;
-        const sl_shadow_map_settings of = {SL_SHADOW_MAP_SIZE, NULL, NULL, 1};
+        const sl_shadow_map_settings of = {.size = SL_SHADOW_MAP_SIZE, .threads = 1};
         assert_int_equal(sl_shadow_maps_create(w->scene, w->raster, &of, &made, &w->counters, NULL), SL_OK);
         maps.maps = made;
         gatherer a = gatherer_new(w, &rays), b = gatherer_new(w, &maps);
