@@ -119,7 +119,7 @@ void bench_scene_close(bench_scene *s) {
 /* ---- views ----------------------------------------------------------------------------------- */
 
 sl_view bench_camera_view(const bench_scene *s, int width, int height) {
-    return sl_view_camera(&s->scene->camera, width, height, 1e-3f * s->scene->diagonal,
+    return camera_view(&s->scene->camera, width, height, 1e-3f * s->scene->diagonal,
                           2.0f * s->scene->diagonal);
 }
 

@@ -99,8 +99,6 @@ struct sl_view {
     const uint8_t *stencil;
 };
 
-/* Perspective camera with near and far planes, window depth. */
-sl_view sl_view_camera(const sl_camera *camera, int width, int height, float near, float far);
 /* A scene's camera as methods want it: inverse-w depth, no far plane, near plane at 1e-5 of the scene's
  * scale. */
 sl_view sl_view_scene(const sl_scene *scene, int width, int height);

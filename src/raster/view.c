@@ -12,21 +12,6 @@ static void set_row(float row[4], sl_vec3d a, double w) {
     row[3] = (float)w;
 }
 
-/* OpenGL's perspective matrix on top of the camera's rotation; the translation is the view's origin. */
-sl_view sl_view_camera(const sl_camera *camera, int width, int height, float near, float far) {
-    sl_view view = {.origin = camera->eye, .width = width, .height = height, .depth = SL_DEPTH_WINDOW,
-                    .skip_triangle = SL_NO_INDEX};
-    double tangent = sl_tan(0.5 * (double)camera->vertical_fov);
-    double aspect = (double)width / (double)height;
-    double n = (double)near, f = (double)far;
-    sl_vec3d forward = sl_scaled(sl_to_double(camera->back), -1.0);
-    set_row(view.clip[0], sl_scaled(sl_to_double(camera->right), 1.0 / (tangent * aspect)), 0.0);
-    set_row(view.clip[1], sl_scaled(sl_to_double(camera->up), 1.0 / tangent), 0.0);
-    set_row(view.clip[2], sl_scaled(forward, (f + n) / (f - n)), -2.0 * f * n / (f - n));
-    set_row(view.clip[3], forward, 0.0);
-    return view;
-}
-
 /* x/w runs from -1 at tangent `left` to 1 at tangent `right`. Row 2 is w - near: the near plane's distance.
  */
 sl_view sl_view_pyramid(const sl_frame *frame, sl_vec3 eye, float left, float right, float bottom, float top,

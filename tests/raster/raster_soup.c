@@ -7,6 +7,7 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "base/sanitized.h"
+#include "raster_support.h"
 
 const char *const soup_names[SOUP_KINDS] = {
     "big",           "medium, 64 px", "small, 8 px",    "below a pixel", "slivers",     "mesh, 5 px",
@@ -212,7 +213,7 @@ soup soup_make(soup_kind kind, uint64_t seed, size_t triangles, int width, int h
     if (kind == SOUP_MESH) make_mesh(&s, d.key, nx, ny);
     else if (kind == SOUP_PERSPECTIVE || kind == SOUP_NEAR_CLIPPED) {
         sl_camera camera = random_camera(&d);
-        s.view = sl_view_camera(&camera, width, height, 0.1f, 25.0f);
+        s.view = camera_view(&camera, width, height, 0.1f, 25.0f);
         for (size_t t = 0; t < s.triangles; t++) perspective_triangle(&s, kind, t, &d, &camera);
     } else {
         for (size_t t = 0; t < s.triangles; t++) flat_triangle(&s, kind, t, &d);

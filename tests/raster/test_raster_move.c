@@ -17,7 +17,7 @@ static sl_view view_number(uint64_t n) {
                         random_between(key, 102, 0.5f, 4.5f));
     if (n % 2) return sl_view_pyramid(&frame, eye, -1.5f, 2.0f, -1.0f, 1.0f, W, H, 1e-3f);
     sl_camera camera = {eye, frame.x, frame.y, sl_neg(frame.z), 1.3f};
-    return sl_view_camera(&camera, W, H, 0.05f, 50.0f);
+    return camera_view(&camera, W, H, 0.05f, 50.0f);
 }
 
 static void assert_same_picture(const uint32_t *id, const float *depth, const uint32_t *other_id,

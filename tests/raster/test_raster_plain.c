@@ -180,7 +180,7 @@ static sl_view random_view(uint64_t key, uint64_t n, int width, int height) {
     if (n % 3 == 0) {
         sl_camera camera = {eye, frame.x, frame.y, sl_neg(frame.z),
                             random_between(key, 600000 + n, 0.2f, 2.5f)};
-        view = sl_view_camera(&camera, width, height, n % 2 ? 0.01f : 0.5f, n % 5 ? 100.0f : 1.5f);
+        view = camera_view(&camera, width, height, n % 2 ? 0.01f : 0.5f, n % 5 ? 100.0f : 1.5f);
         view.corner_planes = n % 4 == 0;
     } else if (n % 3 == 1) {
         float t = random_between(key, 600000 + n, 0.1f, 6.0f);
@@ -353,7 +353,7 @@ static void near_planes_from_nothing_to_beyond_everything_agree(void **state) {
         for (int e = 0; e < 3; e++) {
             sl_camera camera = {eyes[e], frame.x, frame.y, sl_neg(frame.z), 2.0f};
             sl_view pyramid = sl_view_pyramid(&frame, eyes[e], -5.0f, 4.0f, -3.0f, 5.0f, 70, 50, nears[n]);
-            sl_view window = sl_view_camera(&camera, 70, 50, nears[n], 100.0f);
+            sl_view window = camera_view(&camera, 70, 50, nears[n], 100.0f);
             assert_agree(&s, &pyramid, 70, 50);
             assert_agree(&s, &window, 70, 50);
         }

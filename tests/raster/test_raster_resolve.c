@@ -340,11 +340,11 @@ static sl_view room_view(int n) {
     if (n == 0) {
         assert_true(
             sl_camera_look_at(&camera, sl_v3(0.5f, 1.6f, 0.4f), sl_v3(2, 1, 2.5f), sl_v3(0, 1, 0), 1.0f));
-        return sl_view_camera(&camera, WIDTH, HEIGHT, 0.01f, 20.0f);
+        return camera_view(&camera, WIDTH, HEIGHT, 0.01f, 20.0f);
     }
     assert_true(sl_camera_look_at(&camera, sl_v3(2, 1.5f, 7), sl_v3(2, 1, 2.5f), sl_v3(0, 1, 0), 1.4f));
     /* near plane inside the room, background around */
-    return sl_view_camera(&camera, WIDTH, HEIGHT, 2.5f, 100.0f);
+    return camera_view(&camera, WIDTH, HEIGHT, 2.5f, 100.0f);
 }
 
 static void expect_vector(const float *x, const float *y, const float *z, size_t i, sl_vec3 expected) {

@@ -136,7 +136,7 @@ static const int sizes[][2] = {{257, 193}, {64, 64}, {640, 31}, {400, 400}};
 static sl_view view_from(sl_vec3 eye, sl_vec3 target, float fov, uint64_t which, float near) {
     sl_camera camera;
     assert_true(sl_camera_look_at(&camera, eye, target, sl_v3(0.1f, 1, 0.2f), fov));
-    return sl_view_camera(&camera, sizes[which % 4][0], sizes[which % 4][1], near, 100.0f);
+    return camera_view(&camera, sizes[which % 4][0], sizes[which % 4][1], near, 100.0f);
 }
 
 /* Far enough away that the whole mesh (within radius 2) is in view, whatever the picture's shape. */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "unit_test.h"
+#include "base/math.h"
 #include "base/random.h"
 #include "raster/raster.h"
 #include "scene_parts.h"
@@ -31,6 +32,26 @@ static inline sl_scene *scene_of_triangles(const float *xyz, size_t count) {
 static inline sl_view flat_view(int width, int height) {
     sl_view view = {.width = width, .height = height, .depth = SL_DEPTH_WINDOW, .skip_triangle = SL_NO_INDEX};
     for (int k = 0; k < 4; k++) view.clip[k][k] = 1.0f;
+    return view;
+}
+
+static inline void set_clip_row(float row[4], sl_vec3d a, double w) {
+    const float values[4] = {(float)a.x, (float)a.y, (float)a.z, (float)w};
+    memcpy(row, values, sizeof values);
+}
+
+/* Perspective camera with near and far planes, window depth: OpenGL's matrix on top of the camera's rotation;
+ * the translation is the view's origin. */
+static inline sl_view camera_view(const sl_camera *camera, int width, int height, float near, float far) {
+    sl_view view = flat_view(width, height);
+    double tangent = sl_tan(0.5 * (double)camera->vertical_fov), aspect = (double)width / (double)height,
+           n = (double)near, f = (double)far;
+    sl_vec3d forward = sl_scaled(sl_to_double(camera->back), -1.0);
+    view.origin = camera->eye;
+    set_clip_row(view.clip[0], sl_scaled(sl_to_double(camera->right), 1.0 / (tangent * aspect)), 0.0);
+    set_clip_row(view.clip[1], sl_scaled(sl_to_double(camera->up), 1.0 / tangent), 0.0);
+    set_clip_row(view.clip[2], sl_scaled(forward, (f + n) / (f - n)), -2.0 * f * n / (f - n));
+    set_clip_row(view.clip[3], forward, 0.0);
     return view;
 }
 
