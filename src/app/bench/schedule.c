@@ -22,11 +22,11 @@ enum { LONG_SECONDS = 1, LONG_LOOK_SECONDS = 3 };
 /* A trial's runs are numbered; this one has an observer. */
 enum { LOOK = -1 };
 
-/* Tells whether a comma-separated list, or NULL, names it. */
-static bool is_listed(const char *list, const char *name) {
+/* Tells whether a list, or NULL, names it. */
+static bool is_listed(const char *list, const char *between, const char *name) {
     size_t length;
     if (!list) return true;
-    for (const char *item; (item = sl_next_item(&list, ",", &length));) {
+    for (const char *item; (item = sl_next_item(&list, between, &length));) {
         if (strlen(name) == length && strncmp(item, name, length) == 0) return true;
     }
     return false;
@@ -48,13 +48,8 @@ static bool is_own(const sl_bench_scene *s, const sl_trial *t) {
 
 /* Scenes named on the command line stand for those of the trials' file. */
 static bool is_wanted(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t) {
-    const char *at = t->scenes, *scene;
-    size_t length;
-    bool here = !at || o->own_scenes;
-    while (!here && (scene = sl_next_item(&at, " ", &length)))
-        here = strlen(s->path) == length && strncmp(s->path, scene, length) == 0;
-    return here && is_listed(o->methods, t->method) &&
-           is_listed(o->qualities, sl_bench_quality_name(t->quality));
+    return (o->own_scenes || is_listed(t->scenes, " ", s->path)) && is_listed(o->methods, ",", t->method) &&
+           is_listed(o->qualities, ",", sl_bench_quality_name(t->quality));
 }
 
 /* ---- the journal's entries ---- */
