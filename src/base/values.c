@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/math.h"
 #include "base/print.h"
 
 /* ---- numbers ---- */
@@ -107,9 +108,7 @@ bool sl_ends_with(const char *text, const char *ending) {
     return left == 0;
 }
 
-static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
-
-static size_t length_of(const char *word) { return smaller(strlen(word), LONGEST_WORD); }
+static size_t length_of(const char *word) { return sl_fewer(strlen(word), LONGEST_WORD); }
 
 /* Counts the insertions, deletions and replacements that turn one word into the other (Levenshtein), of the
  * first 64 letters. */
@@ -120,8 +119,8 @@ static size_t edit_distance(const char *a, const char *b) {
         size_t diagonal = row[0];
         row[0] = i;
         for (size_t j = 1; j <= b_length; j++) {
-            size_t above = row[j];
-            row[j] = smaller(smaller(above, row[j - 1]) + 1, diagonal + (lower(a[i - 1]) != lower(b[j - 1])));
+            size_t above = row[j], replaced = diagonal + (lower(a[i - 1]) != lower(b[j - 1]));
+            row[j] = sl_fewer(sl_fewer(above, row[j - 1]) + 1, replaced);
             diagonal = above;
         }
     }

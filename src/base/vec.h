@@ -133,6 +133,7 @@ static inline float sl_rgb_max(sl_rgb a) {
     float m = a.r > a.g ? a.r : a.g;
     return m > a.b ? m : a.b;
 }
+static inline bool sl_rgb_is_black(sl_rgb a) { return !(sl_rgb_max(a) > 0.0f); }
 static inline bool sl_rgb_is_finite(sl_rgb a) { return isfinite(a.r) && isfinite(a.g) && isfinite(a.b); }
 /* Rec. 709 luminance. */
 static inline float sl_luminance(sl_rgb a) { return 0.2126f * a.r + 0.7152f * a.g + 0.0722f * a.b; }

@@ -195,7 +195,7 @@ static bool move_surfaces(sl_scene *s, const motion *motions) {
 
 static bool emissive_moves(const sl_scene *s, const motion *motions) {
     for (size_t t = 0; t < s->triangle_count; t++) {
-        bool emissive = sl_material_is_emitter(&s->materials[s->material_index[t]]);
+        bool emissive = sl_material_is_emitter(sl_triangle_material(s, t));
         if (emissive && motion_of(s->animation, motions, s->vertex[0][t])) return true;
     }
     return false;

@@ -36,7 +36,7 @@ size_t sl_scene_derive(sl_scene *scene) {
                                   : sl_scene_normal(scene, scene->vertex[0][t]);
         sl_put(scene->geometric_normal_x, scene->geometric_normal_y, scene->geometric_normal_z, t, normal);
         scene->emitter_of_triangle[t] = SL_NO_INDEX;
-        const sl_material *material = &scene->materials[scene->material_index[t]];
+        const sl_material *material = sl_triangle_material(scene, t);
         if (!sl_material_is_emitter(material)) continue;
         float area = (float)(0.5 * length), opaque = scene->opaque_share[emissive++];
         if (!(area > 0.0f) || !isfinite(area)) {
@@ -54,7 +54,7 @@ size_t sl_scene_derive(sl_scene *scene) {
 static void find_opaque_shares(sl_scene *scene) {
     size_t emissive = 0;
     for (size_t t = 0; t < scene->triangle_count; t++) {
-        if (sl_material_is_emitter(&scene->materials[scene->material_index[t]]))
+        if (sl_material_is_emitter(sl_triangle_material(scene, t)))
             scene->opaque_share[emissive++] = sl_scene_opaque_share(scene, (uint32_t)t);
     }
 }
@@ -62,7 +62,7 @@ static void find_opaque_shares(sl_scene *scene) {
 sl_status sl_scene_make_emitters(sl_scene *scene, sl_error *error) {
     size_t emissive = 0;
     for (size_t t = 0; t < scene->triangle_count; t++)
-        emissive += sl_material_is_emitter(&scene->materials[scene->material_index[t]]);
+        emissive += sl_material_is_emitter(sl_triangle_material(scene, t));
     scene->emitters = sl_allocate(emissive, sizeof *scene->emitters);
     scene->opaque_share = sl_allocate(emissive, sizeof *scene->opaque_share);
     scene->emissive_count = emissive;

@@ -360,7 +360,7 @@ static sl_status change_surfaces(sl_scene_edit *e, unsigned *changes, sl_error *
     if (status == SL_OK) status = sl_animation_place(s, e->placements, e->placement, changes, error);
     if (status == SL_OK) {
         for (size_t i = 0; i < s->emitter_count; i++)
-            s->emitters[i].radiance = s->materials[s->material_index[s->emitters[i].triangle]].emission;
+            s->emitters[i].radiance = sl_triangle_material(s, s->emitters[i].triangle)->emission;
     } else {
         swap_materials(e);
     }

@@ -236,6 +236,9 @@ static inline sl_vec3 sl_scene_geometric_normal(const sl_scene *s, uint32_t tria
     return sl_v3(s->geometric_normal_x[triangle], s->geometric_normal_y[triangle],
                  s->geometric_normal_z[triangle]);
 }
+static inline const sl_material *sl_triangle_material(const sl_scene *s, size_t triangle) {
+    return &s->materials[s->material_index[triangle]];
+}
 /* Has the scene a part so far from the rest that what is right for one is wrong for the other? Then rounding
  * is reckoned by where a point is. */
 static inline bool sl_scene_is_scattered(const sl_scene *s) { return s->scale < s->diagonal; }

@@ -13,10 +13,6 @@ static void corners_of(const sl_scene *scene, uint32_t triangle, uint32_t corner
     for (int i = 0; i < 3; i++) corner[i] = scene->vertex[i][triangle];
 }
 
-static const sl_material *material_of(const sl_scene *scene, uint32_t triangle) {
-    return &scene->materials[scene->material_index[triangle]];
-}
-
 static sl_rgb diffuse_at(const sl_scene *scene, const sl_material *material, const uint32_t corner[3],
                          float w1, float w2) {
     if (material->texture == SL_NO_INDEX) return material->diffuse;
@@ -40,7 +36,7 @@ void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float 
                       sl_surface *surface) {
     uint32_t corner[3];
     corners_of(scene, triangle, corner);
-    surface->material = material_of(scene, triangle);
+    surface->material = sl_triangle_material(scene, triangle);
     surface->diffuse = diffuse_at(scene, surface->material, corner, w1, w2);
     surface->position = sl_v3(interpolate(scene->position_x, corner, w1, w2),
                               interpolate(scene->position_y, corner, w1, w2),
@@ -60,11 +56,11 @@ void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float 
 sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
     uint32_t corner[3];
     corners_of(scene, triangle, corner);
-    return diffuse_at(scene, material_of(scene, triangle), corner, w1, w2);
+    return diffuse_at(scene, sl_triangle_material(scene, triangle), corner, w1, w2);
 }
 
 sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
-    const sl_material *material = material_of(scene, triangle);
+    const sl_material *material = sl_triangle_material(scene, triangle);
     if (material->texture == SL_NO_INDEX) return material->diffuse;
     uint32_t corner[3];
     corners_of(scene, triangle, corner);
@@ -74,11 +70,11 @@ sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float 
 }
 
 bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle) {
-    return material_of(scene, triangle)->alpha_texture != SL_NO_INDEX;
+    return sl_triangle_material(scene, triangle)->alpha_texture != SL_NO_INDEX;
 }
 
 bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
-    const sl_material *material = material_of(scene, triangle);
+    const sl_material *material = sl_triangle_material(scene, triangle);
     if (material->alpha_texture == SL_NO_INDEX) return true;
     uint32_t corner[3];
     corners_of(scene, triangle, corner);
@@ -89,7 +85,7 @@ bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, floa
 
 /* Texels of the mask in the box around the triangle's texture coordinates. */
 static double masked_texels(const sl_scene *scene, uint32_t triangle) {
-    const sl_texture *mask = &scene->textures[material_of(scene, triangle)->alpha_texture];
+    const sl_texture *mask = &scene->textures[sl_triangle_material(scene, triangle)->alpha_texture];
     const uint32_t *const *vertex = (const uint32_t *const *)scene->vertex;
     const float *u = scene->texture_u, *v = scene->texture_v;
     const uint32_t a = vertex[0][triangle], b = vertex[1][triangle], c = vertex[2][triangle];
@@ -128,7 +124,7 @@ float sl_scene_opaque_share(const sl_scene *scene, uint32_t triangle) {
 }
 
 sl_rgb sl_scene_emission(const sl_scene *scene, uint32_t triangle, sl_vec3 geometric_normal) {
-    const sl_material *m = &scene->materials[scene->material_index[triangle]];
+    const sl_material *m = sl_triangle_material(scene, triangle);
     bool front = sl_dot(geometric_normal, sl_scene_geometric_normal(scene, triangle)) > 0.0f;
     return front || m->emission_two_sided ? m->emission : sl_grey(0.0f);
 }

@@ -20,8 +20,6 @@ typedef struct shadow_queue {
     unsigned count;
 } shadow_queue;
 
-static bool is_black(sl_rgb c) { return !(sl_rgb_max(c) > 0.0f); }
-
 /* w = p^2 / (p^2 + q^2), computed by the ratio so that nothing overflows. */
 static float power_heuristic(float p, float q) {
     if (!(p > 0.0f)) return 0.0f;
@@ -33,7 +31,7 @@ static float power_heuristic(float p, float q) {
 
 /* triangle: the emitter's, or SL_NO_INDEX for the environment. */
 static void meet_light(const sl_path_walk *walk, sl_walker *w, sl_rgb emitted, uint32_t triangle, float t) {
-    if (is_black(emitted)) return;
+    if (sl_rgb_is_black(emitted)) return;
     sl_rgb weight = w->weight;
     if (!w->at_surface) {
         if (!walk->transport.emission) return; /* L S* E */
@@ -41,7 +39,7 @@ static void meet_light(const sl_path_walk *walk, sl_walker *w, sl_rgb emitted, u
         return;
     } else if (!w->mirror_since) {
         /* Direct light of the last surface, which its light sample counts too. */
-        if (is_black(w->direct_weight)) return;
+        if (sl_rgb_is_black(w->direct_weight)) return;
         float other = sl_light_sampler_pdf(walk->lights, w->origin, w->direction, triangle, t);
         weight = sl_rgb_scale(w->direct_weight, power_heuristic((float)w->pdf, other));
     } /* else: light by mirrors, which no light sample finds */
@@ -55,7 +53,7 @@ static bool follow_mirror(const sl_path_walk *walk, sl_walker *w, const sl_surfa
     const sl_transport *t = &walk->transport;
     if (w->at_surface ? !(t->bounce_lobes & SL_LOBE_MIRROR) : !t->eye_mirrors) return false;
     w->weight = sl_rgb_mul(w->weight, s->material->mirror);
-    if (is_black(w->weight)) return false;
+    if (sl_rgb_is_black(w->weight)) return false;
     if (++w->mirrors > SL_ROULETTE_AFTER_MIRRORS && !sl_walker_survives(walk->sequence, w)) return false;
     sl_vec3 direction = sl_normalize_or(sl_reflect(to_viewer, s->normal), s->normal);
     if (!(sl_dot(direction, s->geometric_normal) > 0.0f)) return false;
@@ -108,7 +106,7 @@ static void sample_light(const sl_path_walk *walk, sl_walker *w, const sl_bsdf *
     sl_walker_draw(walk->sequence, w, SL_SET_LIGHT, point);
     if (!sl_light_sampler_sample_2d(walk->lights, origin, point[0], point[1], &sample)) return;
     sl_rgb reflected = sl_bsdf_reflect(bsdf, sample.to_light, task->direct_lobes);
-    if (is_black(reflected)) return;
+    if (sl_rgb_is_black(reflected)) return;
     float share = 1.0f;
     if (task->met_by_chance && sample.pdf > 0.0f)
         share = power_heuristic(sample.pdf, sl_bsdf_pdf(bsdf, sample.to_light));
@@ -130,7 +128,7 @@ static bool bounce(const sl_path_walk *walk, sl_walker *w, const sl_bsdf *bsdf, 
     w->direct_weight =
         sl_rgb_mul(weight, sl_bsdf_reflect(bsdf, direction, task->met_by_chance ? task->direct_lobes : 0));
     w->weight = sl_rgb_mul(weight, sl_bsdf_reflect(bsdf, direction, task->next_lobes));
-    if (is_black(w->weight) && is_black(w->direct_weight)) return false;
+    if (sl_rgb_is_black(w->weight) && sl_rgb_is_black(w->direct_weight)) return false;
     if (walk->transport.bounces == SL_BOUNCES_UNLIMITED && w->surfaces >= ROULETTE_AFTER &&
         !sl_walker_survives(walk->sequence, w))
         return false;
@@ -145,7 +143,7 @@ static bool bounce(const sl_path_walk *walk, sl_walker *w, const sl_bsdf *bsdf, 
 static bool reach_surface(const sl_path_walk *walk, sl_walker *w, const sl_surface *s, sl_vec3 to_viewer,
                           uint32_t triangle, shadow_queue *queue) {
     if (w->at_surface) {
-        if (w->surfaces == walk->transport.bounces || is_black(w->weight)) return false;
+        if (w->surfaces == walk->transport.bounces || sl_rgb_is_black(w->weight)) return false;
         w->surfaces++;
     }
     surface_task task = task_at(walk, w);

@@ -113,7 +113,7 @@ sl_status sl_map_lights_draw_cubes(sl_map_lights *lights, const sl_scene *scene,
     sl_status status = lights->cube ? SL_OK : sl_fail_memory(error, "the depth cubes");
     for (size_t i = 0; i < lights->count && status == SL_OK; i++) {
         const sl_map_light *light = &lights->light[i];
-        status = sl_depth_cube_draw(scene, raster, &light->source, !(sl_rgb_max(light->source.colour) > 0.0f),
+        status = sl_depth_cube_draw(scene, raster, &light->source, sl_rgb_is_black(light->source.colour),
                                     size_of(lights, light, size), threads, &lights->cube[i], counters, error);
     }
     return status;

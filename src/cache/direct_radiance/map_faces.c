@@ -147,7 +147,7 @@ static sl_view view_of(const face_list *list, const sl_map_face *f) {
 
 static bool is_dark(const sl_map_light *light) {
     sl_rgb flux = sl_map_light_flux(light);
-    return !(sl_rgb_max(flux) > 0.0f) || !sl_rgb_is_finite(flux) || !sl_is_finite(light->source.position);
+    return sl_rgb_is_black(flux) || !sl_rgb_is_finite(flux) || !sl_is_finite(light->source.position);
 }
 
 /* Intensity at the middles of a face's parts, times their solid angles. */

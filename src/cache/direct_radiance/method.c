@@ -58,7 +58,7 @@ static void announce_seen(sl_radiance_state *s) {
 
 /* Announces the receivers and the layers of the picture. */
 void sl_radiance_announce_light(sl_radiance_state *s) {
-    const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+    const size_t pixels = sl_settings_pixels(&s->settings);
     if (!s->announcer.observer || s->settings.radiance_map.without_layers) return;
     if (sl_announcing(&s->announcer)) announce_seen(s);
     sl_announce(&s->announcer, "direct light", "(5), (9)", s->settings.width, s->settings.height, 3,
@@ -143,12 +143,9 @@ static sl_status radiance_create(const sl_scene *scene, const sl_settings *setti
     s->announcer =
         (sl_announcer){.observer = settings->observer, .method = "direct-radiance", .counters = &s->counters};
     sl_status status = sl_radiance_place(s, error);
-    if (status != SL_OK) {
-        radiance_destroy(s);
-        return status;
-    }
-    *state = s;
-    return SL_OK;
+    if (status == SL_OK) *state = s;
+    else radiance_destroy(s);
+    return status;
 }
 
 /* Draws a whole frame: there is nothing to refine. */
@@ -196,7 +193,7 @@ static sl_status radiance_edit(void *state, unsigned changes, sl_error *error) {
 
 static size_t radiance_memory_bytes(const void *state) {
     const sl_radiance_state *s = state;
-    const size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+    const size_t pixels = sl_settings_pixels(&s->settings);
     size_t bytes = sizeof *s;
     if (s->image) bytes += (size_t)s->image->channels * pixels * sizeof *s->image->planes;
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);

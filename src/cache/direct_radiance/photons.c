@@ -242,7 +242,7 @@ bool sl_map_texel_read(const sl_scene *scene, const sl_radiance_map *map, const 
         if (make_unit(&shading)) t->shading = shading;
     }
     t->cos_alpha = fmax(sl_dotd(t->normal, t->to_light), SL_TEXEL_COS_MIN);
-    t->material = &scene->materials[scene->material_index[map->triangle[i]]];
+    t->material = sl_triangle_material(scene, map->triangle[i]);
     t->object = scene->object_index[map->triangle[i]];
     for (int k = 0; k < 3; k++) {
         t->color[k] = color ? color[k] : (double)map->color[k][i];

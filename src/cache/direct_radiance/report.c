@@ -31,7 +31,7 @@ typedef struct {
 } report_points;
 
 static double receiving_area(const sl_scene *s, uint32_t t) {
-    const sl_material *m = &s->materials[s->material_index[t]];
+    const sl_material *m = sl_triangle_material(s, t);
     return sl_material_is_diffuse(m) || sl_material_is_glossy(m) ? sl_triangle_area(s, t) : 0.0;
 }
 

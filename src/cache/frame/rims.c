@@ -49,7 +49,7 @@ static size_t pixel_of(const close_up *c, int i, int j) {
 }
 
 static bool is_mirror(const sl_scene *s, uint32_t triangle) {
-    return triangle != SL_NO_INDEX && sl_material_is_mirror(&s->materials[s->material_index[triangle]]);
+    return triangle != SL_NO_INDEX && sl_material_is_mirror(sl_triangle_material(s, triangle));
 }
 
 /* Sums up what the samples see, by pixel of the block. */

@@ -46,6 +46,10 @@ sl_settings sl_settings_of_papers(void);
 /* SL_ERROR_USAGE with what was expected. 0 is allowed wherever it stands for a default; width and height are
  * not 0 any more. */
 sl_status sl_settings_check(const sl_settings *settings, sl_error *error);
+/* Of a picture whose size is chosen. */
+static inline size_t sl_settings_pixels(const sl_settings *settings) {
+    return (size_t)settings->width * (size_t)settings->height;
+}
 /* Replaces 0 by the table's default, of any method's options. What the table leaves to the methods stays 0.
  */
 void sl_settings_complete(sl_settings *settings);

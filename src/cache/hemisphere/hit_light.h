@@ -21,8 +21,7 @@ void sl_push_shadow_ray(sl_shadow_queue *q, size_t k, sl_vec3 to_light, bool far
 void sl_flush_shadow_rays(sl_shadow_queue *q);
 
 static inline const sl_material *sl_hit_material(const sl_gather_view *view, size_t k) {
-    const sl_scene *s = view->gather->scene;
-    return &s->materials[s->material_index[view->scratch->hits.triangle[k]]];
+    return sl_triangle_material(view->gather->scene, view->scratch->hits.triangle[k]);
 }
 
 /* Returns the sum of kd over the channels, of ks too where lobes count; 0 where nothing is seen. */

@@ -131,10 +131,8 @@ static void expect_block(const sl_gather_view *view, size_t first, size_t count)
 }
 
 void sl_gather_expect_light(const sl_gather_view *view, size_t first, size_t count) {
-    for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK) {
-        size_t left = first + count - k;
-        expect_block(view, k, left < SL_LIGHT_BLOCK ? left : SL_LIGHT_BLOCK);
-    }
+    for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK)
+        expect_block(view, k, sl_fewer(first + count - k, SL_LIGHT_BLOCK));
 }
 
 /* ---- which hits get how many ---- */

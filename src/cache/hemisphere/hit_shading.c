@@ -34,7 +34,7 @@ static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k
     h->normal_y[k] = interpolate(s->normal_y, corner, w1, w2);
     h->normal_z[k] = interpolate(s->normal_z, corner, w1, w2);
     sl_put(h->geometric_x, h->geometric_y, h->geometric_z, k, sl_scene_geometric_normal(s, triangle));
-    const sl_material *material = &s->materials[s->material_index[triangle]];
+    const sl_material *material = sl_triangle_material(s, triangle);
     sl_rgb_put(h->diffuse_r, h->diffuse_g, h->diffuse_b, k, material->diffuse);
     *texel = NULL;
     if (material->texture == SL_NO_INDEX) return;
@@ -114,8 +114,7 @@ static void light_by_maps(const sl_gather_view *view, size_t first, size_t count
     const sl_gather_hits *h = &view->scratch->hits;
     const unsigned parts = SL_MAPPED_LIGHTS | SL_MAPPED_SKY | SL_MAPPED_FEW;
     for (size_t k = first; k < first + count; k += SL_LIGHT_BLOCK) {
-        size_t rest = first + count - k;
-        sl_light_points block = sl_hit_points(h, k, rest < SL_LIGHT_BLOCK ? rest : SL_LIGHT_BLOCK);
+        sl_light_points block = sl_hit_points(h, k, sl_fewer(first + count - k, SL_LIGHT_BLOCK));
         sl_shadow_maps_irradiance(view->gather->settings.maps, &block, parts, h->irradiance_r + k,
                                   h->irradiance_g + k, h->irradiance_b + k, counters);
     }

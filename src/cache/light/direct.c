@@ -30,12 +30,9 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     sl_status status =
         settings->maps ? SL_OK : sl_light_sides_make(scene, SL_EXACT_EMITTERS_MAX, &d->sides, error);
     if (status == SL_OK && !settings->maps) status = make_sampler(d, error);
-    if (status != SL_OK) {
-        sl_direct_destroy(d);
-        return status;
-    }
-    *direct = d;
-    return SL_OK;
+    if (status == SL_OK) *direct = d;
+    else sl_direct_destroy(d);
+    return status;
 }
 
 /* ---- in motion ---- */

@@ -51,7 +51,7 @@ static void add_light_sample(queue *q, const float u[2], sl_counters *counters) 
     q->irradiance +=
         sl_luminance(s.radiance) * fmaxf(0.0f, sl_dot(q->lobe.normal, s.to_light)) / q->light_count;
     sl_rgb f = sl_bsdf_reflect(&q->lobe, s.to_light, SL_LOBE_GLOSSY);
-    if (!(sl_rgb_max(f) > 0.0f)) return;
+    if (sl_rgb_is_black(f)) return;
     float weight = weight_of(s.pdf, q->light_count, sl_bsdf_pdf(&q->lobe, s.to_light), q->lobe_count);
     q->light[q->count] = sl_rgb_scale(sl_rgb_mul(f, s.radiance), weight);
     bool far_away = isinf(s.distance);
@@ -78,7 +78,7 @@ static void end_lobe_samples(queue *q, sl_counters *counters) {
     for (unsigned i = 0; i < q->count; i++) {
         sl_vec3 d = sl_v3(q->rays.direction_x[i], q->rays.direction_y[i], q->rays.direction_z[i]);
         sl_rgb radiance = light_met(q->direct, d, hits.triangle[i]);
-        if (!(sl_rgb_max(radiance) > 0.0f)) continue;
+        if (sl_rgb_is_black(radiance)) continue;
         float other = q->lamps ? sl_lamps_pdf(q->lamps, d, hits.triangle[i], hits.t[i])
                                : sl_light_sampler_pdf(q->direct->sampler, q->position, d, hits.triangle[i],
                                                       hits.t[i]);

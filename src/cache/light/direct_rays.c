@@ -38,7 +38,6 @@ enum {
 
 static int larger(int a, int b) { return a > b ? a : b; }
 static int smaller(int a, int b) { return a < b ? a : b; }
-static uint32_t smaller_count(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
 static bool refines_penumbrae(const sl_direct *direct) {
     return direct->sides.count <= PENUMBRA_EMITTERS_MAX;
@@ -53,7 +52,7 @@ static uint32_t pilot_samples(const sl_direct *direct) {
     const uint32_t samples = sl_direct_samples(direct), quarter = (samples + 3) / 4,
                    least = direct->scene->sub_frame.share > 1 ? PILOT_MIN_SHARED : PILOT_MIN;
     if (!refines_penumbrae(direct)) return samples;
-    return quarter < least ? smaller_count(samples, least) : quarter;
+    return quarter < least ? (uint32_t)sl_fewer(samples, least) : quarter;
 }
 
 /* ---- blocks of pixels ---- */

@@ -156,12 +156,9 @@ sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster,
                              .isa = sl_isa_best(),
                              .offset = 1e-5f * scene->scale};
     sl_status status = create_all(maps, raster, counters, error);
-    if (status != SL_OK) {
-        sl_shadow_maps_destroy(maps);
-        return status;
-    }
-    *out = maps;
-    return SL_OK;
+    if (status == SL_OK) *out = maps;
+    else sl_shadow_maps_destroy(maps);
+    return status;
 }
 
 void sl_shadow_maps_destroy(sl_shadow_maps *maps) {

@@ -67,7 +67,7 @@ static void add_direction(const sky_point *at, sl_vec3 d, packet *p, sums *s) {
         density += at->samples[BY_SKY] * (double)sl_environment_pdf(&at->scene->environment, d);
     if (at->lobe) density += at->samples[BY_LOBE] * (double)sl_bsdf_pdf(at->lobe, d);
     sl_rgb radiance = sl_environment_radiance(&at->scene->environment, d);
-    if (!(density > 0.0) || !(sl_rgb_max(radiance) > 0.0f)) return;
+    if (!(density > 0.0) || sl_rgb_is_black(radiance)) return;
     unsigned i = p->count++;
     p->irradiance[i] = sl_rgb_scale(radiance, (float)(cosine / density));
     p->lobe[i] = at->lobe ? sl_rgb_mul(p->irradiance[i], sl_bsdf_value(at->lobe, d, SL_LOBE_GLOSSY))

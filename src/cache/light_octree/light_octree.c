@@ -11,6 +11,8 @@
 
 #include <stdio.h>
 
+#include "base/math.h"
+
 enum { LEAVES = 4096 }; /* an update's */
 
 /* ---- Photon map ---- */
@@ -124,7 +126,7 @@ static sl_status finish_level(sl_octree_state *s, sl_error *error) {
 }
 
 static sl_status light_leaves(sl_octree_state *s, sl_error *error) {
-    size_t left = s->next.octree->leaf_count - s->leaf, count = left < LEAVES ? left : LEAVES;
+    size_t count = sl_fewer(s->next.octree->leaf_count - s->leaf, LEAVES);
     sl_voxel_lights_compute(s->next.lights, s->leaf, count, s->settings.threads, &s->counters);
     s->leaf += count;
     return s->leaf == s->next.octree->leaf_count ? finish_level(s, error) : SL_OK;

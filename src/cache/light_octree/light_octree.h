@@ -125,10 +125,6 @@ typedef struct sl_octree_state {
     sl_announcer announcer;
 } sl_octree_state;
 
-static inline size_t sl_octree_state_pixels(const sl_octree_state *s) {
-    return (size_t)s->settings.width * (size_t)s->settings.height;
-}
-
 void sl_octree_forget_level(sl_octree_level *level);
 void sl_octree_announce_picture(sl_octree_state *s, const char *name, const char *source,
                                 const float *planes);
@@ -161,7 +157,7 @@ void sl_octree_compose(const sl_octree_state *s, sl_image *image); /* that, or o
 sl_status sl_octree_write_report(const sl_octree_state *s, sl_image *image, sl_error *error);
 /* Returns the environment that direct light samples: all, what was split off as a sun, or none. */
 const sl_environment *sl_octree_sampled_sky(const sl_octree_state *s);
-size_t sl_octree_state_bytes(const sl_octree_state *s);
+size_t sl_octree_state_bytes(const void *state);
 
 /* ---- what made a pixel, and what can be seen of photons and voxels (explanation.c) ---- */
 

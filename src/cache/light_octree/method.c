@@ -91,7 +91,7 @@ static sl_status octree_create(const sl_scene *scene, const sl_settings *setting
     s->announcer =
         (sl_announcer){.observer = settings->observer, .method = "light-octree", .counters = &s->counters};
     s->plan = sl_octree_plan_make(scene, settings);
-    s->planes = sl_allocate(SL_OCTREE_PLANES * sl_octree_state_pixels(s), sizeof *s->planes);
+    s->planes = sl_allocate(SL_OCTREE_PLANES * sl_settings_pixels(&s->settings), sizeof *s->planes);
     sl_status status = s->planes ? sl_gbuffer_create(settings->width, settings->height, &s->gbuffer, error)
                                  : sl_fail_memory(error, "the picture");
     if (status == SL_OK) status = make_geometry(s, error);
@@ -101,8 +101,8 @@ static sl_status octree_create(const sl_scene *scene, const sl_settings *setting
         return status;
     }
     for (size_t k = 0; k < 3; k++) {
-        s->direct_light[k] = s->planes + k * sl_octree_state_pixels(s);
-        s->indirect_light[k] = s->planes + (3 + k) * sl_octree_state_pixels(s);
+        s->direct_light[k] = s->planes + k * sl_settings_pixels(&s->settings);
+        s->indirect_light[k] = s->planes + (3 + k) * sl_settings_pixels(&s->settings);
     }
     *state = s;
     return SL_OK;
@@ -140,7 +140,7 @@ sl_status sl_octree_draw_gbuffer(sl_octree_state *s, sl_error *error) {
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "direct light beside the octree", s->gbuffer);
     s->lit = false;
-    sl_sub_frame_clear(&s->scene->sub_frame, s->planes, SL_OCTREE_PLANES, sl_octree_state_pixels(s));
+    sl_sub_frame_clear(&s->scene->sub_frame, s->planes, SL_OCTREE_PLANES, sl_settings_pixels(&s->settings));
     s->direct_row = 0;
     s->phase = s->plan.direct ? SL_OCTREE_PHASE_DIRECT : SL_OCTREE_PHASE_PHOTONS;
     return status;
@@ -241,8 +241,6 @@ static sl_status octree_edit(void *state, unsigned changes, sl_error *error) {
 
 static bool octree_shows(const void *state) { return ((const sl_octree_state *)state)->fresh; }
 
-static size_t octree_memory_bytes(const void *state) { return sl_octree_state_bytes(state); }
-
 const sl_method_class sl_light_octree_method = {
     .name = "light-octree",
     .complete = sl_octree_complete,
@@ -254,12 +252,11 @@ const sl_method_class sl_light_octree_method = {
     .ids = octree_ids,
     .edit = octree_edit,
     .counters_at = offsetof(sl_octree_state, counters),
-    .memory_bytes = octree_memory_bytes,
+    .memory_bytes = sl_octree_state_bytes,
     .need = sl_octree_need,
     .transport = sl_octree_transport,
     .plan = sl_octree_plan_write,
     .explanation = sl_octree_explanation,
     .raster_at = offsetof(sl_octree_state, raster),
     .shows = octree_shows,
-    .any_transport = false,
 };

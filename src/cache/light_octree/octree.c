@@ -179,17 +179,13 @@ static void visit_chunk(void *context, size_t index, unsigned worker) {
 
 /* ---- leaves ---- */
 
-static bool takes_photons(const sl_scene *scene, uint32_t triangle) {
-    return sl_takes_photons(&scene->materials[scene->material_index[triangle]]);
-}
-
 /* Cells in which nothing takes photons are no leaves. Returns how many pairs are left. */
 static size_t drop_dark_cells(const sl_scene *scene, sl_coded *pair, size_t count) {
     size_t kept = 0;
     for (size_t i = 0, end; i < count; i = end) {
         bool takes = false;
         for (end = i; end < count && pair[end].code == pair[i].code; end++)
-            takes |= takes_photons(scene, pair[end].item);
+            takes |= sl_takes_photons(sl_triangle_material(scene, pair[end].item));
         for (size_t k = i; takes && k < end; k++) pair[kept++] = pair[k];
     }
     return kept;

@@ -118,7 +118,7 @@ static void visit_triangle(search *q, uint32_t t) {
     const sl_scene *scene = q->scene;
     sl_vec3d n = sl_to_double(sl_scene_geometric_normal(scene, t)), corner[3];
     double cosine = sl_dotd(n, q->e->normal);
-    if (!sl_takes_photons(&scene->materials[scene->material_index[t]])) return;
+    if (!sl_takes_photons(sl_triangle_material(scene, t))) return;
     if (q->has_normal && fabs(cosine) < q->least_cosine) return;
     for (int k = 0; k < 3; k++)
         corner[k] = sl_subd(sl_to_double(sl_scene_position(scene, scene->vertex[k][t])), q->e->centre);

@@ -109,9 +109,10 @@ static size_t level_bytes(const sl_octree_level *level) {
     return bytes + (level->texture ? sl_voxel_texture_resident_bytes(level->texture) : 0);
 }
 
-size_t sl_octree_state_bytes(const sl_octree_state *s) {
-    size_t bytes = sizeof *s + sl_octree_state_pixels(s) * (SL_OCTREE_PLANES * sizeof(float) +
-                                                            14 * sizeof(float) + 2 * sizeof(uint32_t));
+size_t sl_octree_state_bytes(const void *state) {
+    const sl_octree_state *s = state;
+    const size_t a_pixel = (SL_OCTREE_PLANES + 14) * sizeof(float) + 2 * sizeof(uint32_t);
+    size_t bytes = sizeof *s + sl_settings_pixels(&s->settings) * a_pixel;
     bytes += level_bytes(&s->shown) + level_bytes(&s->next);
     if (s->photons) bytes += s->photons->count * sizeof(sl_photon);
     if (s->tree) bytes += sl_photon_tree_bytes(s->tree);

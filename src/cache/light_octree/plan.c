@@ -55,7 +55,7 @@ void sl_octree_transport(const sl_settings *settings, sl_transport *transport) {
 static double voxels_expected(const sl_scene *scene, double voxel) {
     double area = 0.0, cells = ceil(sl_octree_root_of_central_region(scene).edge / ((1.0 + 1e-4) * voxel));
     for (uint32_t t = 0; t < scene->triangle_count; t++) {
-        if (!sl_takes_photons(&scene->materials[scene->material_index[t]])) continue;
+        if (!sl_takes_photons(sl_triangle_material(scene, t))) continue;
         area += sl_triangle_area(scene, t);
     }
     return fmin(1.5 * area / (voxel * voxel), cells * cells * cells);

@@ -66,7 +66,7 @@ static double clip_to_cell(const sl_cell_space *space, const sl_cell_triangle *t
 
 /* Tells whether light is to be seen by this one normal alone. Gloss and bumps want its directions. */
 static bool is_flat_triangle(const sl_scene *scene, uint32_t triangle) {
-    const sl_material *m = &scene->materials[scene->material_index[triangle]];
+    const sl_material *m = sl_triangle_material(scene, triangle);
     sl_vec3 n = sl_scene_geometric_normal(scene, triangle);
     bool flat = !sl_material_is_glossy(m) && !sl_material_is_bumpy(m);
     for (int k = 0; flat && k < 3; k++)
@@ -91,7 +91,7 @@ static double collect(const grouping *g, const sl_octree_leaf *leaf, voxel_piece
         double share = clip_to_cell(&g->space, &t, cell, g->lights->octree->dilation, &part),
                length = sl_lengthd(t.normal);
         if (part.count == 0 || !(length > 0.0)) continue;
-        if (!sl_takes_photons(&scene->materials[scene->material_index[number]])) share = 0.0;
+        if (!sl_takes_photons(sl_triangle_material(scene, number))) share = 0.0;
         pieces[found++] =
             (voxel_piece){sl_scaled(t.normal, 1.0 / length), sl_subd(part.centroid, base), share * part.area,
                           -1, is_flat_triangle(scene, number)};

@@ -15,7 +15,7 @@ static bool is_wanted(const sl_scene *scene, const sl_primitives *primitives, ui
     uint32_t triangle = face / 2;
     if (sl_triangle_is_degenerate(scene, triangle)) return false;
     if (face % 2 == 1 && sl_solids_hide_back(primitives->solids, triangle)) return false;
-    return sl_material_is_diffuse(&scene->materials[scene->material_index[triangle]]);
+    return sl_material_is_diffuse(sl_triangle_material(scene, triangle));
 }
 
 static double longest_edge(const sl_scene *scene, uint32_t triangle) {
@@ -236,7 +236,7 @@ enum { SAMPLES_MAX = 16 }; /* squared: a texture's samples in a coarse triangle 
 
 /* As many steps along an edge as make a sample of each texel. */
 static int samples_along(const sl_scene *scene, uint32_t triangle, int parts) {
-    const sl_material *m = &scene->materials[scene->material_index[triangle]];
+    const sl_material *m = sl_triangle_material(scene, triangle);
     if (m->texture == SL_NO_INDEX) return 1;
     const sl_texture *texture = &scene->textures[m->texture];
     double u[3], v[3];

@@ -157,8 +157,7 @@ static sl_status light_some(sl_multi_mesh_state *s, size_t count, const sl_coded
 static sl_status light_and_carry(sl_multi_mesh_state *s, sl_coded *turn, sl_rgb *indirect, size_t *left,
                                  sl_error *error) {
     sl_coarse_rounds *r = &s->whole, before = *r;
-    const size_t old = list_old(r, turn), share = sl_multi_mesh_share(s, SL_COARSE_VERTICES),
-                 count = old < share ? old : share;
+    const size_t old = list_old(r, turn), count = sl_fewer(old, sl_multi_mesh_share(s, SL_COARSE_VERTICES));
     before.indirect = memcpy(indirect, r->indirect, r->coarse->vertex_count * sizeof *indirect);
     *left = old - count;
     sl_status status = light_some(s, count, turn, error);

@@ -277,8 +277,7 @@ static size_t update_share(const sl_multi_mesh_state *s) {
 }
 
 static sl_status extend(sl_multi_mesh_state *s, sl_error *error) {
-    size_t all = s->next.coarse->vertex_count, left = all - s->next.done, share = update_share(s);
-    size_t count = left < share ? left : share;
+    size_t all = s->next.coarse->vertex_count, count = sl_fewer(all - s->next.done, update_share(s));
     sl_status status = SL_OK;
     if (count) status = s->next.indirect ? gather_for_coarse(s, count, error) : light_coarse(s, count, error);
     s->next.done += count;

@@ -152,7 +152,7 @@ void sl_multi_mesh_announce_priorities(sl_multi_mesh_state *s) {
     int part = 0;
     while (part < SL_COMPONENTS && !s->part[part]) part++;
     const bool announced = part < SL_COMPONENTS && sl_announcing(&s->announcer);
-    float *plane = announced ? sl_allocate(sl_multi_mesh_pixels(s), sizeof *plane) : NULL;
+    float *plane = announced ? sl_allocate(sl_settings_pixels(&s->settings), sizeof *plane) : NULL;
     if (!plane) return;
     const sl_displayed *d = s->part[part];
     const sl_visible_pixels *pixels = s->visible;

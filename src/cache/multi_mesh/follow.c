@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/counters.h"
+#include "base/math.h"
 #include "base/memory.h"
 
 /* An update's at 512 x 512 pixels: pictures of lights, and vertices, gathers of few pixels, those of all.
@@ -143,8 +144,6 @@ static uint32_t world_of(const sl_multi_mesh_state *s, sl_component part, uint32
     return s->world - (s->part[part]->world - s->part[part]->world_of[vertex]) / SL_WORLDS_AN_EDIT;
 }
 
-static size_t fewer(size_t a, size_t b) { return a < b ? a : b; }
-
 /* As many slices as the shares of work and of vertices allow; what is left is counted. */
 static sl_status renew_part(sl_multi_mesh_state *s, sl_component part, uint32_t world, size_t work,
                             size_t most, sl_error *error) {
@@ -153,7 +152,7 @@ static sl_status renew_part(sl_multi_mesh_state *s, sl_component part, uint32_t 
     const uint64_t end = work_done(s) + sl_multi_mesh_share(s, work);
     sl_status status = sl_displayed_list_old(s->part[part], world, &old, &count, error);
     while (status == SL_OK && at < count && at < most && work_done(s) < end) {
-        size_t some = fewer(fewer(count - at, most - at), A_SLICE);
+        size_t some = sl_fewer(sl_fewer(count - at, most - at), A_SLICE);
         status = renew_slice(s, part, some, old + at, error);
         at += some;
     }

@@ -32,7 +32,7 @@ static void resolve_row(void *context, size_t row, unsigned worker) {
         size_t pixel = row * width + column;
         uint32_t triangle = r->id[pixel];
         if (r->out->specular[0] && triangle != SL_NO_INDEX)
-            put(r->out->specular, pixel, r->scene->materials[r->scene->material_index[triangle]].specular);
+            put(r->out->specular, pixel, sl_triangle_material(r->scene, triangle)->specular);
         if (!r->out->emission[0]) continue;
         /* At all of a triangle's points the eye sees the same side. */
         if (!column || triangle == SL_NO_INDEX || triangle != r->id[pixel - 1])

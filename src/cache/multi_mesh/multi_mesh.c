@@ -53,7 +53,7 @@ sl_status sl_multi_mesh_draw_view(sl_multi_mesh_state *s, sl_error *error) {
 sl_rgb sl_multi_mesh_direct(const sl_multi_mesh_state *s, sl_component part, const sl_sampled_lights *lights,
                             const float *share, const sl_mesh_point *point) {
     if (part == SL_DIRECT_DIFFUSE) return sl_direct_diffuse(lights, share); /* equation (4) */
-    float exponent = sl_face_material(s->scene, point->face)->exponent;
+    float exponent = sl_triangle_material(s->scene, point->face / 2)->exponent;
     /* equation (6) */
     return sl_direct_specular(lights, share, &point->lit, exponent, s->scene->camera.eye);
 }

@@ -130,12 +130,6 @@ typedef struct sl_multi_mesh_state {
     sl_announcer announcer;
 } sl_multi_mesh_state;
 
-static inline size_t sl_multi_mesh_pixels(const sl_multi_mesh_state *s) {
-    return (size_t)s->settings.width * (size_t)s->settings.height;
-}
-static inline const sl_material *sl_face_material(const sl_scene *scene, uint32_t face) {
-    return &scene->materials[scene->material_index[face / 2]];
-}
 
 /* ---- multi_mesh.c ---- */
 
@@ -220,7 +214,7 @@ void sl_multi_mesh_probe(sl_multi_mesh_state *s, size_t count, sl_taken_leaf *le
 /* Returns an update's share of what it is at 512 x 512 pixels, once lights or objects have changed: as much a
  * pixel in smaller pictures, as long as that is a sixteenth of it. */
 static inline size_t sl_multi_mesh_share(const sl_multi_mesh_state *s, size_t of_large) {
-    size_t share = of_large * sl_multi_mesh_pixels(s) / (512 * 512);
+    size_t share = of_large * sl_settings_pixels(&s->settings) / (512 * 512);
     return share >= of_large ? of_large : share > of_large / 16 ? share : of_large / 16;
 }
 

@@ -38,8 +38,9 @@ static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *set
     s->plan = sl_multi_mesh_plan_make(scene);
     s->announcer =
         (sl_announcer){.observer = settings->observer, .method = "multi-mesh", .counters = &s->counters};
-    s->id = sl_allocate(sl_multi_mesh_pixels(s), sizeof *s->id);
-    s->plane_memory = sl_allocate(3 * SL_COMPONENTS * sl_multi_mesh_pixels(s), sizeof *s->plane_memory);
+    const size_t pixels = sl_settings_pixels(settings);
+    s->id = sl_allocate(pixels, sizeof *s->id);
+    s->plane_memory = sl_allocate(3 * SL_COMPONENTS * pixels, sizeof *s->plane_memory);
     sl_status status =
         s->id && s->plane_memory ? sl_multi_mesh_make_world(s, error) : sl_fail_memory(error, "the picture");
     if (status != SL_OK) {
@@ -47,8 +48,7 @@ static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *set
         return status;
     }
     for (size_t i = 0; i < SL_COMPONENTS; i++)
-        for (size_t k = 0; k < 3; k++)
-            s->planes[i][k] = s->plane_memory + (3 * i + k) * sl_multi_mesh_pixels(s);
+        for (size_t k = 0; k < 3; k++) s->planes[i][k] = s->plane_memory + (3 * i + k) * pixels;
     *state = s;
     return SL_OK;
 }
@@ -56,10 +56,10 @@ static sl_status multi_mesh_create(const sl_scene *scene, const sl_settings *set
 /* ---- views ---- */
 
 static bool wants_diffuse(const void *context, uint32_t face) {
-    return sl_material_is_diffuse(sl_face_material(context, face));
+    return sl_material_is_diffuse(sl_triangle_material(context, face / 2));
 }
 static bool wants_specular(const void *context, uint32_t face) {
-    return sl_material_is_glossy(sl_face_material(context, face));
+    return sl_material_is_glossy(sl_triangle_material(context, face / 2));
 }
 
 static bool (*const wants[SL_COMPONENTS])(const void *, uint32_t) = {wants_diffuse, wants_specular,
@@ -73,7 +73,7 @@ static bool shows(const sl_multi_mesh_state *s, bool (*has)(const void *, uint32
 }
 
 static bool shines(const void *context, uint32_t face) {
-    return sl_material_is_emitter(sl_face_material(context, face));
+    return sl_material_is_emitter(sl_triangle_material(context, face / 2));
 }
 
 static void announce_material(sl_multi_mesh_state *s, const char *name, const float *planes) {
@@ -82,7 +82,7 @@ static void announce_material(sl_multi_mesh_state *s, const char *name, const fl
 }
 
 sl_status sl_multi_mesh_see_materials(sl_multi_mesh_state *s, const sl_view *view, sl_error *error) {
-    bool sky = s->scene->environment.present && s->visible->count < sl_multi_mesh_pixels(s);
+    bool sky = s->scene->environment.present && s->visible->count < sl_settings_pixels(&s->settings);
     sl_materials_wanted wanted = {.specular = s->plan.specular_seen && shows(s, wants_specular),
                                   .emission = s->plan.emission && (sky || shows(s, shines))};
     sl_status status = sl_materials_resolve(s->scene, s->raster, view, s->id, wanted, s->settings.threads,
@@ -97,7 +97,7 @@ sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = SL_OK;
     for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
         if (s->part[i]) status = sl_displayed_see(s->part[i], s->visible, wants[i], s->scene, error);
-    memset(s->plane_memory, 0, 3 * SL_COMPONENTS * sl_multi_mesh_pixels(s) * sizeof *s->plane_memory);
+    memset(s->plane_memory, 0, sl_settings_pixels(&s->settings) * sizeof(float[SL_COMPONENTS][3]));
     return status;
 }
 
@@ -227,7 +227,7 @@ static size_t bytes_of_rounds(const sl_coarse_rounds *r, size_t lights) {
 static size_t multi_mesh_bytes(const void *state) {
     const sl_multi_mesh_state *s = state;
     const size_t lights = s->now.lights ? s->now.lights->count : 0;
-    size_t bytes = sizeof *s + sl_multi_mesh_pixels(s) * (sizeof *s->id + 3 * SL_COMPONENTS * sizeof(float));
+    size_t bytes = sizeof *s + sl_settings_pixels(&s->settings) * sizeof(float[1 + 3 * SL_COMPONENTS]);
     if (s->raster) bytes += sl_raster_memory_bytes(s->raster);
     if (s->now.tracer) bytes += sl_tracer_memory_bytes(s->now.tracer);
     if (s->primitives) bytes += sl_primitives_memory_bytes(s->primitives);

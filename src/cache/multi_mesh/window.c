@@ -137,7 +137,7 @@ static void window_destroy(void *it) {
 }
 
 static sl_status window_open(window *w, sl_error *error) {
-    size_t pixels = (size_t)w->settings.width * (size_t)w->settings.height;
+    size_t pixels = sl_settings_pixels(&w->settings);
     w->id = sl_allocate(pixels, sizeof *w->id);
     w->leaves = sl_allocate_unset(sl_thread_count(w->threads), SL_COMPONENTS * LEAVES * sizeof *w->leaves);
     if (!w->id || !w->leaves) return sl_fail_memory(error, "frames beside updates");
@@ -260,7 +260,7 @@ static void put_piece(const drawing *d, const piece *p) {
     const sl_scene *s = d->window->scene;
     const size_t width = (size_t)d->view.width, pixels = width * (size_t)d->view.height,
                  to = pixels - width * (p->first / width + 1) + p->first % width;
-    const sl_rgb ks = s->materials[s->material_index[p->triangle]].specular,
+    const sl_rgb ks = sl_triangle_material(s, p->triangle)->specular,
                  lamp = sl_view_emission(&d->view, s, p->triangle, 0, 0);
     const float specular[3] = {ks.r, ks.g, ks.b}, emission[3] = {lamp.r, lamp.g, lamp.b};
     for (size_t c = 0; c < 3; c++) {

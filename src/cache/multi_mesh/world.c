@@ -31,7 +31,7 @@ static sl_rgb value_of(const sl_multi_mesh_state *s, sl_component part, uint32_t
 static sl_rgb shown_radiance(const void *context, sl_component part, uint32_t face, float w1, float w2,
                              sl_rgb value) {
     const sl_multi_mesh_state *s = context;
-    const sl_material *material = sl_face_material(s->scene, face);
+    const sl_material *material = sl_triangle_material(s->scene, face / 2);
     sl_rgb parts[SL_COMPONENTS];
     for (int i = 0; i < SL_COMPONENTS; i++)
         parts[i] = i == (int)part ? value : value_of(s, (sl_component)i, face, w1, w2);

@@ -59,7 +59,7 @@ typedef struct light_edge {
 static sl_rgb shown(const light_edge *e, uint32_t face, float share) {
     const sl_irradiance_settings *settings = &e->meshes->settings;
     const sl_scene *scene = settings->scene;
-    const sl_material *material = &scene->materials[scene->material_index[face / 2]];
+    const sl_material *material = sl_triangle_material(scene, face / 2);
     sl_rgb lobe = sl_rgb_scale(material->specular, 0.5f * (material->exponent + 2.0f));
     sl_rgb reflected = sl_rgb_mul(sl_rgb_add(material->diffuse, lobe),
                                   sl_rgb_scale(settings->lights->light[e->light].colour, share));

@@ -25,7 +25,7 @@ bool sl_same_normal(sl_vec3 a, sl_vec3 b) {
 }
 
 static bool has_texture(const sl_scene *s, uint32_t triangle) {
-    const sl_material *m = &s->materials[s->material_index[triangle]];
+    const sl_material *m = sl_triangle_material(s, triangle);
     return m->texture != SL_NO_INDEX || m->alpha_texture != SL_NO_INDEX;
 }
 

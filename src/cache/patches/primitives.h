@@ -82,7 +82,7 @@ void sl_root_parameters(const sl_primitives *primitives, uint32_t triangle, floa
 /* Gives those of a triangle's corners. */
 void sl_root_corner_parameters(const sl_primitives *primitives, uint32_t triangle, float uv[6]);
 static inline const sl_material *sl_root_material(const sl_primitives *p, uint32_t root) {
-    return &p->scene->materials[p->scene->material_index[p->first_triangle[root / 2]]];
+    return sl_triangle_material(p->scene, p->first_triangle[root / 2]);
 }
 /* Returns the radiance that a material sends to the side of a root: from its front, unless it shines on both.
  */

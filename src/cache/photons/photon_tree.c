@@ -250,12 +250,9 @@ sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photo
     else if (!tree->bucket || !tree->box || !tree->place_of_id)
         status = sl_fail_memory(error, "the photons' tree");
     else status = build_tree(tree, sl_thread_count(threads), error);
-    if (status != SL_OK) {
-        sl_photon_tree_destroy(tree);
-        return status;
-    }
-    *out = tree;
-    return SL_OK;
+    if (status == SL_OK) *out = tree;
+    else sl_photon_tree_destroy(tree);
+    return status;
 }
 
 void sl_photon_tree_destroy(sl_photon_tree *tree) {

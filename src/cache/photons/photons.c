@@ -244,7 +244,7 @@ static bool meet_surface(const photon_job *job, light_path *p, unsigned path, un
     sl_rgb weight;
     random_numbers(p->key, bounces + 1, 4, number);
     if (!scatter(&surface, to_light, number, &direction, &weight)) return false;
-    if (!sl_rgb_is_finite(weight) || !(sl_rgb_max(weight) > 0.0f)) return false;
+    if (!sl_rgb_is_finite(weight) || sl_rgb_is_black(weight)) return false;
     if (bounces == BOUNCES_MAX) {
         c->result.cut_flux += (double)sl_luminance(sl_rgb_mul(p->flux, weight));
         return false;

@@ -95,7 +95,7 @@ static sl_status sampled_resolve(void *state, sl_image **image, sl_error *error)
     sampled_state *s = state;
     sl_status status = sl_image_create(s->settings.width, s->settings.height, 9, names, image, error);
     if (status != SL_OK) return status;
-    size_t pixels = (size_t)s->settings.width * (size_t)s->settings.height;
+    size_t pixels = sl_settings_pixels(&s->settings);
     float *p = (*image)->planes;
     for (int half = -1; half < 2; half++, p += 3 * pixels)
         sl_path_tracer_mean(s->film, half, p, p + pixels, p + 2 * pixels);

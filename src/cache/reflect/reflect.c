@@ -123,8 +123,7 @@ static void show_surface(const reflecting *c, const reflected *ray, uint32_t tri
 /* Returns k_d of what a mirror shows, filtered over as much of it as half a pixel sees. */
 static sl_rgb diffuse_seen(const reflecting *c, const reflected *ray, uint32_t triangle, float w1, float w2,
                            sl_rgb unfiltered) {
-    if (!c->scene->sub_frame.mips ||
-        sl_material_is_bumpy(&c->scene->materials[c->scene->material_index[triangle]]))
+    if (!c->scene->sub_frame.mips || sl_material_is_bumpy(sl_triangle_material(c->scene, triangle)))
         return unfiltered;
     return sl_scene_diffuse_within(c->scene, c->scene->sub_frame.mips, triangle, w1, w2,
                                    c->half_pixel * c->reflections->way[ray->slot]);

@@ -121,8 +121,9 @@ void sl_shading_announce_patches(sl_shading_state *s) {
 }
 
 void sl_shading_announce_priorities(sl_shading_state *s) {
-    float *plane = s->announcer.observer ? sl_allocate(sl_shading_pixels(s), sizeof *plane) : NULL;
-    for (size_t i = 0; plane && i < sl_shading_pixels(s); i++)
+    const size_t pixels = sl_settings_pixels(&s->settings);
+    float *plane = s->announcer.observer ? sl_allocate(pixels, sizeof *plane) : NULL;
+    for (size_t i = 0; plane && i < pixels; i++)
         plane[i] = s->leaf_of_pixel[i] == SL_NO_INDEX ? 0.0f : s->leaf[s->leaf_of_pixel[i]].normal;
     sl_announce(&s->announcer, "priorities", "priority map", s->settings.width, s->settings.height, 1, plane,
                 true);

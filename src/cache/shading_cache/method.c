@@ -29,7 +29,7 @@ static void shading_destroy(void *state) {
 }
 
 static sl_status make_buffers(sl_shading_state *s, sl_error *error) {
-    size_t pixels = sl_shading_pixels(s), choices = 2 * (size_t)s->settings.shading_cache.points;
+    size_t pixels = sl_settings_pixels(&s->settings), choices = 2 * (size_t)s->settings.shading_cache.points;
     s->ids.patch = sl_allocate(pixels, sizeof *s->ids.patch);
     s->id_memory = sl_allocate(2 * pixels, sizeof *s->id_memory);
     s->leaf_of_pixel = sl_allocate(pixels, sizeof *s->leaf_of_pixel);
@@ -180,7 +180,7 @@ static sl_status shading_update(void *state, sl_progress *progress, sl_error *er
 static sl_status shading_resolve(void *state, sl_image **image, sl_error *error) {
     static const char *const names[6] = {"R", "G", "B", "emission.R", "emission.G", "emission.B"};
     sl_shading_state *s = state;
-    size_t pixels = sl_shading_pixels(s);
+    size_t pixels = sl_settings_pixels(&s->settings);
     float *memory = sl_allocate(6 * pixels, sizeof *memory), *planes[6];
     if (!memory) return sl_fail_memory(error, "the picture");
     for (size_t k = 0; k < 6; k++) planes[k] = memory + k * pixels;
@@ -325,8 +325,8 @@ static void shading_rate(void *state, double samples_a_second) {
 
 static size_t shading_bytes(const void *state) {
     const sl_shading_state *s = state;
-    size_t bytes = sizeof *s + sl_shading_pixels(s) * (2 * sizeof *s->ids.patch + 2 * sizeof *s->ids.u) +
-                   s->leaf_room * sizeof *s->leaf;
+    size_t bytes = sizeof *s + s->leaf_room * sizeof *s->leaf;
+    bytes += sl_settings_pixels(&s->settings) * (2 * sizeof *s->ids.patch + 2 * sizeof *s->ids.u);
     bytes += s->fades.capacity * sizeof *s->fades.fade;
     bytes += s->vertex_room * (sizeof *s->vertex + sizeof *s->request + 2 * sizeof *s->sample +
                                (s->layer ? sizeof *s->layer : 0));

@@ -153,8 +153,6 @@ static void take(sl_shading_state *s, renewals *r, int k, size_t taken, size_t *
     }
 }
 
-static size_t least(size_t a, size_t b) { return a < b ? a : b; }
-
 /* While dear layers are renewed new vertices get theirs from around them, until it is their turn. */
 static unsigned layers_of_new(const sl_shading_state *s, uint32_t vertex, bool catches_up) {
     if (!s->layers.kept) return SL_LAYERS_ALL;
@@ -172,7 +170,8 @@ static sl_status renew(sl_shading_state *s, renewals *r, size_t *count, sl_error
         r->layers[s->vertex[i]] = (uint8_t)layers_of_new(s, s->vertex[i], r->count[1] > 0);
         left += r->layers[s->vertex[i]] != SL_LAYERS_ALL;
     }
-    size_t cheap = least(r->count[0], cheap_renewals(s)), dear = least(r->count[1], dear_renewals(s, cheap));
+    size_t cheap = sl_fewer(r->count[0], cheap_renewals(s)),
+           dear = sl_fewer(r->count[1], dear_renewals(s, cheap));
     sl_status status = sl_shading_reserve(s, *count + cheap + dear, error);
     if (status != SL_OK) return status;
     take(s, r, 0, cheap, count);

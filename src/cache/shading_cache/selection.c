@@ -128,7 +128,7 @@ sl_status sl_select_pixels(const sl_selection_settings *settings, int width, int
  * its pixels will be. */
 static void number_leaves(sl_shading_state *s) {
     s->leaf_count = 0;
-    for (size_t i = 0; i < sl_shading_pixels(s); i++) {
+    for (size_t i = 0; i < sl_settings_pixels(&s->settings); i++) {
         uint32_t leaf = s->ids.patch[i];
         s->leaf_of_pixel[i] = SL_NO_INDEX;
         if (leaf == SL_NO_INDEX) continue;
@@ -151,7 +151,7 @@ static sl_status room_for_leaves(sl_shading_state *s, sl_error *error) {
 /* Counts each leaf's pixels, which are those of its ancestors, too: all of them have been seen. */
 static void count_pixels(sl_shading_state *s) {
     for (size_t i = 0; i < s->leaf_count; i++) s->leaf[i] = (sl_leaf_priority){0};
-    for (size_t i = 0; i < sl_shading_pixels(s); i++) {
+    for (size_t i = 0; i < sl_settings_pixels(&s->settings); i++) {
         if (s->leaf_of_pixel[i] == SL_NO_INDEX) continue;
         sl_leaf_priority *leaf = &s->leaf[s->leaf_of_pixel[i]];
         leaf->patch = s->ids.patch[i];

@@ -94,7 +94,7 @@ static void make_priority_map(sl_shading_state *s) {
     s->error_levels = mean_error_levels(s);
     settle_work(s);
     sl_shading_leave_out_finished(s);
-    sl_priorities_raise(s->leaf_count, s->leaf, sl_shading_pixels(s));
+    sl_priorities_raise(s->leaf_count, s->leaf, sl_settings_pixels(&s->settings));
     sl_priorities_normalise(s->leaf_count, s->leaf, s->settings.shading_cache.plain_normalisation);
     sl_shading_announce_priorities(s);
 }

@@ -77,10 +77,6 @@ typedef struct sl_shading_state {
     sl_announcer announcer;
 } sl_shading_state;
 
-static inline size_t sl_shading_pixels(const sl_shading_state *s) {
-    return (size_t)s->settings.width * (size_t)s->settings.height;
-}
-
 /* shading_cache.c: one update; the commit of the samples of s->vertex[0 .. count). */
 sl_status sl_shading_update(sl_shading_state *s, sl_error *error);
 void sl_shading_commit(sl_shading_state *s, size_t count);

@@ -99,8 +99,7 @@ static inline void put(const resolution *r, void *plane, size_t first, const voi
 /* ---- bumps: surface.c decides, pixel by pixel; few materials have them ---- */
 
 static bool is_bumpy(const sl_scene *scene, uint32_t triangle) {
-    return triangle != SL_NO_INDEX &&
-           sl_material_is_bumpy(&scene->materials[scene->material_index[triangle]]);
+    return triangle != SL_NO_INDEX && sl_material_is_bumpy(sl_triangle_material(scene, triangle));
 }
 
 static void bumpy_surface(const sl_scene *scene, const sl_pass_view *view, uint32_t triangle, float w1,
@@ -153,7 +152,7 @@ static void resolve_surfaces(const resolution *r, const sl_pass_view *view, size
 /* ---- what the material says ---- */
 
 static const sl_material *material_of(const sl_scene *scene, uint32_t triangle) {
-    return triangle == SL_NO_INDEX ? NULL : &scene->materials[scene->material_index[triangle]];
+    return triangle == SL_NO_INDEX ? NULL : sl_triangle_material(scene, triangle);
 }
 
 static void fetch_albedo(const sl_scene *scene, const sl_resolve_block *pixels, sl_albedo_block *a) {

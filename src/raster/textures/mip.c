@@ -127,7 +127,7 @@ static float texels_an_area(const sl_scene *scene, const sl_texture *texture, co
 
 sl_rgb sl_scene_diffuse_within(const sl_scene *scene, const sl_mip *mips, uint32_t triangle, float w1,
                                float w2, float width) {
-    const sl_material *material = &scene->materials[scene->material_index[triangle]];
+    const sl_material *material = sl_triangle_material(scene, triangle);
     if (!mips || material->texture == SL_NO_INDEX) return sl_scene_diffuse(scene, triangle, w1, w2);
     const uint32_t corner[3] = {scene->vertex[0][triangle], scene->vertex[1][triangle],
                                 scene->vertex[2][triangle]};

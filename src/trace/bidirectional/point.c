@@ -153,7 +153,7 @@ typedef struct packet {
 
 static bool is_specular(const sl_path_vertex *v, float polished) {
     if (v->kind == SL_VERTEX_MIRROR) return true;
-    return polished > 0.0f && v->bsdf.exponent >= polished && !(sl_rgb_max(v->bsdf.diffuse) > 0.0f);
+    return polished > 0.0f && v->bsdf.exponent >= polished && sl_rgb_is_black(v->bsdf.diffuse);
 }
 
 /* L S+ D: all surfaces between the light and the point are specular, in whichever way the path was made. A
@@ -274,7 +274,7 @@ void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_b
     const sl_material *material = request->material;
     *radiance = (sl_bidirectional_value){{0.0}, {0.0}};
     if (!material && request->triangle == SL_NO_INDEX) return;
-    if (!material) material = &scene->materials[scene->material_index[request->triangle]];
+    if (!material) material = sl_triangle_material(scene, request->triangle);
     sl_vec3 to_eye = sl_normalize_or(sl_sub(eye, request->position), request->normal);
     sl_path_vertex v = vertex_at(scene, request, to_eye);
     if (sl_material_is_mirror(material)) {

@@ -9,8 +9,6 @@
 
 enum { SET_WHERE = SL_SET_THROUGH + 1, SET_WHITHER }; /* where light starts */
 
-static bool is_black(sl_rgb c) { return !(sl_rgb_max(c) > 0.0f); }
-
 /* ---- densities ------------------------------------------------------------------------------- */
 
 double sl_density_at(const sl_path_vertex *from, const sl_path_vertex *to, double pdf) {
@@ -58,7 +56,7 @@ static bool follow_mirror(const sl_path_maker *m, sl_walker *w, const sl_path_ve
     w->weight = sl_rgb_mul(w->weight, reflectance);
     /* The shading cosines cancel in the adjoint's correction. */
     if (w->from_light) w->weight = sl_rgb_scale(w->weight, leaving / arriving);
-    if (is_black(w->weight)) return false;
+    if (sl_rgb_is_black(w->weight)) return false;
     w->direct_weight = w->weight;
     if (++w->mirrors > SL_ROULETTE_AFTER_MIRRORS && !sl_walker_survives(m->sequence, w)) return false;
     w->mirror_since = true;
@@ -86,7 +84,7 @@ static bool bounce(const sl_path_maker *m, sl_walker *w, const sl_path_vertex *v
         w->weight = sl_rgb_mul(
             weight, sl_bsdf_reflect(&v->bsdf, direction, further ? sl_indirect_lobes(m, w->surfaces) : 0));
     }
-    if (is_black(w->weight) && is_black(w->direct_weight)) return false;
+    if (sl_rgb_is_black(w->weight) && sl_rgb_is_black(w->direct_weight)) return false;
     /* The heuristics' densities leave the roulette out: any weights that sum to 1 are right. */
     if (w->surfaces > m->roulette_after && !sl_walker_survives(m->sequence, w)) return false;
     /* Two lobes in one mixture: the other walk would choose between those that reflect light of further
@@ -119,7 +117,7 @@ static void reach_sky(const sl_path_maker *m, sl_walker *w) {
                           .triangle = SL_NO_INDEX,
                           .surfaces = w->surfaces,
                           .light = (uint32_t)(m->scene->emitter_count + m->scene->light_count)};
-    if (!is_black(v->emitted) && !is_black(v->emission_weight)) w->path->count++;
+    if (!sl_rgb_is_black(v->emitted) && !sl_rgb_is_black(v->emission_weight)) w->path->count++;
 }
 
 static void put_vertex(const sl_path_maker *m, const sl_walker *w, uint32_t triangle, const sl_surface *s,
@@ -169,7 +167,7 @@ static bool arrive(const sl_path_maker *m, sl_walker *w, uint32_t triangle, floa
     bool full = w->path->count == SL_SUBPATH_VERTICES_MAX;
     if (v->kind == SL_VERTEX_MIRROR) return !full && follow_mirror(m, w, v, surface.material->mirror);
     /* Light alone may end here. */
-    if (!sl_surfaces_allowed(m, w->surfaces + 1) || is_black(w->weight)) {
+    if (!sl_surfaces_allowed(m, w->surfaces + 1) || sl_rgb_is_black(w->weight)) {
         v->weight = sl_grey(0.0f);
         return false;
     }
