@@ -4,69 +4,43 @@
 #include "scene/surface_rules.h"
 #include "scene/texture.h"
 
-static float interpolate(const float *values, const uint32_t corner[3], float w1, float w2) {
-    float first = values[corner[0]];
-    return sl_interpolate(first, values[corner[1]] - first, values[corner[2]] - first, w1, w2);
-}
-
-static void corners_of(const sl_scene *scene, uint32_t triangle, uint32_t corner[3]) {
-    for (int i = 0; i < 3; i++) corner[i] = scene->vertex[i][triangle];
-}
-
-static sl_rgb diffuse_at(const sl_scene *scene, const sl_material *material, const uint32_t corner[3],
-                         float w1, float w2) {
+sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
+    const sl_material *material = sl_triangle_material(scene, triangle);
     if (material->texture == SL_NO_INDEX) return material->diffuse;
-    float u = interpolate(scene->texture_u, corner, w1, w2),
-          v = interpolate(scene->texture_v, corner, w1, w2);
-    return sl_rgb_mul(material->diffuse, sl_texture_color(&scene->textures[material->texture], u, v));
+    const sl_texture_place at = sl_texture_place_at(scene, triangle, w1, w2);
+    return sl_rgb_mul(material->diffuse, sl_texture_color(&scene->textures[material->texture], at.u, at.v));
 }
 
 /* Applies what a height map changes: the normal, and where the colour is looked up. */
-static void raise(const sl_scene *scene, uint32_t triangle, const uint32_t corner[3], float w1, float w2,
-                  sl_vec3 to_viewer, sl_surface *s) {
-    float u = interpolate(scene->texture_u, corner, w1, w2),
-          v = interpolate(scene->texture_v, corner, w1, w2);
-    sl_bump(scene, triangle, to_viewer, &u, &v, s);
+static void raise(const sl_scene *scene, uint32_t triangle, float w1, float w2, sl_vec3 to_viewer,
+                  sl_surface *s) {
+    sl_texture_place at = sl_texture_place_at(scene, triangle, w1, w2);
+    sl_bump(scene, triangle, to_viewer, &at.u, &at.v, s);
     if (s->material->texture != SL_NO_INDEX)
-        s->diffuse =
-            sl_rgb_mul(s->material->diffuse, sl_texture_color(&scene->textures[s->material->texture], u, v));
+        s->diffuse = sl_rgb_mul(s->material->diffuse,
+                                sl_texture_color(&scene->textures[s->material->texture], at.u, at.v));
 }
 
 void sl_scene_surface(const sl_scene *scene, uint32_t triangle, float w1, float w2, sl_vec3 to_viewer,
                       sl_surface *surface) {
-    uint32_t corner[3];
-    corners_of(scene, triangle, corner);
     surface->material = sl_triangle_material(scene, triangle);
-    surface->diffuse = diffuse_at(scene, surface->material, corner, w1, w2);
-    surface->position = sl_v3(interpolate(scene->position_x, corner, w1, w2),
-                              interpolate(scene->position_y, corner, w1, w2),
-                              interpolate(scene->position_z, corner, w1, w2));
+    surface->diffuse = sl_scene_diffuse(scene, triangle, w1, w2);
+    surface->position = sl_position_at(scene, triangle, w1, w2);
 
     sl_vec3 geometric = sl_scene_geometric_normal(scene, triangle);
     float side = sl_side_seen(geometric, to_viewer);
     surface->front = side > 0.0f;
     surface->geometric_normal = sl_scale(geometric, side);
-    surface->normal = sl_shading_normal(sl_v3(interpolate(scene->normal_x, corner, w1, w2),
-                                              interpolate(scene->normal_y, corner, w1, w2),
-                                              interpolate(scene->normal_z, corner, w1, w2)),
-                                        surface->geometric_normal);
-    if (sl_material_is_bumpy(surface->material)) raise(scene, triangle, corner, w1, w2, to_viewer, surface);
-}
-
-sl_rgb sl_scene_diffuse(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
-    uint32_t corner[3];
-    corners_of(scene, triangle, corner);
-    return diffuse_at(scene, sl_triangle_material(scene, triangle), corner, w1, w2);
+    surface->normal =
+        sl_shading_normal(sl_vertex_normal_at(scene, triangle, w1, w2), surface->geometric_normal);
+    if (sl_material_is_bumpy(surface->material)) raise(scene, triangle, w1, w2, to_viewer, surface);
 }
 
 sl_rgb sl_scene_diffuse_nearest(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
     const sl_material *material = sl_triangle_material(scene, triangle);
     if (material->texture == SL_NO_INDEX) return material->diffuse;
-    uint32_t corner[3];
-    corners_of(scene, triangle, corner);
-    float u = interpolate(scene->texture_u, corner, w1, w2),
-          v = interpolate(scene->texture_v, corner, w1, w2);
-    return sl_rgb_mul(material->diffuse, sl_texture_nearest(&scene->textures[material->texture], u, v));
+    const sl_texture_place at = sl_texture_place_at(scene, triangle, w1, w2);
+    return sl_rgb_mul(material->diffuse, sl_texture_nearest(&scene->textures[material->texture], at.u, at.v));
 }
 
 bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle) {
@@ -76,11 +50,8 @@ bool sl_scene_has_alpha(const sl_scene *scene, uint32_t triangle) {
 bool sl_scene_is_opaque(const sl_scene *scene, uint32_t triangle, float w1, float w2) {
     const sl_material *material = sl_triangle_material(scene, triangle);
     if (material->alpha_texture == SL_NO_INDEX) return true;
-    uint32_t corner[3];
-    corners_of(scene, triangle, corner);
-    float u = interpolate(scene->texture_u, corner, w1, w2),
-          v = interpolate(scene->texture_v, corner, w1, w2);
-    return sl_texture_alpha(&scene->textures[material->alpha_texture], u, v) >= 0.5f;
+    const sl_texture_place at = sl_texture_place_at(scene, triangle, w1, w2);
+    return sl_texture_alpha(&scene->textures[material->alpha_texture], at.u, at.v) >= 0.5f;
 }
 
 /* Texels of the mask in the box around the triangle's texture coordinates. */

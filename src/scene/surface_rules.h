@@ -4,12 +4,37 @@
 #ifndef SL_SCENE_SURFACE_RULES_H
 #define SL_SCENE_SURFACE_RULES_H
 
-#include "base/vec.h"
+#include "scene/scene.h"
 
 /* Perspective plays no part: the weights are those of the point on the triangle itself. to_1 and to_2 are the
  * differences of the other two corners' values from the first corner's. */
 static inline float sl_interpolate(float first, float to_1, float to_2, float w1, float w2) {
     return first + w1 * to_1 + w2 * to_2;
+}
+
+/* Of what the corners of a triangle have, in an array of all vertices. */
+static inline float sl_interpolate_at(const sl_scene *s, const float *values, uint32_t triangle, float w1,
+                                      float w2) {
+    const float first = values[s->vertex[0][triangle]];
+    return sl_interpolate(first, values[s->vertex[1][triangle]] - first,
+                          values[s->vertex[2][triangle]] - first, w1, w2);
+}
+static inline sl_vec3 sl_position_at(const sl_scene *s, uint32_t triangle, float w1, float w2) {
+    return sl_v3(sl_interpolate_at(s, s->position_x, triangle, w1, w2),
+                 sl_interpolate_at(s, s->position_y, triangle, w1, w2),
+                 sl_interpolate_at(s, s->position_z, triangle, w1, w2));
+}
+static inline sl_vec3 sl_vertex_normal_at(const sl_scene *s, uint32_t triangle, float w1, float w2) {
+    return sl_v3(sl_interpolate_at(s, s->normal_x, triangle, w1, w2),
+                 sl_interpolate_at(s, s->normal_y, triangle, w1, w2),
+                 sl_interpolate_at(s, s->normal_z, triangle, w1, w2));
+}
+typedef struct sl_texture_place {
+    float u, v;
+} sl_texture_place;
+static inline sl_texture_place sl_texture_place_at(const sl_scene *s, uint32_t triangle, float w1, float w2) {
+    return (sl_texture_place){sl_interpolate_at(s, s->texture_u, triangle, w1, w2),
+                              sl_interpolate_at(s, s->texture_v, triangle, w1, w2)};
 }
 
 /* 1 where the counter-clockwise side is seen, and edge on; -1 where the other side is. */

@@ -4,6 +4,7 @@
 
 #include "base/counters.h"
 #include "base/math.h"
+#include "scene/surface_rules.h"
 #include "scene/texture.h"
 
 /* Radiance below this is 0 (its products would be denormal), above that it is cut, so that sums of w L stay
@@ -12,11 +13,6 @@
 #define RADIANCE_MAX 1e20f
 
 /* ---- surfaces -------------------------------------------------------------------------------- */
-
-static float interpolate(const float *values, const uint32_t corner[3], float w1, float w2) {
-    float first = values[corner[0]];
-    return first + w1 * (values[corner[1]] - first) + w2 * (values[corner[2]] - first);
-}
 
 static void clear_slot(const sl_gather_hits *h, size_t k) {
     h->depth[k] = 0.0f;
@@ -27,19 +23,16 @@ static void clear_slot(const sl_gather_hits *h, size_t k) {
 
 static void load_slot(const sl_gather *gather, const sl_gather_hits *h, size_t k, const uint8_t **texel) {
     const sl_scene *s = gather->scene;
-    uint32_t triangle = h->triangle[k],
-             corner[3] = {s->vertex[0][triangle], s->vertex[1][triangle], s->vertex[2][triangle]};
-    float w1 = h->w1[k], w2 = h->w2[k];
-    h->normal_x[k] = interpolate(s->normal_x, corner, w1, w2);
-    h->normal_y[k] = interpolate(s->normal_y, corner, w1, w2);
-    h->normal_z[k] = interpolate(s->normal_z, corner, w1, w2);
+    const uint32_t triangle = h->triangle[k];
+    const float w1 = h->w1[k], w2 = h->w2[k];
+    sl_put(h->normal_x, h->normal_y, h->normal_z, k, sl_vertex_normal_at(s, triangle, w1, w2));
     sl_put(h->geometric_x, h->geometric_y, h->geometric_z, k, sl_scene_geometric_normal(s, triangle));
     const sl_material *material = sl_triangle_material(s, triangle);
     sl_rgb_put(h->diffuse_r, h->diffuse_g, h->diffuse_b, k, material->diffuse);
     *texel = NULL;
     if (material->texture == SL_NO_INDEX) return;
-    float u = interpolate(s->texture_u, corner, w1, w2), v = interpolate(s->texture_v, corner, w1, w2);
-    *texel = sl_texture_nearest_texel(&s->textures[material->texture], u, v);
+    const sl_texture_place at = sl_texture_place_at(s, triangle, w1, w2);
+    *texel = sl_texture_nearest_texel(&s->textures[material->texture], at.u, at.v);
     __builtin_prefetch(*texel);
 }
 

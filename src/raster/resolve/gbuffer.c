@@ -104,14 +104,8 @@ static bool is_bumpy(const sl_scene *scene, uint32_t triangle) {
 
 static void bumpy_surface(const sl_scene *scene, const sl_pass_view *view, uint32_t triangle, float w1,
                           float w2, sl_surface *surface) {
-    float p[3];
-    const float *const plane[3] = {scene->position_x, scene->position_y, scene->position_z};
-    for (int k = 0; k < 3; k++) {
-        float first = plane[k][scene->vertex[0][triangle]];
-        p[k] = sl_interpolate(first, plane[k][scene->vertex[1][triangle]] - first,
-                              plane[k][scene->vertex[2][triangle]] - first, w1, w2);
-    }
-    sl_vec3 to_viewer = sl_v3(view->origin[0] - p[0], view->origin[1] - p[1], view->origin[2] - p[2]);
+    const sl_vec3 eye = sl_v3(view->origin[0], view->origin[1], view->origin[2]),
+                  to_viewer = sl_sub(eye, sl_position_at(scene, triangle, w1, w2));
     sl_scene_surface(scene, triangle, w1, w2, to_viewer, surface);
 }
 

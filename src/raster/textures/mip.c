@@ -136,10 +136,6 @@ sl_rgb sl_scene_diffuse_within(const sl_scene *scene, const sl_mip *mips, uint32
     const int32_t level =
         sl_mip_level_for(texels_an_area(scene, texture, corner) * width * width, mip->count);
     if (level == 0) return sl_scene_diffuse(scene, triangle, w1, w2);
-    const float *u = scene->texture_u, *v = scene->texture_v;
-    const float s = sl_interpolate(u[corner[0]], u[corner[1]] - u[corner[0]], u[corner[2]] - u[corner[0]], w1,
-                                   w2),
-                t = sl_interpolate(v[corner[0]], v[corner[1]] - v[corner[0]], v[corner[2]] - v[corner[0]], w1,
-                                   w2);
-    return sl_rgb_mul(material->diffuse, level_color(&mip->level[level], s, t));
+    const sl_texture_place at = sl_texture_place_at(scene, triangle, w1, w2);
+    return sl_rgb_mul(material->diffuse, level_color(&mip->level[level], at.u, at.v));
 }
