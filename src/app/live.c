@@ -6,6 +6,7 @@
 #include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/page.h"
+#include "app/rate.h"
 #include "app/same_file.h"
 #include "base/error.h"
 #include "cache/frame/method.h"
@@ -68,7 +69,7 @@ typedef struct show_report {
     /* seconds from moves to frames that show what they have changed: their sum over last.changes_shown, and
      * the longest */
     double lag, longest_lag;
-    double rate;                  /* samples a second that the method was told of last; 0: of none */
+    sl_rate rate;
     sl_live_state last;
     sl_counters counters;
     const sl_pass_times *stages;
@@ -94,7 +95,7 @@ static cJSON *json_of(const show_report *r) {
     cJSON_AddNumberToObject(root, "updates_a_second", a_second(r->last.updates, r->seconds));
     cJSON_AddNumberToObject(root, "points_a_second",
                             a_second(r->counters.value[SL_COUNT_POINTS_SHADED], r->seconds));
-    cJSON_AddNumberToObject(root, "samples_a_second", r->rate);
+    cJSON_AddNumberToObject(root, "samples_a_second", r->rate.told);
     cJSON_AddNumberToObject(root, "versions", (double)r->last.versions);
     cJSON_AddNumberToObject(root, "error_levels", r->last.error_levels);
     cJSON_AddNumberToObject(root, "changes_shown", (double)r->last.changes_shown);
@@ -119,10 +120,6 @@ typedef struct show {
     sl_tone tone;
     double begin;
     uint64_t slot;
-    struct {
-        double begin, samples;
-        uint64_t updates;         /* of the last frame */
-    } span;                       /* in which samples are counted */
     show_report report;
 } show;
 
@@ -180,31 +177,6 @@ static sl_status await_light(show *s, sl_error *error) {
     return status;
 }
 
-/* Gives the samples a second of a span that ends now, a second or more from the end of an update to that of
- * another, and begins the next span; false: none ends. Spans in which updates rest, or in which all was made
- * anew, count for nothing. */
-static bool measure(show *s, double *rate) {
-    const sl_live_state *last = &s->report.last;
-    double now = sl_seconds_now(), took = now - s->span.begin, samples = last->samples - s->span.samples;
-    bool rests = last->done || samples < 0.0 || s->report.frames == 1,
-         ends = took >= 1.0 && last->updates != s->span.updates;
-    s->span.updates = last->updates;
-    if (!rests && !ends) return false;
-    s->span.begin = now;
-    s->span.samples = last->samples;
-    *rate = rests ? 0.0 : samples / took;
-    return *rate >= 1.0;
-}
-
-/* Tells the method of a rate that is another one by a quarter, unless it was set. */
-static sl_status tell_rate(show *s, sl_error *error) {
-    double rate, told = s->report.rate;
-    if (s->o->settings.shading_cache.nominal_rate > 0.0 || !measure(s, &rate)) return SL_OK;
-    if (rate > 0.8 * told && rate < 1.25 * told) return SL_OK;
-    s->report.rate = rate;
-    return sl_live_rate(s->live, rate, error);
-}
-
 static sl_status one_frame(show *s, sl_error *error) {
     const sl_image *frame;
     uint64_t steps = next_slot(s);
@@ -212,7 +184,8 @@ static sl_status one_frame(show *s, sl_error *error) {
            elapsed = fps > 0.0 ? (double)s->slot / fps : sl_seconds_now() - s->begin;
     sl_status status = sl_live_move(s->live, s->o->at + elapsed, error);
     if (status == SL_OK) status = draw(s, &frame, error);
-    if (status == SL_OK) status = tell_rate(s, error);
+    if (status == SL_OK && !(s->o->settings.shading_cache.nominal_rate > 0.0))
+        status = sl_rate_tell(&s->report.rate, s->live, &s->report.last, error);
     return status == SL_OK
                ? sl_show_files_write(&s->files, frame, &s->tone, s->report.last.versions > 0, steps, error)
                : status;

@@ -10,6 +10,8 @@
 
 #include "app/clock.h"
 #include "app/serve/log.h"
+#include "base/memory.h"
+#include "image/formats.h"
 #include "rendering.h"
 #include "scene_files.h"
 
@@ -378,16 +380,23 @@ static void assert_same_colours(const sl_image *a, const sl_image *b) {
     assert_true(comparison_of(a, b).identical);
 }
 
-static void assert_log_gives_the_picture(house *h, const char *path) {
-    char log[4096];
+/* Tells whether a log, replayed, gives the picture that was kept beside it. */
+static bool gives_picture(house *h, const char *log, const char *path) {
+    char picture[4096];
     sl_image *kept, *replayed;
     sl_error error;
-    keep_log(h, log);
     if (sl_log_replay(log, path, &h->reading, 0, &replayed, &error) != SL_OK) fail_msg("%s", error.message);
-    snprintf(log + strlen(log) - 5, 10, "-a.exr");
-    assert_int_equal(sl_image_read(log, &kept, &error), SL_OK);
-    assert_same_colours(kept, replayed);
+    snprintf(picture, sizeof picture, "%.*s-a.exr", (int)strlen(log) - 5, log);
+    assert_int_equal(sl_image_read(picture, &kept, &error), SL_OK);
+    const bool identical = comparison_of(kept, replayed).identical;
     destroy_pictures(kept, replayed);
+    return identical;
+}
+
+static void assert_log_gives_the_picture(house *h, const char *path) {
+    char log[4096];
+    keep_log(h, log);
+    assert_true(gives_picture(h, log, path));
 }
 
 static void a_log_gives_the_live_pictures_bits(void **state) {
@@ -404,6 +413,39 @@ static void a_log_gives_the_live_pictures_bits(void **state) {
         }
         assert_log_gives_the_picture(h, scene_path);
     }
+}
+
+/* Rates come of the clock: only the log has them. */
+static void a_log_has_the_rates_that_a_method_was_told_of(void **state) {
+    house *h = *state;
+    const sl_rate *rate = &h->stage->side[0].rate;
+    say(h, "{\"do\":\"method\",\"name\":\"shading-cache\"}");
+    await_picture(h, SL_FRAME_A, 0);
+    for (int i = 0, more = 8; more > 0 && i < 400; i++) {
+        edit_at_random(h, i % 50);
+        sl_stage_step(h->stage);
+        sl_sleep_until(sl_seconds_now() + 0.05);
+        more -= rate->told > 0.0;
+    }
+    print_message("%.0f samples a second\n", rate->told);
+    assert_true(rate->told > 0.0);
+    char path[4096], *text;
+    keep_log(h, path);
+    assert_true(gives_picture(h, path, scene_path));
+
+    /* a slow machine would have had coarser patches */
+    sl_bytes bytes;
+    assert_int_equal(sl_bytes_read(path, 1 << 24, &bytes, NULL), SL_OK);
+    cJSON *log = cJSON_ParseWithLength((const char *)bytes.data, bytes.size),
+          *show = cJSON_GetArrayItem(cJSON_GetObjectItem(log, "shows"), 0);
+    assert_true(cJSON_GetArraySize(cJSON_GetObjectItem(show, "rates")) > 0);
+    cJSON_ReplaceItemInObject(show, "rates", cJSON_Parse("[[0, 20]]"));
+    text = cJSON_Print(log);
+    assert_int_equal(sl_output_whole(path, text, strlen(text), NULL), SL_OK);
+    assert_false(gives_picture(h, path, scene_path));
+    cJSON_free(text);
+    cJSON_Delete(log);
+    sl_free(bytes.data);
 }
 
 /* Of the ball that keyframes move: its matrix, where the page is told that its middle is. */
@@ -570,6 +612,7 @@ int main(void) {
         HOUSE(what_is_malformed_ends_its_connection_with_a_reason),
         HOUSE(what_cannot_be_is_refused_and_changes_nothing),
         HOUSE(a_log_gives_the_live_pictures_bits),
+        HOUSE(a_log_has_the_rates_that_a_method_was_told_of),
         cmocka_unit_test_setup_teardown(
             what_keyframes_move_is_dragged_from_where_it_is_and_given_back_to_them, open_moving_house,
             close_house),

@@ -69,6 +69,21 @@ static cJSON *json_of_event(const sl_event *e) {
 
 /* ---- writing ---- */
 
+/* Rates that the method was told of before so many updates: after how many, and which. */
+static cJSON *json_of_rates(sl_live *live, uint64_t updates) {
+    const size_t count = sl_live_log(live, NULL, 0);
+    sl_live_event *events = malloc((count + 1) * sizeof *events);
+    cJSON *rates = cJSON_CreateArray();
+    if (events) sl_live_log(live, events, count);
+    for (size_t i = 0; events && i < count; i++) {
+        const double numbers[2] = {(double)events[i].updates, events[i].value};
+        if (events[i].rate && events[i].updates < updates)
+            cJSON_AddItemToArray(rates, cJSON_CreateDoubleArray(numbers, 2));
+    }
+    free(events);
+    return rates;
+}
+
 typedef struct visited {
     sl_monitor meeting;
     bool done;
@@ -113,6 +128,7 @@ static cJSON *json_of_show(const sl_side *d, int index, const visited *w) {
     cJSON_AddItemToObject(o, "settings", sl_describe_settings(&d->settings));
     cJSON_AddNumberToObject(o, "behind", (double)d->has);
     cJSON_AddNumberToObject(o, "updates", (double)w->updates);
+    cJSON_AddItemToObject(o, "rates", json_of_rates(w->live, w->updates));
     for (size_t i = 0; i < w->count; i++) {
         const sl_live_turn *t = &w->turns[i];
         const double numbers[3] = {(double)t->updates, (double)t->turn, (double)t->number};
@@ -227,6 +243,7 @@ typedef struct replay {
     sl_scene *scene;
     sl_method *method;
     sl_progress progress;
+    const cJSON *rate; /* the next one */
 } replay;
 
 static sl_status no_log(sl_error *error) {
@@ -258,10 +275,24 @@ static sl_status make_before(replay *r, uint64_t behind, sl_error *error) {
     return status;
 }
 
+/* Tells the method of the rates that it was told of before its next update. */
+static sl_status take_rates(replay *r, sl_error *error) {
+    sl_status status = SL_OK;
+    double at[2];
+    for (; r->rate && status == SL_OK; r->rate = r->rate->next) {
+        if (!values_of(r->rate, at, 2)) return no_log(error);
+        if (at[0] > (double)r->progress.batches) break;
+        status = sl_method_rate(r->method, at[1], error);
+    }
+    return status;
+}
+
 static sl_status update_until(replay *r, uint64_t updates, sl_error *error) {
     sl_status status = SL_OK;
-    while (status == SL_OK && r->progress.batches < updates && !r->progress.done)
-        status = sl_method_update(r->method, &r->progress, error);
+    while (status == SL_OK && r->progress.batches < updates && !r->progress.done) {
+        status = take_rates(r, error);
+        if (status == SL_OK) status = sl_method_update(r->method, &r->progress, error);
+    }
     return status;
 }
 
@@ -307,7 +338,9 @@ static sl_status replay_show(replay *r, const cJSON *show, sl_image **picture, s
     const sl_settings shown = sl_side_shown(&settings);
     if (status == SL_OK) status = sl_live_choose(r->scene, &shown, &own, error);
     if (status == SL_OK) status = sl_method_create(r->scene, &own, &r->method, error);
-    const cJSON *turns = cJSON_GetObjectItem(show, "turns"), *turn = turns ? turns->child : NULL;
+    const cJSON *turns = cJSON_GetObjectItem(show, "turns"), *turn = turns ? turns->child : NULL,
+                *rates = cJSON_GetObjectItem(show, "rates");
+    r->rate = rates ? rates->child : NULL;
     while (turn && status == SL_OK) status = take_turn(r, &turn, error);
     if (status == SL_OK) status = update_until(r, (uint64_t)number(show, "updates"), error);
     if (status == SL_OK) status = sl_method_resolve(r->method, picture, error);

@@ -114,6 +114,7 @@ sl_status sl_side_start(sl_stage *s, int index, sl_error *error) {
     if (d->wanted) d->live = d->show->live, d->passes = d->show->passes;
     d->began = d->moved = sl_seconds_now();
     d->last = (sl_live_state){0};
+    d->rate = (sl_rate){0};
     d->shown = s->world.count;
     d->sent_still = false;
     d->edit = 0;
@@ -215,7 +216,10 @@ static void draw(sl_stage *s, int index, double now) {
     sl_live_state state;
     sl_error error;
     const double begun = sl_thread_seconds();
-    if (sl_live_frame(d->live, &frame, &state, &error) != SL_OK) {
+    sl_status status = sl_live_frame(d->live, &frame, &state, &error);
+    if (status == SL_OK && !(d->settings.shading_cache.nominal_rate > 0.0))
+        status = sl_rate_tell(&d->rate, d->live, &state, &error);
+    if (status != SL_OK) {
         fail(s, index, &error);
         return;
     }

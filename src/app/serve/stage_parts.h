@@ -2,6 +2,7 @@
 #ifndef SL_APP_SERVE_STAGE_PARTS_H
 #define SL_APP_SERVE_STAGE_PARTS_H
 
+#include "app/rate.h"
 #include "app/serve/frame.h"
 #include "app/show_files.h"
 #include "app/serve/stage.h"
@@ -24,6 +25,7 @@ typedef struct sl_side {
     sl_live *live;                    /* the show's; NULL: it is over */
     double began, drawn, moved, told; /* seconds by the clock: the show; the last frame, change, state */
     sl_live_state last;
+    sl_rate rate;
     uint64_t shown; /* the newest event that the last frame shows */
     double drawing, encoding; /* seconds of the processor that the last frame took */
     double latency; /* seconds from that event to its frame */
