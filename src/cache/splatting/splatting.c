@@ -93,8 +93,7 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status =
         sl_raster_gbuffer(s->raster, &view, s->settings.threads, s->gbuffer, &s->counters, error);
-    const bool looks = s->tracer && !s->settings.records_per_frame && !is_for(s, SL_SUB_FRAME_SHOWS);
-    if (status == SL_OK && looks)
+    if (status == SL_OK && s->tracer && !is_for(s, SL_SUB_FRAME_SHOWS))
         status = sl_look_at_edges(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status == SL_OK) status = follow_mirrors(s, error);
     if (status != SL_OK) return status;
