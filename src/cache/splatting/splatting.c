@@ -42,11 +42,11 @@ static bool is_budget_spent(const sl_splat_state *s) {
 
 static sl_status splat_new_records_of(sl_splat_state *s, sl_record_cache *cache, sl_error *error);
 
-/* In a walk records never shrink: what they give is of use as it is. */
 static bool walks(const sl_splat_state *s) { return s->settings.records_per_frame && !is_on_film(s); }
 
+/* In a walk records never shrink: what they give is of use as it is. */
 static sl_status cover_by(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
-    if (!walks(s)) return sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
+    if (!walks(s) || s->ages.aged) return sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
     sl_status status = splat_new_records_of(s, cache, error);
     if (status == SL_OK) memcpy(s->coverage, s->splats.weight, sl_splat_pixels(s) * sizeof *s->coverage);
     return status;
