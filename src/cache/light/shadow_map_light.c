@@ -153,7 +153,7 @@ static void find_surfaces(const sl_light_points *p, uint32_t *one) {
                 const size_t a = first + k, b = j + k;
                 const sl_vec3 d = sl_v3(x[b] - x[a], y[b] - y[a], z[b] - z[a]),
                               m = sl_v3(nx[a], ny[a], nz[a]), n = sl_v3(nx[b], ny[b], nz[b]);
-                one[k] &= (sl_dot(m, n) > 0.9f) & sl_is_chord(d, sl_add(m, n));
+                one[k] &= sl_dot(m, n) > 0.9f ? sl_is_chord(d, sl_add(m, n)) : 0;
             }
         }
     }
