@@ -184,8 +184,8 @@ static sl_status one_frame(show *s, sl_error *error) {
            elapsed = fps > 0.0 ? (double)s->slot / fps : sl_seconds_now() - s->begin;
     sl_status status = sl_live_move(s->live, s->o->at + elapsed, error);
     if (status == SL_OK) status = draw(s, &frame, error);
-    if (status == SL_OK && !(s->o->settings.shading_cache.nominal_rate > 0.0))
-        status = sl_rate_tell(&s->report.rate, s->live, &s->report.last, error);
+    if (status == SL_OK)
+        status = sl_rate_tell(&s->report.rate, s->live, &s->o->settings, &s->report.last, error);
     return status == SL_OK
                ? sl_show_files_write(&s->files, frame, &s->tone, s->report.last.versions > 0, steps, error)
                : status;

@@ -18,9 +18,11 @@ static bool measure(sl_rate *r, const sl_live_state *last, double *rate) {
     return *rate >= 1.0;
 }
 
-sl_status sl_rate_tell(sl_rate *r, sl_live *live, const sl_live_state *last, sl_error *error) {
+sl_status sl_rate_tell(sl_rate *r, sl_live *live, const sl_settings *settings, const sl_live_state *frame,
+                       sl_error *error) {
     double rate;
-    if (!measure(r, last, &rate) || (rate > 0.8 * r->told && rate < 1.25 * r->told)) return SL_OK;
+    if (settings->shading_cache.nominal_rate > 0.0 || !measure(r, frame, &rate)) return SL_OK;
+    if (rate > 0.8 * r->told && rate < 1.25 * r->told) return SL_OK;
     r->told = rate;
     return sl_live_rate(live, rate, error);
 }

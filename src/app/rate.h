@@ -1,9 +1,9 @@
-/* How many samples a second the updates of a show take on this machine, as the method is told of it: by that
- * it decides how fine things may be while they move. */
+/* Measures how many samples a second the updates of a show take on this machine, and tells the method: by
+ * that it decides how fine patches may be while things move. */
 #ifndef SL_APP_RATE_H
 #define SL_APP_RATE_H
 
-#include "softlux.h"
+#include "cache/frame/settings.h"
 
 typedef struct sl_rate {
     double told;           /* to the method last, samples a second; 0: nothing yet */
@@ -12,7 +12,9 @@ typedef struct sl_rate {
     uint64_t updates;      /* of the last frame */
 } sl_rate;
 
-/* Tells a rate that is another one by a quarter. last: with each frame, what it told. */
-sl_status sl_rate_tell(sl_rate *rate, sl_live *live, const sl_live_state *last, sl_error *error);
+/* Tells a rate that is another one by a quarter, unless the settings name one. To be called with each frame's
+ * state. */
+sl_status sl_rate_tell(sl_rate *rate, sl_live *live, const sl_settings *settings, const sl_live_state *frame,
+                       sl_error *error);
 
 #endif

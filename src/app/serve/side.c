@@ -217,8 +217,7 @@ static void draw(sl_stage *s, int index, double now) {
     sl_error error;
     const double begun = sl_thread_seconds();
     sl_status status = sl_live_frame(d->live, &frame, &state, &error);
-    if (status == SL_OK && !(d->settings.shading_cache.nominal_rate > 0.0))
-        status = sl_rate_tell(&d->rate, d->live, &state, &error);
+    if (status == SL_OK) status = sl_rate_tell(&d->rate, d->live, &d->settings, &state, &error);
     if (status != SL_OK) {
         fail(s, index, &error);
         return;

@@ -3,6 +3,7 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/math.h"
 #include "base/memory.h"
 
 enum { ORIGINS = 1600, CHECKS = 64, CHECK_GENERATION = 100 };
@@ -153,8 +154,7 @@ static sl_status settle(sl_second_cache *cache, size_t first, sl_counters *count
 
 /* Has some more of those that wait for it gather again. */
 static sl_status take_turns(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
-    const size_t most = cache->settings.quick ? QUICK_AGAIN : AGAIN,
-                 count = cache->waiting < most ? cache->waiting : most;
+    const size_t count = sl_fewer(cache->waiting, cache->settings.quick ? QUICK_AGAIN : AGAIN);
     cache->waiting -= count;
     return sl_second_cache_renew(cache, count, counters, error);
 }

@@ -153,7 +153,7 @@ static sl_edge_cone make_cone(const sl_scene *s, uint32_t id) {
     return c;
 }
 
-/* Those of the pixel in column x stay where they are. */
+/* Finds or makes a triangle's; those that the pixel in column x has asked for stay where they are. */
 static const sl_edge_cone *cone_of(const sl_scene *s, uint32_t id, int x, cones *last) {
     size_t slot = id % CONES;
     while (last->used[slot] == x) slot = (slot + 1) % CONES;

@@ -1,4 +1,4 @@
-/* What the samples of a pixel at an edge see. */
+/* Samples of pixels at edges, and the triangles that they may see. */
 #ifndef SL_FRAME_ANTIALIAS_KERNELS_H
 #define SL_FRAME_ANTIALIAS_KERNELS_H
 

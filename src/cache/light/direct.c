@@ -60,13 +60,13 @@ sl_status sl_direct_create_quick(const sl_scene *scene, const sl_raster *raster,
         status = sl_shadow_maps_create(scene, raster, &mapped, &maps, counters, error);
     quick.maps = maps;
     if (status == SL_OK) status = sl_direct_create(scene, tracer, &quick, direct, error);
-    if (status == SL_OK) (*direct)->own_maps = maps, (*direct)->hurries = true;
+    if (status == SL_OK) (*direct)->own_maps = maps, (*direct)->interleaves = true;
     else sl_shadow_maps_destroy(maps);
     return status;
 }
 
-void sl_direct_hurry(sl_direct *direct, bool hurries) {
-    if (direct) direct->hurries = hurries;
+void sl_direct_interleave(sl_direct *direct, bool interleaves) {
+    if (direct) direct->interleaves = interleaves;
 }
 
 size_t sl_direct_map_bytes(const sl_direct *direct) {

@@ -28,7 +28,7 @@ sl_status sl_direct_create_quick(const sl_scene *scene, const sl_raster *raster,
                                  sl_counters *counters, sl_error *error);
 /* Has neighbouring pixels share what they ask of an emitter's shadow maps, or not. That of frames in motion
  * does from the start. NULL is allowed. */
-void sl_direct_hurry(sl_direct *direct, bool hurries);
+void sl_direct_interleave(sl_direct *direct, bool interleaves);
 void sl_direct_destroy(sl_direct *direct);
 /* Returns bytes of its own maps. NULL: 0. */
 size_t sl_direct_map_bytes(const sl_direct *direct);

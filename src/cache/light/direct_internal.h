@@ -33,7 +33,7 @@ struct sl_direct {
     /* of emitters that are lit by the closed form; none: emitters are sampled */
     sl_light_sides sides;
     bool glossy;                    /* the scene has glossy materials */
-    bool hurries;
+    bool interleaves;
 };
 
 /* Pixels that reflect light, one after the other: at most SL_LIGHT_BLOCK. */

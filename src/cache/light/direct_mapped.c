@@ -85,8 +85,9 @@ static void light_block(mapped_block *b) {
     const sl_light_points points = sl_lit_points(&b->points);
     memset(b->irradiance, 0, sizeof b->irradiance);
     memset(b->glossy, 0, sizeof b->glossy);
-    const unsigned parts = SL_MAPPED_LIGHTS | (b->whole ? SL_MAPPED_TILE : 0) |
-                           (b->whole && b->pass->direct->hurries && has_no_gaps(b) ? SL_MAPPED_HURRY : 0);
+    unsigned parts = SL_MAPPED_LIGHTS;
+    if (b->whole) parts |= SL_MAPPED_TILE;
+    if (b->whole && b->pass->direct->interleaves && has_no_gaps(b)) parts |= SL_MAPPED_INTERLEAVED;
     sl_shadow_maps_irradiance(maps, &points, parts, b->irradiance[0], b->irradiance[1], b->irradiance[2],
                               b->counters);
     if (some_are_glossy(b)) sl_shadow_maps_each(maps, &points, SL_MAPPED_LIGHTS, add_lobes, b, b->counters);
@@ -130,7 +131,7 @@ static void light_tiles(void *context, size_t index, unsigned worker) {
         add_part(&b, x, first, middle);
         add_part(&b, x, middle, end);
         /* so that one with gaps does not shift those behind it */
-        if (p->direct->hurries && x / PART_WIDTH % 2 && b.points.count) light_block(&b);
+        if (p->direct->interleaves && x / PART_WIDTH % 2 && b.points.count) light_block(&b);
     }
     if (b.points.count) light_block(&b);
     sl_count(b.counters, SL_COUNT_FRAGMENTS_SHADED, (size_t)(end - first) * (size_t)width);

@@ -1,4 +1,5 @@
 #include "base/counters.h"
+#include "base/math.h"
 #include "cache/light/shadow_maps_internal.h"
 
 #include <math.h>
@@ -139,7 +140,7 @@ typedef struct {
 } squares;
 
 /* Returns how many samples of an emitter a square asks. */
-static size_t hurried_count(const sl_mapped_emitter *e) { return e->count / 2; }
+static size_t interleaved_count(const sl_mapped_emitter *e) { return e->count / 2; }
 
 /* Tells of each square whether its pixels show one surface. */
 static void find_surfaces(const sl_light_points *p, uint32_t *one) {
@@ -181,11 +182,11 @@ static size_t add_up_squares(const uint32_t *one, shares *s, uint8_t *apart) {
         const size_t first = i / SQUARES * HALF + i % SQUARES, end = first + HALF;
         float seen = 0.0f, all = 0.0f;
         for (size_t k = first; k < end; k += SQUARES) seen += s->seen[k], all += s->all[k];
-        if (seen == 0.0f || seen == all) continue;
+        if (seen == 0.0f) continue;
         for (size_t k = first; k < end; k += SQUARES) {
             s->seen[k] = seen;
             s->all[k] = all;
-            if (!one[i]) apart[count++] = (uint8_t)k;
+            if (!one[i] && seen != all) apart[count++] = (uint8_t)k;
         }
     }
     return count;
@@ -198,7 +199,7 @@ static void share_squares(const sl_shadow_maps *maps, const sl_mapped_emitter *e
     const size_t count = add_up_squares(of->one_surface, s, apart.place);
     if (!count) return;
     take(&of->sorted.points, count, &apart);
-    add_samples(maps, e, 0, hurried_count(e), &apart.points, (span){0, count}, &own, counters);
+    add_samples(maps, e, 0, interleaved_count(e), &apart.points, (span){0, count}, &own, counters);
     put_back(&own, &apart, s);
 }
 
@@ -206,7 +207,7 @@ static void share_squares(const sl_shadow_maps *maps, const sl_mapped_emitter *e
  * others would too. */
 static void share_by_squares(const sl_shadow_maps *maps, const sl_mapped_emitter *e, const squares *of,
                              shares *s, sl_counters *counters) {
-    const size_t asked = hurried_count(e);
+    const size_t asked = interleaved_count(e);
     shares own = {0};
     for (size_t k = 0; k < 2 * SHARERS; k++) {
         const size_t begin = k * SQUARES, q = k % SHARERS;
@@ -227,7 +228,7 @@ static void share_by_parts(const sl_shadow_maps *maps, const sl_mapped_emitter *
                            sl_counters *counters) {
     memset(s, 0, sizeof *s);
     for (size_t first = 0; first < points->count; first += step) {
-        const span part = {first, first + step < points->count ? first + step : points->count};
+        const span part = {first, sl_fewer(first + step, points->count)};
         add_samples(maps, e, 0, pilot, points, part, s, counters);
         if (!few && !all_agree(s, part)) add_samples(maps, e, pilot, e->count, points, part, s, counters);
     }
@@ -243,7 +244,7 @@ static void share_of_tiles(const sl_shadow_maps *maps, const sl_mapped_emitter *
     else share_by_parts(maps, e, points, pilot, SL_MAPPED_PART, false, s, counters);
 }
 
-/* What is asked of a block first, or instead of all. */
+/* A block's points that are asked first, or instead of all. */
 typedef struct {
     bool has_squares;
     squares squares;
@@ -253,8 +254,8 @@ typedef struct {
 static void share_of_samples(const sl_shadow_maps *maps, const sl_mapped_emitter *e,
                              const sl_light_points *points, const tile *t, unsigned parts, shares *s,
                              sl_counters *counters) {
-    const size_t least = e->count / 4 > 4 ? e->count / 4 : 4, pilot = least < e->count ? least : e->count;
-    if (t->has_squares && hurried_count(e) >= SHARERS)
+    const size_t least = e->count / 4 > 4 ? e->count / 4 : 4, pilot = sl_fewer(least, e->count);
+    if (t->has_squares && interleaved_count(e) >= SHARERS)
         share_by_squares(maps, e, &t->squares, s, counters);
     else if (parts & SL_MAPPED_TILE)
         share_of_tiles(maps, e, points, &t->few, pilot, s, counters);
@@ -285,7 +286,7 @@ void sl_shadow_maps_irradiance(const sl_shadow_maps *maps, const sl_light_points
     }
     if (!(parts & SL_MAPPED_LIGHTS) || !maps->emitter_count) return;
     tile t;
-    t.has_squares = (parts & SL_MAPPED_HURRY) && points->count == SL_LIGHT_BLOCK;
+    t.has_squares = (parts & SL_MAPPED_INTERLEAVED) && points->count == SL_LIGHT_BLOCK;
     if (parts & SL_MAPPED_TILE) thin(points, &t.few);
     if (t.has_squares) sort_by_squares(points, &t.squares);
     for (size_t i = 0; i < maps->emitter_count; i++)

@@ -72,7 +72,7 @@ static sl_status add_side(sl_shadow_maps *maps, const sl_raster *raster, const s
     sl_mapped_emitter *m = &maps->emitters[maps->emitter_count++];
     *m = (sl_mapped_emitter){sl_polygon_light_of(maps->scene, e, back), e->radiance, maps->source_count,
                              samples};
-    const int size = smaller(maps->settings.size, maps->settings.in_motion ? 8 : 4);
+    const int asked = maps->settings.emitter_size, size = asked ? asked : smaller(maps->settings.size, 4);
     float area = e->area / (float)samples;
     sl_status status = SL_OK;
     for (size_t i = 0; i < samples && status == SL_OK; i++) {

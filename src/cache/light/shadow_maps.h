@@ -23,10 +23,8 @@
 typedef struct sl_shadow_maps sl_shadow_maps;
 
 typedef struct sl_shadow_map_settings {
-    /* texels a side of a map or of a cube's face; the sky has half, samples of emitters have a quarter, in
-     * motion an eighth */
-    int size;
-    bool in_motion;
+    int size;         /* texels a side of a map or of a cube's face; the sky has half */
+    int emitter_size; /* of samples of emitters; 0: a quarter */
     const sl_environment *sun; /* part of SL_MAPPED_LIGHTS; or NULL */
     const sl_environment *sky; /* is SL_MAPPED_SKY; or NULL */
     unsigned threads;
@@ -48,7 +46,7 @@ enum {
     SL_MAPPED_FEW = 4, /* the first quarter of an emitter's samples does: for gathers, which see thousands of
                           points each */
     SL_MAPPED_TILE = 8, /* the block are tiles of a picture, part by part */
-    SL_MAPPED_HURRY = 16 /* ... without gaps: neighbours share the first half of an emitter's samples */
+    SL_MAPPED_INTERLEAVED = 16 /* ... without gaps: neighbours share the first half of an emitter's samples */
 };
 
 /* Points a row of a part of a tile, and of the part. */

@@ -158,7 +158,8 @@ static const sl_environment *present_or_null(const sl_environment *e) { return e
 
 /* Once for pixels, which want the lights and the sun, and for gathers, which want the sky too. */
 static sl_status create_maps(sl_splat_state *s, sl_error *error) {
-    const sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, s->settings.records_per_frame > 0,
+    const int walks = s->settings.records_per_frame > 0;
+    const sl_shadow_map_settings maps = {SL_SHADOW_MAP_SIZE, SL_SHADOW_MAP_SIZE / (walks ? 8 : 4),
                                          present_or_null(&s->sun), present_or_null(&s->sky),
                                          s->settings.threads};
     return sl_shadow_maps_create(s->scene, s->raster, &maps, &s->maps, &s->counters, error);

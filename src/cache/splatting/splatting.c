@@ -44,9 +44,10 @@ static sl_status splat_new_records_of(sl_splat_state *s, sl_record_cache *cache,
 
 static bool walks(const sl_splat_state *s) { return s->settings.records_per_frame && !is_on_film(s); }
 
-/* In a walk records never shrink: what they give is of use as it is. */
+/* Sums the weights of earlier records. In a walk they never shrink, so that they are splatted at once. */
 static sl_status cover_by(sl_splat_state *s, sl_record_cache *cache, sl_error *error) {
-    if (!walks(s) || s->ages.aged) return sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
+    if (!walks(s) || s->ages.aged)
+        return sl_cover(&cache->pass, cache->list.records, cache->list.count, error);
     sl_status status = splat_new_records_of(s, cache, error);
     if (status == SL_OK) memcpy(s->coverage, s->splats.weight, sl_splat_pixels(s) * sizeof *s->coverage);
     return status;
@@ -118,10 +119,10 @@ static sl_status light_rows(sl_splat_state *s, sl_error *error) {
     return SL_OK;
 }
 
-/* Where frames follow each other, light is asked hurriedly (light/direct.h), and once more at the end. */
+/* Begins direct light anew, in full: while frames follow each other it is interleaved (light/direct.h). */
 static void take_time_for_light(sl_splat_state *s) {
-    s->hurries = false;
-    sl_direct_hurry(s->direct, false);
+    s->interleaves = false;
+    sl_direct_interleave(s->direct, false);
     s->direct_row = 0;
     s->phase = SL_PHASE_DIRECT;
 }
@@ -261,13 +262,13 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
     case SL_PHASE_CLAMP: status = clamp_to_neighbours(s, error); break;
     case SL_PHASE_DONE:
         if (s->ages.aged) status = sl_splat_rest(s, error);
-        else if (s->hurries) take_time_for_light(s);
+        else if (s->interleaves) take_time_for_light(s);
         break;
     }
     const bool drawn = s->phase == SL_PHASE_DONE;
     if (drawn && s->ages.anew) sl_splat_settle(s);
     progress->fraction = sl_splat_fraction(s);
-    progress->done = drawn && !s->ages.aged && !s->hurries;
+    progress->done = drawn && !s->ages.aged && !s->interleaves;
     progress->frame_done = drawn || (is_budget_spent(s) && !s->ages.anew);
     return status;
 }
@@ -281,8 +282,8 @@ void sl_splat_begin_view(sl_splat_state *s) {
     sl_sub_frame_clear(&s->scene->sub_frame, s->planes, planes, pixels);
     memset(s->owned, 0, pixels);
     s->phase = sl_splat_is_quick(s) ? SL_PHASE_RENEW : SL_PHASE_GBUFFER;
-    s->hurries = s->maps && walks(s);
-    sl_direct_hurry(s->direct, s->hurries);
+    s->interleaves = s->maps && walks(s);
+    sl_direct_interleave(s->direct, s->interleaves);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         s->cache[c].splatted = 0;
         s->cache[c].receivers = 0;

@@ -103,7 +103,7 @@ typedef struct sl_splat_state {
     sl_splat_phase phase;
     int class;                  /* whose records are being made */
     int direct_row;
-    bool hurries;               /* direct light will be asked once more */
+    bool interleaves;           /* direct light, which is to be had in full at the end */
     uint64_t frame_records;     /* new ones since the frame began */
     bool full;                  /* settings.memory_bytes is taken: no more records */
     char filled[48];

@@ -64,7 +64,7 @@ static double change_of(const char *layer, const sl_image *a, const sl_image *b)
 
 static double change(const sl_image *a, const sl_image *b) { return change_of("indirect.G", a, b); }
 
-static void after_a_step_light_is_asked_in_a_hurry_and_once_more_at_the_end(void **state) {
+static void after_a_step_direct_light_is_interleaved_and_in_full_at_the_end(void **state) {
     sl_scene *scene = load_scene("scenes/cornell.json");
     sl_settings walks = walk_settings(), stands = walks;
     walks.direct = stands.direct = SL_DIRECT_SHADOW_MAPS;
@@ -77,10 +77,10 @@ static void after_a_step_light_is_asked_in_a_hurry_and_once_more_at_the_end(void
     while (finish_frame(walk)) {}
     while (finish_frame(still)) {}
     sl_image *last = resolved_picture(walk), *truth = resolved_picture(still);
-    const double in_a_hurry = change_of("direct.G", first, truth),
+    const double interleaved = change_of("direct.G", first, truth),
                  at_rest = change_of("direct.G", last, truth);
-    print_message("direct light: %g in a hurry, %g at rest\n", in_a_hurry, at_rest);
-    assert_true(in_a_hurry > 5e-5 && in_a_hurry < 1e-3 && at_rest == 0.0);
+    print_message("direct light: %g interleaved, %g at rest\n", interleaved, at_rest);
+    assert_true(interleaved > 5e-5 && interleaved < 1e-3 && at_rest == 0.0);
     destroy_pictures(first, last);
     sl_image_destroy(truth);
     sl_method_destroy(walk);
@@ -198,7 +198,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_gets_as_many_new_records_as_it_may_and_no_more),
         cmocka_unit_test(a_still_walk_ends_with_the_picture_of_a_single_frame),
-        cmocka_unit_test(after_a_step_light_is_asked_in_a_hurry_and_once_more_at_the_end),
+        cmocka_unit_test(after_a_step_direct_light_is_interleaved_and_in_full_at_the_end),
         cmocka_unit_test(in_a_still_walk_no_record_shrinks_and_changes_fall_to_the_end),
         cmocka_unit_test(a_step_aside_needs_few_new_records_and_a_step_back_none),
         cmocka_unit_test(a_walk_has_the_same_bits_at_any_number_of_threads),
