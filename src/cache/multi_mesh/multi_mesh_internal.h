@@ -27,7 +27,6 @@
 #include "cache/patches/irradiance.h"
 #include "cache/multi_mesh/merge.h"
 #include "cache/multi_mesh/plan.h"
-#include "cache/multi_mesh/window.h"
 
 typedef enum sl_mesh_phase { SL_PHASE_VIEW, SL_PHASE_FIRST, SL_PHASE_REFINE, SL_PHASE_DONE } sl_mesh_phase;
 
@@ -44,6 +43,9 @@ typedef enum sl_gather_detail {
     SL_GATHER_A_QUARTER,
     SL_GATHER_DETAILS
 } sl_gather_detail;
+
+/* Copies of the meshes, for a window: frames beside updates (window.c). */
+typedef struct sl_mesh_frames sl_mesh_frames;
 
 /* A coarse mesh with those who look at it, and how far its light has come. */
 typedef struct sl_coarse_rounds {
@@ -95,7 +97,7 @@ typedef struct sl_multi_mesh_state {
     uint32_t world;                 /* 1, and one more with each edit of what is lit or lights it */
     uint32_t lit;                   /* the last of them that was not of colours and powers alone */
     uint32_t made;                  /* how often the world has been made anew */
-    sl_mesh_exchange *exchange;     /* with a window; NULL: nobody looks */
+    sl_mesh_frames *frames;         /* NULL: nobody looks */
     bool has_light;                 /* frames may show it */
     bool change_waits;              /* a change of direct light is yet to be shown: that of ... */
     uint32_t change_world;
@@ -232,6 +234,10 @@ sl_status sl_multi_mesh_renew(sl_multi_mesh_state *s, sl_error *error);
 
 /* Leaves copies of the meshes for a window, if there is one. */
 sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error);
+void sl_mesh_frames_destroy(sl_mesh_frames *frames);
+/* Returns bytes of the copies. To be asked by the method's thread. NULL: 0. */
+size_t sl_mesh_frames_bytes(const sl_mesh_frames *frames);
+extern const sl_window_class sl_multi_mesh_window;
 
 /* ---- coarse_rounds.c ---- */
 

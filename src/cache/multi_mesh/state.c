@@ -23,7 +23,7 @@ static void multi_mesh_destroy(void *state) {
     if (!s) return;
     sl_multi_mesh_forget_view(s);
     sl_multi_mesh_forget_world(s);
-    sl_mesh_exchange_leave(s->exchange);
+    sl_mesh_frames_destroy(s->frames);
     SL_FREE_ALL(s->id, s->plane_memory, s);
 }
 
@@ -237,7 +237,7 @@ static size_t multi_mesh_bytes(const void *state) {
              sl_coarse_kept_bytes(&s->kept);
     for (int i = 0; i < SL_COMPONENTS; i++)
         if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);
-    return bytes + sl_mesh_exchange_bytes(s->exchange);
+    return bytes + sl_mesh_frames_bytes(s->frames);
 }
 
 const sl_method_class sl_multi_mesh_method = {

@@ -2,7 +2,7 @@
  * draws them from where its own copy of the scene stands, geometry and eye included. Of two sets of copies
  * one is drawn from while the other is written to; neither waits: an update whose set is still being drawn
  * leaves none, unless it is the last. */
-#include "cache/multi_mesh/window.h"
+#include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include <string.h>
 
@@ -10,24 +10,18 @@
 #include "base/memory.h"
 #include "base/math.h"
 #include "base/parallel.h"
-#include "base/thread.h"
 #include "cache/frame/picture_value.h"
-#include "cache/multi_mesh/multi_mesh_internal.h"
+#include "cache/patches/display/copies.h"
 
-typedef struct mesh_copies {
-    sl_patches *part[SL_COMPONENTS]; /* NULL: there is none */
-    sl_rgb ambient;            /* indirect irradiance where no mesh has any */
-    uint32_t made;             /* which of the method's worlds they are of */
-} mesh_copies;
-
-/* Shared by the method and a window, until both are gone. */
-struct sl_mesh_exchange {
-    sl_monitor meeting;        /* guards what follows but for the copies themselves */
-    int owners;
-    int shown, drawn;          /* the newest set, and the one that a frame is drawn from; -1: none */
-    uint64_t versions;
-    mesh_copies set[2];
+struct sl_mesh_frames {
+    sl_copies copies;
+    struct mesh_copies {
+        sl_patches *part[SL_COMPONENTS]; /* NULL: there is none */
+        sl_rgb ambient;        /* indirect irradiance where no mesh has any */
+        uint32_t made;         /* which of the method's worlds they are of */
+    } set[2];
 };
+typedef struct mesh_copies mesh_copies;
 
 /* What a leaf shows; a worker keeps the last ones. */
 typedef struct shown_leaf {
@@ -39,7 +33,7 @@ typedef struct shown_leaf {
 enum { LEAVES = 256 };
 
 typedef struct window {
-    sl_mesh_exchange *exchange;
+    sl_mesh_frames *frames;
     const sl_scene *scene;
     sl_settings settings;
     sl_raster *raster;
@@ -50,54 +44,33 @@ typedef struct window {
     shown_leaf *leaves;        /* LEAVES for each mesh, for each thread */
 } window;
 
-/* ---- what both share ------------------------------------------------------------------------- */
+/* ---- the update's side ----------------------------------------------------------------------- */
 
-static void forget_copies(mesh_copies *set) {
-    for (int i = 0; i < SL_COMPONENTS; i++) sl_patches_destroy(set->part[i]);
+void sl_mesh_frames_destroy(sl_mesh_frames *f) {
+    if (!f) return;
+    for (int i = 0; i < 2 * SL_COMPONENTS; i++) sl_patches_destroy(f->set[i % 2].part[i / 2]);
+    sl_monitor_close(&f->copies.swap);
+    sl_free(f);
 }
 
-void sl_mesh_exchange_leave(sl_mesh_exchange *e) {
-    if (!e) return;
-    sl_monitor_enter(&e->meeting);
-    bool last = --e->owners == 0;
-    sl_monitor_leave(&e->meeting);
-    if (!last) return;
-    for (int i = 0; i < 2; i++) forget_copies(&e->set[i]);
-    sl_monitor_close(&e->meeting);
-    sl_free(e);
-}
-
-size_t sl_mesh_exchange_bytes(const sl_mesh_exchange *e) {
+size_t sl_mesh_frames_bytes(const sl_mesh_frames *f) {
     size_t bytes = 0;
-    for (int i = 0; e && i < 2 * SL_COMPONENTS; i++) {
-        const sl_patches *copy = e->set[i % 2].part[i / 2];
+    for (int i = 0; f && i < 2 * SL_COMPONENTS; i++) {
+        const sl_patches *copy = f->set[i % 2].part[i / 2];
         if (copy) bytes += sl_patches_memory_bytes(copy);
     }
     return bytes;
 }
 
-static sl_status exchange_create(sl_mesh_exchange **exchange, sl_error *error) {
-    sl_mesh_exchange *e = sl_allocate(1, sizeof *e);
-    if (!e) return sl_fail_memory(error, "frames beside updates");
-    *e = (sl_mesh_exchange){.owners = 2, .shown = -1, .drawn = -1};
-    if (!sl_monitor_open(&e->meeting)) {
-        sl_free(e);
+static sl_status frames_create(sl_mesh_frames **frames, sl_error *error) {
+    sl_mesh_frames *f = *frames ? *frames : sl_allocate(1, sizeof *f);
+    if (!f) return sl_fail_memory(error, "frames beside updates");
+    if (!*frames && !sl_monitor_open(&f->copies.swap)) {
+        sl_free(f);
         return sl_fail(error, SL_ERROR_RESOURCES, "no lock could be had for frames beside updates");
     }
-    *exchange = e;
+    *frames = f;
     return SL_OK;
-}
-
-/* ---- the update's side ----------------------------------------------------------------------- */
-
-/* Returns the set that may be written to; -1: none. The last state waits for it, since no other follows. */
-static int hidden_set(sl_mesh_exchange *e, bool last) {
-    sl_monitor_enter(&e->meeting);
-    int hidden = e->shown == 0 ? 1 : 0;
-    while (last && hidden == e->drawn) sl_monitor_wait(&e->meeting);
-    if (hidden == e->drawn) hidden = -1;
-    sl_monitor_leave(&e->meeting);
-    return hidden;
 }
 
 static sl_status copy_part(const sl_displayed *part, sl_patches **copy, sl_error *error) {
@@ -107,21 +80,19 @@ static sl_status copy_part(const sl_displayed *part, sl_patches **copy, sl_error
     return SL_OK;
 }
 
+/* The last state waits for a frame that is drawn from what it would write to, since no other follows. */
 sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error) {
-    sl_mesh_exchange *e = s->exchange;
-    int hidden = e ? hidden_set(e, s->phase == SL_PHASE_DONE) : -1;
+    sl_mesh_frames *f = s->frames;
+    int hidden = f ? sl_copies_hidden(&f->copies, s->phase == SL_PHASE_DONE) : -1;
     sl_status status = SL_OK;
     if (hidden < 0) return SL_OK;
-    mesh_copies *set = &e->set[hidden];
+    mesh_copies *set = &f->set[hidden];
     for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
         status = copy_part(s->part[i], &set->part[i], error);
     if (status != SL_OK) return status;
     set->ambient = s->plan.indirect ? s->ambient_in_motion : sl_grey(0.0f);
     set->made = s->made;
-    sl_monitor_enter(&e->meeting);
-    e->shown = hidden;
-    e->versions++;
-    sl_monitor_leave(&e->meeting);
+    sl_copies_swap(&f->copies);
     return SL_OK;
 }
 
@@ -130,7 +101,6 @@ sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error) {
 static void window_destroy(void *it) {
     window *w = it;
     if (!w) return;
-    sl_mesh_exchange_leave(w->exchange);
     sl_primitives_destroy(w->primitives);
     sl_raster_destroy(w->raster);
     SL_FREE_ALL(w->id, w->leaves, w);
@@ -155,12 +125,9 @@ static sl_status window_create(void *state, const sl_scene *scene_copy, unsigned
     w->threads = threads;
     w->settings = s->settings;
     w->made = s->made;
-    sl_status status = exchange_create(&w->exchange, error);
-    if (status == SL_OK) {
-        sl_mesh_exchange_leave(s->exchange);
-        s->exchange = w->exchange;
-        status = window_open(w, error);
-    }
+    sl_status status = frames_create(&s->frames, error);
+    w->frames = s->frames;
+    if (status == SL_OK) status = window_open(w, error);
     if (status == SL_OK) *made = w;
     else window_destroy(w);
     return status;
@@ -340,28 +307,13 @@ static sl_status draw_set(window *w, const mesh_copies *set, sl_image *image, sl
     return SL_OK;
 }
 
-static int take_set(sl_mesh_exchange *e, uint64_t *versions) {
-    sl_monitor_enter(&e->meeting);
-    int set = e->drawn = e->shown;
-    *versions = e->versions;
-    sl_monitor_leave(&e->meeting);
-    return set;
-}
-
-static void give_set_back(sl_mesh_exchange *e) {
-    sl_monitor_enter(&e->meeting);
-    e->drawn = -1;
-    sl_monitor_signal(&e->meeting);
-    sl_monitor_leave(&e->meeting);
-}
-
 static sl_status window_draw(void *it, sl_image *image, uint64_t *versions, sl_counters *counters,
                              sl_error *error) {
     window *w = it;
-    int set = take_set(w->exchange, versions);
-    if (set < 0) return SL_OK; /* black, as it was made */
-    sl_status status = draw_set(w, &w->exchange->set[set], image, counters, error);
-    give_set_back(w->exchange);
+    const int set = sl_copies_take(&w->frames->copies, versions);
+    /* before the first it is black, as it was made */
+    sl_status status = *versions ? draw_set(w, &w->frames->set[set], image, counters, error) : SL_OK;
+    sl_copies_give_back(&w->frames->copies, set);
     return status;
 }
 

@@ -30,7 +30,7 @@ void sl_display_destroy(sl_display *d) {
     for (int k = 0; k < 2; k++) release_copy(&d->copy[k]);
     sl_window_close(&d->own);
     sl_free(d->curved);
-    sl_monitor_close(&d->swap);
+    sl_monitor_close(&d->copies.swap);
     SL_FREE_ALL(d->left_out, d->root, d);
 }
 
@@ -59,7 +59,7 @@ sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitiv
     *display = NULL;
     sl_display *d = sl_allocate(1, sizeof *d);
     if (!d) return sl_fail_memory(error, "the display");
-    if (!sl_monitor_open(&d->swap)) {
+    if (!sl_monitor_open(&d->copies.swap)) {
         sl_free(d);
         return sl_fail(error, SL_ERROR_RESOURCES, "no lock for the display");
     }
@@ -178,15 +178,14 @@ static bool update_copy(sl_display *d, sl_display_copy *copy, sl_patches *p) {
 }
 
 sl_status sl_display_build(sl_display *d, sl_patches *p, sl_error *error) {
-    sl_display_copy *copy = sl_display_hidden(d);
+    sl_display_copy *copy = &d->copy[sl_copies_hidden(&d->copies, true)];
     sl_status status = update_copy(d, copy, p) ? SL_OK : sl_fail_memory(error, "the display");
     if (status == SL_OK && d->curved) status = sl_tessellate(d, &d->own, error);
     copy->complete = status == SL_OK; /* flags are left as they are: the other copy misses nothing */
     if (status != SL_OK) return status;
-    copy->builds = ++d->builds;
     for (size_t i = 0; i < p->patch_count; i++)
         p->patch[i].flags &= ~((uint32_t)SL_PATCH_DIRTY_FIRST << (copy - d->copy));
-    sl_display_swap(d);
+    sl_copies_swap(&d->copies);
     return SL_OK;
 }
 

@@ -2,7 +2,7 @@
 #ifndef SL_PATCHES_DISPLAY_PARTS_H
 #define SL_PATCHES_DISPLAY_PARTS_H
 
-#include "base/thread.h"
+#include "cache/patches/display/copies.h"
 #include "cache/patches/display/display.h"
 
 /* A patch in the display is a leaf, a leaf with a fan, or the block of four that its children are. */
@@ -43,7 +43,6 @@ typedef struct sl_tessellation {
 
 typedef struct sl_display_copy {
     bool complete;             /* false: all of it is to be made */
-    uint64_t builds;           /* so many there had been with this one */
     sl_rgb guess;              /* that it was made with */
     uint32_t *root;            /* by root: index into sl_display.root, or SL_NO_INDEX */
     size_t root_count;
@@ -85,10 +84,7 @@ struct sl_display {
     uint32_t *curved;          /* primitives that are; NULL: none is */
     size_t curved_count;
     sl_display_copy copy[2];
-    sl_monitor swap;           /* guards these two, and is held for as long as it takes to set them */
-    int shown;
-    int drawn_from[2];         /* by copy: frames under way */
-    uint64_t builds;
+    sl_copies copies;
     /* wanted ones, in the order in which they were; both copies look here: what is there stays */
     sl_display_root *root;
     size_t root_count;
@@ -99,12 +95,6 @@ struct sl_display {
 sl_status sl_window_open(sl_display *display, const sl_scene *scene, unsigned threads, sl_window *window,
                          sl_error *error);
 void sl_window_close(sl_window *window);
-/* The shown copy, which stays as it is until it is given back. Neither waits. */
-const sl_display_copy *sl_display_take(sl_display *display);
-void sl_display_give_back(sl_display *display, const sl_display_copy *copy);
-/* The hidden copy, once no frame is drawn from it any more; and it is shown. */
-sl_display_copy *sl_display_hidden(sl_display *display);
-void sl_display_swap(sl_display *display);
 
 /* tessellate.c. */
 /* For the window's camera, unless it is for that already. */

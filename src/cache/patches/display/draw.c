@@ -225,9 +225,9 @@ static void do_curved(void *context, const sl_gouraud_pixels *pixels) { do_pixel
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-static frame_job job_of(const sl_display *d, const sl_window *window, const sl_display_copy *copy) {
+static frame_job job_of(const sl_display *d, const sl_window *window, int copy) {
     return (frame_job){.display = d,
-                       .copy = copy,
+                       .copy = &d->copy[copy],
                        .window = window,
                        .view = sl_view_scene(window->scene, d->settings.width, d->settings.height)};
 }
@@ -254,19 +254,20 @@ static void draw_gouraud(frame_job *job, unsigned threads, size_t first, size_t 
 /* The display's own window is seen to by builds. */
 sl_status sl_window_draw(sl_display *d, sl_window *window, unsigned threads, float *const planes[6],
                          sl_counters *counters, sl_error *error) {
-    const sl_display_copy *copy = sl_display_take(d);
+    uint64_t builds;
+    const int copy = sl_copies_take(&d->copies, &builds);
     sl_status status = SL_OK;
     threads = sl_thread_count(threads);
-    if (d->curved && window != &d->own && window->builds != copy->builds)
+    if (d->curved && window != &d->own && window->builds != builds)
         status = sl_tessellate(d, window, error);
     frame_job job = job_of(d, window, copy);
     job.out = planes;
     if (status == SL_OK) status = draw_ids(d, window, &job.view, threads, counters, error);
     if (status == SL_OK) {
         draw_gouraud(&job, threads, 0, 0, counters);
-        window->builds = copy->builds;
+        window->builds = builds;
     }
-    sl_display_give_back(d, copy);
+    sl_copies_give_back(&d->copies, copy);
     return status;
 }
 
@@ -279,13 +280,11 @@ const sl_raster *sl_display_raster(const sl_display *d) { return d->own.raster; 
 
 sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_ids *ids, sl_counters *counters,
                             sl_error *error) {
-    const sl_display_copy *copy = sl_display_take(d);
-    frame_job job = job_of(d, &d->own, copy);
+    frame_job job = job_of(d, &d->own, d->copies.shown);
     job.ids = ids;
     threads = sl_thread_count(threads);
     sl_status status = draw_ids(d, &d->own, &job.view, threads, counters, error);
     if (status == SL_OK) draw_gouraud(&job, threads, 0, 0, counters);
-    sl_display_give_back(d, copy);
     if (status != SL_OK) return status;
     size_t planes = 0;
     const void *const wanted[4] = {ids->patch, ids->root, ids->u, ids->v};
@@ -296,7 +295,7 @@ sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_id
 }
 
 void sl_display_pixel(sl_display *d, size_t pixel, sl_shown_pixel *shown) {
-    frame_job job = job_of(d, &d->own, &d->copy[d->shown]);
+    frame_job job = job_of(d, &d->own, d->copies.shown);
     sl_counters none = {{0}};
     *shown = (sl_shown_pixel){.copy = job.copy, .root = SL_NO_INDEX, .guess = job.copy->guess};
     job.shown = shown;

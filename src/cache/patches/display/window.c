@@ -1,7 +1,6 @@
 /* From where frames are drawn: a camera and the positions of objects, the hardware that holds them, planes.
  * The thread that builds the arrays has one window for its id maps, another thread may have one to show them
- * in; the two meet in the copies of the arrays alone, of which one is drawn from while the other is written
- * to. A frame never waits; a build that would write to what an unfinished frame reads does. */
+ * in; the two meet in the copies of the arrays alone (copies.h). */
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/patches/display/display_parts.h"
@@ -71,37 +70,4 @@ sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_
         sl_raster_flip(planes[k], image->width, image->height, image->planes + k * pixels);
     *builds = w->builds;
     return status;
-}
-
-/* ---- the two copies -------------------------------------------------------------------------- */
-
-const sl_display_copy *sl_display_take(sl_display *d) {
-    sl_monitor_enter(&d->swap);
-    int shown = d->shown;
-    d->drawn_from[shown]++;
-    sl_monitor_leave(&d->swap);
-    return &d->copy[shown];
-}
-
-void sl_display_give_back(sl_display *d, const sl_display_copy *copy) {
-    sl_monitor_enter(&d->swap);
-    d->drawn_from[copy - d->copy]--;
-    sl_monitor_signal(&d->swap);
-    sl_monitor_leave(&d->swap);
-}
-
-/* Frames begun since the last swap are drawn from the other copy, so this waits for one that was begun before
- * it, if any. */
-sl_display_copy *sl_display_hidden(sl_display *d) {
-    sl_monitor_enter(&d->swap);
-    int hidden = 1 - d->shown;
-    while (d->drawn_from[hidden] > 0) sl_monitor_wait(&d->swap);
-    sl_monitor_leave(&d->swap);
-    return &d->copy[hidden];
-}
-
-void sl_display_swap(sl_display *d) {
-    sl_monitor_enter(&d->swap);
-    d->shown = 1 - d->shown;
-    sl_monitor_leave(&d->swap);
 }

@@ -259,7 +259,7 @@ static void a_split_without_samples_is_not_seen(void **state) {
 
 /* Reads the value that the leaf at one side of a point shows there: (u, v) moved by next to nothing. */
 static void value_beside(const sl_display *d, uint32_t root, double u, double v, float value[6]) {
-    const sl_display_copy *copy = &d->copy[d->shown];
+    const sl_display_copy *copy = &d->copy[d->copies.shown];
     bool triangle = d->primitives->kind[root / 2] == SL_PRIMITIVE_TRIANGLE;
     sl_leaf leaf = sl_leaf_begin(&d->root[copy->root[root]], triangle);
     sl_leaf_field field;
@@ -363,7 +363,7 @@ static void an_incremental_build_is_a_full_one_bit_by_bit(void **state) {
             build_display(display, &h);
             if (update % 3) continue;
             sl_display *fresh = display_of(&h, W, H, guess);
-            fresh->shown = display->shown ^ 1; /* it makes the copy that the other has just made */
+            fresh->copies.shown = display->copies.shown ^ 1; /* it makes the copy that the other has just made */
             build_display(fresh, &h);
             double turn = 0.7 * update;
             look(h.scene, sl_v3((float)(3.0 * sl_cos(turn)), 1.2f, (float)(3.0 * sl_sin(turn))),

@@ -147,17 +147,19 @@ static void build_twice(void *context) {
 static void a_build_waits_for_the_frame_that_reads_what_it_would_write_to(void **state) {
     hierarchy h = wall();
     two_builds t = {.display = display_of(&h, W, H, guess), .h = &h};
-    const sl_display_copy *copy = sl_display_take(t.display); /* a frame begins */
+    uint64_t builds;
+    const int copy = sl_copies_take(&t.display->copies, &builds); /* a frame begins */
     sl_thread thread;
     assert_true(sl_thread_start(&thread, build_twice, &t));
     while (atomic_load(&t.done) == 0) pause_a_millisecond();
     for (int i = 0; i < 30; i++) pause_a_millisecond();
     assert_int_equal(atomic_load(&t.done), 1);
-    assert_int_equal(copy->builds, 0);
-    sl_display_give_back(t.display, copy);
+    assert_int_equal(t.display->copies.shown, 1 - copy);
+    sl_copies_give_back(&t.display->copies, copy);
     sl_thread_join(&thread);
     assert_int_equal(atomic_load(&t.done), 2);
-    assert_int_equal(copy->builds, 2);
+    assert_int_equal(t.display->copies.builds, 2);
+    assert_int_equal(t.display->copies.shown, copy);
     display_discard(t.display, &h);
 }
 
