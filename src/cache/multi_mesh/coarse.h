@@ -80,6 +80,8 @@ typedef struct sl_coarse_share {
     uint32_t by;
 } sl_coarse_share;
 
+/* Returns U_dd = sum over lights of E_d / pi (equation 4 without k_d) from the shares of a point's lights. */
+sl_rgb sl_direct_diffuse(const sl_sampled_lights *lights, const float *share);
 /* U_dd at each place; NaN where it lies inside other geometry. A pure function of the place and the scene.
  * quick: by a sixteenth of the rays, while things move. kept: by place and light; what was sampled in the
  * same way is not sampled again. NULL: all is. Counts SL_COUNT_LIGHT_SAMPLES. */

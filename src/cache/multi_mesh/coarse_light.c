@@ -6,10 +6,10 @@
 
 #include "base/batch.h"
 #include "base/error.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/light/moves.h"
-#include "cache/multi_mesh/direct.h"
 
 /* Lights that are not asked could give no more than this share of all light. */
 static const double UNASKED = 0.03;
@@ -87,6 +87,12 @@ static bool light_point(const sl_irradiance_settings *c, const asked_place *at, 
 }
 
 /* ---- a vertex ---- */
+
+sl_rgb sl_direct_diffuse(const sl_sampled_lights *lights, const float *share) {
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (size_t l = 0; l < lights->count; l++) sl_sum_colour(sum, (double)share[l], lights->light[l].colour);
+    return sl_sum_over(sum, SL_PI);
+}
 
 static sl_mesh_point point_of(const sl_irradiance_settings *c, sl_root_place place, double nudge) {
     double third = SL_PATCH_DYADIC / 3.0;

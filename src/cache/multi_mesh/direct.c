@@ -1,18 +1,10 @@
-
-#include "cache/multi_mesh/direct.h"
+/* Highlights: direct specular radiance, equation (6). */
+#include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include <float.h>
 #include <math.h>
 
 #include "base/math.h"
-
-sl_rgb sl_direct_diffuse(const sl_sampled_lights *lights, const float *share) {
-    double sum[3] = {0.0, 0.0, 0.0};
-    for (size_t l = 0; l < lights->count; l++) sl_sum_colour(sum, (double)share[l], lights->light[l].colour);
-    return sl_sum_over(sum, SL_PI);
-}
-
-/* ---- highlights ---- */
 
 typedef struct highlight {
     const sl_lit_point *lit;

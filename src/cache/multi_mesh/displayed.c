@@ -61,6 +61,22 @@ sl_status sl_displayed_grow(sl_displayed *d, sl_error *error) {
 
 /* ---- pixels down the quadtrees ---- */
 
+static void visit_below(const sl_displayed *d, const sl_patch_place *place, sl_seen_leaf_visitor *visit,
+                        void *context) {
+    const sl_patch *node = &d->mesh->patch[place->patch];
+    if (node->pixels && node->child == SL_NO_INDEX) visit(place, context);
+    for (int c = 0; c < 4 && node->pixels && node->child != SL_NO_INDEX; c++) {
+        sl_patch_place child = sl_patch_child_place(d->mesh, place, c);
+        visit_below(d, &child, visit, context);
+    }
+}
+
+void sl_displayed_visit(const sl_displayed *d, size_t entry, sl_seen_leaf_visitor *visit, void *context) {
+    if (!sl_displayed_wants(d, entry)) return;
+    sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[entry].face);
+    visit_below(d, &root, visit, context);
+}
+
 enum { CHILD_SHIFT = 30, PIXEL = (1 << CHILD_SHIFT) - 1 };
 
 /* Each child's pixels lie together, and so do those of the whole node. Which child's they are stands in
@@ -258,31 +274,26 @@ static void draw_leaf(const draw_job *job, const sl_patch_place *leaf) {
     }
 }
 
-/* Returns the number of pixels drawn. */
-static uint64_t draw_below(const draw_job *job, const sl_patch_place *place) {
-    const sl_displayed *d = job->d;
-    sl_patch *node = &d->mesh->patch[place->patch];
-    uint64_t redrawn = 0;
-    if (!node->pixels) return 0;
-    if (node->child == SL_NO_INDEX) {
-        if (!d->dirty_all && !(node->flags & SL_PATCH_DIRTY)) return 0;
-        node->flags &= ~(uint32_t)SL_PATCH_DIRTY;
-        draw_leaf(job, place);
-        return node->pixels;
-    }
-    for (int c = 0; c < 4; c++) {
-        sl_patch_place child = sl_patch_child_place(d->mesh, place, c);
-        redrawn += draw_below(job, &child);
-    }
-    return redrawn;
+typedef struct root_drawing {
+    const draw_job *job;
+    uint64_t redrawn;
+} root_drawing;
+
+static void draw_changed(const sl_patch_place *leaf, void *context) {
+    root_drawing *r = context;
+    const sl_displayed *d = r->job->d;
+    sl_patch *node = &d->mesh->patch[leaf->patch];
+    if (!d->dirty_all && !(node->flags & SL_PATCH_DIRTY)) return;
+    node->flags &= ~(uint32_t)SL_PATCH_DIRTY;
+    draw_leaf(r->job, leaf);
+    r->redrawn += node->pixels;
 }
 
 static void draw_root(void *context, size_t entry, unsigned worker) {
     const draw_job *job = context;
-    const sl_displayed *d = job->d;
-    if (!sl_displayed_wants(d, entry)) return;
-    sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[entry].face);
-    job->redrawn[worker] += draw_below(job, &root);
+    root_drawing r = {job, 0};
+    sl_displayed_visit(job->d, entry, draw_changed, &r);
+    job->redrawn[worker] += r.redrawn;
 }
 
 void sl_displayed_draw(sl_displayed *d, unsigned threads, sl_rgb fallback, float *const planes[3],

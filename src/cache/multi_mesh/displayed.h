@@ -218,6 +218,9 @@ static inline void sl_mesh_set_probed_size(sl_patch *node, float size) {
 static inline uint32_t sl_displayed_pixel(const sl_displayed *d, uint32_t node, uint32_t k) {
     return d->order[d->first[node] + k];
 }
+/* Visits the leaves of an entry's root that show pixels; none where it is not wanted. */
+typedef void sl_seen_leaf_visitor(const sl_patch_place *leaf, void *context);
+void sl_displayed_visit(const sl_displayed *d, size_t entry, sl_seen_leaf_visitor *visit, void *context);
 /* Hands a node's pixels to its children. */
 void sl_displayed_hand_down(sl_displayed *d, const sl_patch_place *place);
 /* Room for what goes with nodes, after the mesh has grown. */
@@ -234,31 +237,8 @@ static inline bool sl_needs_cut(const sl_patch *node) {
     for (int e = 0; e < 3; e++) cut |= sl_edge_of(node, e) == SL_EDGE_SPLIT;
     return cut;
 }
-/* Few pixels whose corners are much alike: to look into the leaf would take as many samples as it has pixels,
- * and what an eye can tell of a few pixels is less the fewer they are (Ricco's law: threshold times area is
- * constant). Without known corners there is nothing to be told. */
-bool sl_displayed_is_minor(const sl_displayed *d, const sl_patch_place *leaf);
-/* Tells whether a corner is inside other geometry. Then direct light ends somewhere in the leaf, and its
- * other corners do not say where. */
-static inline bool sl_has_hidden_corner(const sl_displayed *d, const sl_patch_place *leaf) {
-    bool hidden = false;
-    for (int c = 0; c < 3 && d->settings.sharp && !hidden; c++)
-        hidden = sl_mesh_state(d->mesh, sl_patch_corner(d->mesh, leaf->patch, c)) == SL_VERTEX_INVALID;
-    return hidden;
-}
-/* More than a pixel long on the screen. */
-bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_patch_place *leaf);
-/* Tells whether the leaf may be cut at all. Patches of a pixel or less are not; one that shows in a single
- * pixel is only to find where light ends. */
-static inline bool sl_may_split_but_for_minor(const sl_displayed *d, const sl_patch_place *leaf) {
-    uint32_t pixels = d->mesh->patch[leaf->patch].pixels;
-    if (pixels == 0 || leaf->depth >= d->settings.max_depth) return false;
-    return pixels > 1 || d->settings.below_pixels ||
-           (sl_has_hidden_corner(d, leaf) && sl_displayed_exceeds_pixel(d, leaf));
-}
-static inline bool sl_may_split(const sl_displayed *d, const sl_patch_place *leaf) {
-    return sl_may_split_but_for_minor(d, leaf) && !sl_displayed_is_minor(d, leaf);
-}
+/* Tells whether the leaf may be cut at all, and is worth it. */
+bool sl_may_split(const sl_displayed *d, const sl_patch_place *leaf);
 /* Closed, small enough, and yet to be probed. */
 static inline bool sl_is_unprobed(const sl_displayed *d, const sl_patch *node) {
     return d->settings.probed_area > 0.0f && (node->flags & SL_NODE_SMALL) && sl_all_edges_closed(node) &&
@@ -292,10 +272,10 @@ void sl_displayed_retest(sl_displayed *d, const sl_patch_place *leaf);
 /* A leaf whose edges have just been closed, or that is seen anew, of that size: what need not be probed says
  * so. */
 void sl_displayed_judge_probes(const sl_displayed *d, sl_patch *node, sl_screen_size size);
-/* Tells whether the leaf is to be cut because a probe told so. */
+/* Tells whether the leaf is to be cut because a probe told so; and whether it is, or any node above it has
+ * been. */
 bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_patch_place *leaf);
-/* Tells whether any node above it has been. */
-bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_patch_place *leaf);
+bool sl_displayed_within_contradicted(const sl_displayed *d, const sl_patch_place *leaf);
 
 /* ---- priorities.c: selection ---- */
 

@@ -52,7 +52,7 @@ static const char *const kinds[SL_COMPONENTS] = {
 
 /* Gives the factor by which the merge multiplies a mesh's value. */
 static void reflectance_of(const telling *t, sl_component part, double reflectance[3]) {
-    const sl_materials_seen *m = t->s->materials;
+    const sl_materials_seen *m = &t->s->materials;
     float scale = part == SL_INDIRECT ? (float)(1.0 / SL_PI) : 1.0f;
     for (int k = 0; k < 3; k++) {
         const float *plane = part == SL_DIRECT_SPECULAR ? m->specular[k] : m->diffuse[k];
@@ -92,7 +92,7 @@ sl_status sl_multi_mesh_explanation(void *state, int x, int y, sl_explanation_wr
     (void)error;
     telling t = {state, writer,
                  (uint32_t)y * (uint32_t)((sl_multi_mesh_state *)state)->settings.width + (uint32_t)x};
-    if (!t.s->materials) return SL_OK; /* nothing is seen yet */
+    if (!t.s->materials.planes) return SL_OK; /* nothing is seen yet */
     for (int part = 0; part < SL_COMPONENTS; part++) tell_part(&t, (sl_component)part);
     sl_explanation_add_layer(writer, "emission", "emitted light");
     return SL_OK;

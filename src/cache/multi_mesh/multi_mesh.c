@@ -7,7 +7,7 @@
  *                         radiance, and (7), indirect irradiance
  *   progressive sampling  the roots' vertices; then the leaves that matter most, of three meshes, until no
  *                         eye can tell more; beside them the coarse mesh of all surfaces (coarse_rounds.c),
- *                         some vertices an update (update.c): when it is whole indirect light has a
+ *                         some vertices an update (method.c): when it is whole indirect light has a
  *                         mesh, too
  *   image pass 3          Gouraud: a picture of each mesh
  *   image pass 4          merge: L = k_d (U_dd + E_i / pi) + k_s U_ds + L_e, with the reflectances that
@@ -16,7 +16,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/multi_mesh/direct.h"
 
 /* An update's vertices before refinement; light samples while things move. */
 enum { FIRST_VERTICES = 1024, QUICK_SAMPLES = 8192, LEAF_VERTICES = 6 };
@@ -29,8 +28,7 @@ sl_status sl_multi_mesh_draw_view(sl_multi_mesh_state *s, sl_error *error) {
     sl_target target = {s->settings.width, s->settings.height, s->id, NULL};
     sl_visible_pixels *before = s->visible; /* which the meshes still hold */
     s->visible = NULL;
-    sl_materials_destroy(s->materials);
-    s->materials = NULL;
+    sl_multi_mesh_forget_materials(s);
     sl_status status = sl_raster_id(s->raster, &view, threads, &target, &s->counters, error);
     if (status == SL_OK)
         status = sl_visible_pixels_sort(s->primitives, s->raster, &view, s->id, threads, &s->visible,
@@ -249,10 +247,9 @@ sl_status sl_multi_mesh_refine(sl_multi_mesh_state *s, size_t *served, sl_error 
 
 /* ---- image pass 3: Gouraud; image pass 4: merge ---- */
 
-static void draw_parts(sl_multi_mesh_state *s, sl_merge *merge) {
+static void draw_parts(sl_multi_mesh_state *s) {
     static const char *const names[SL_COMPONENTS] = {"direct diffuse radiance", "direct specular radiance",
                                                      "indirect irradiance"};
-    const float **const target[] = {merge->direct_diffuse, merge->direct_specular, merge->indirect};
     for (int i = 0; i < SL_COMPONENTS; i++) {
         if (!sl_is_in_view(s->part[i])) continue;
         sl_rgb fallback = i == SL_INDIRECT ? s->ambient : sl_grey(0.0f);
@@ -260,18 +257,16 @@ static void draw_parts(sl_multi_mesh_state *s, sl_merge *merge) {
         sl_announce(&s->announcer, names[i], "image pass 3", s->settings.width, s->settings.height, 3,
                     s->planes[i][0], true);
         sl_multi_mesh_announce_edges(s, (sl_component)i);
-        for (int k = 0; k < 3; k++) target[i][k] = s->planes[i][k];
     }
 }
 
 sl_status sl_multi_mesh_resolve(void *state, sl_image **image, sl_error *error) {
     sl_multi_mesh_state *s = state;
     /* nothing is seen yet */
-    if (!s->materials) return sl_image_create(s->settings.width, s->settings.height, 3, NULL, image, error);
-    sl_merge merge = {.materials = s->materials, .threads = s->settings.threads};
-    draw_parts(s, &merge);
-    sl_status status = sl_merge_picture(&merge, image, error);
-    if (status == SL_OK) status = sl_multi_mesh_warn_of_lobes(s, *image, error);
+    if (!s->materials.planes)
+        return sl_image_create(s->settings.width, s->settings.height, 3, NULL, image, error);
+    draw_parts(s);
+    sl_status status = sl_multi_mesh_merge(s, image, error);
     sl_multi_mesh_announce_lights(s);
     const float *planes = status == SL_OK ? (*image)->planes : NULL;
     sl_announce(&s->announcer, "merge", "image pass 4", s->settings.width, s->settings.height, planes ? 3 : 0,

@@ -3,8 +3,7 @@
  *
  *   plan.c             which passes a scene needs
  *   multi_mesh.c       the paper: the passes of a picture, update by update
- *   world.c, state.c   what a picture is made from; made, measured
- *   update.c           a step of the picture; edits
+ *   world.c, method.c  what a picture is made from; made, measured; a step of the picture; edits
  *   follow.c           lights and objects that move: what still holds, what is old, and is renewed
  *   window.c           frames beside updates
  *   displayed.h        a mesh as the eye uses it: priorities, tests, drawing (progressive sampling, pass 3)
@@ -22,11 +21,10 @@
 #define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
 
 #include "cache/frame/announce.h"
+#include "cache/frame/method.h"
 #include "cache/multi_mesh/coarse.h"
 #include "cache/multi_mesh/displayed.h"
 #include "cache/patches/irradiance.h"
-#include "cache/multi_mesh/merge.h"
-#include "cache/multi_mesh/plan.h"
 
 typedef enum sl_mesh_phase { SL_PHASE_VIEW, SL_PHASE_FIRST, SL_PHASE_REFINE, SL_PHASE_DONE } sl_mesh_phase;
 
@@ -35,6 +33,16 @@ enum {
     SL_COARSE_VERTICES = 1024, /* of the coarse mesh, an update, beside refinement */
     SL_WORLDS_AN_EDIT = 2 /* worlds of a mesh by edit: values that were taken quickly are in between */
 };
+
+/* Which passes a scene needs: those that it does not need are not run. */
+typedef struct sl_multi_mesh_plan {
+    bool lights;             /* any light with a place or a direction */
+    bool direct_diffuse;     /* some surface has k_d > 0, and there are lights */
+    bool direct_specular;    /* some surface has k_s > 0, and there are lights */
+    bool indirect;           /* some surface has k_d > 0, and there are lights or an environment */
+    bool emission;           /* lamps or an environment can be in view */
+    bool specular_seen;      /* k_s anywhere: the second render target */
+} sl_multi_mesh_plan;
 
 /* Pixels a side of a gather: half while things move, a quarter where hundreds are seen at once. */
 typedef enum sl_gather_detail {
@@ -65,6 +73,15 @@ typedef struct sl_coarse_rounds {
     uint32_t gathers;           /* rounds of these that are left */
     sl_gathers eye[SL_GATHER_DETAILS]; /* none: to be made */
 } sl_coarse_rounds;
+
+/* The view's materials, whatever the light: planes of the picture's size, bottom row first. */
+typedef struct sl_materials_seen {
+    float *planes;             /* behind all of these; NULL: nothing is seen yet */
+    float *diffuse[3];         /* k_d with its texture */
+    float *specular[3];        /* k_s; NULL where nothing in view has any */
+    /* L_e of lamps seen from where they shine, the environment behind everything; NULL: none */
+    float *emission[3];
+} sl_materials_seen;
 
 /* Lights and rays to them, made anew where lights or objects have moved. */
 typedef struct sl_mesh_world {
@@ -112,7 +129,7 @@ typedef struct sl_multi_mesh_state {
     /* what depends on the view */
     uint32_t *id;
     sl_visible_pixels *visible;
-    sl_materials_seen *materials;
+    sl_materials_seen materials;
     float *planes[SL_COMPONENTS][3];
     float *plane_memory;
 
@@ -132,6 +149,15 @@ typedef struct sl_multi_mesh_state {
     sl_announcer announcer;
 } sl_multi_mesh_state;
 
+/* ---- plan.c ---- */
+
+/* Replaces what is 0 in the settings, or left to quality. The exposure stays 0 until the scene is known. */
+void sl_multi_mesh_complete(sl_settings *settings);
+/* Returns the coarse mesh's longest edge, in scene units. */
+double sl_multi_mesh_coarse_edge(const sl_scene *scene, const sl_settings *settings);
+sl_multi_mesh_plan sl_multi_mesh_plan_make(const sl_scene *scene);
+void sl_multi_mesh_transport(const sl_settings *settings, sl_transport *transport);
+void sl_multi_mesh_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
 /* ---- multi_mesh.c ---- */
 
@@ -146,20 +172,35 @@ sl_status sl_multi_mesh_refine(sl_multi_mesh_state *s, size_t *served, sl_error 
 /* Image passes 3 and 4. */
 sl_status sl_multi_mesh_resolve(void *state, sl_image **image, sl_error *error);
 
-/* ---- update.c ---- */
-
 /* Tells whether some updates have seen no edit of what is lit or lights it: what was sampled quickly is
  * sampled again. */
 static inline bool sl_multi_mesh_rests(const sl_multi_mesh_state *s) {
     enum { REST = 2 };
     return !s->moves || s->updates > REST;
 }
-sl_status sl_multi_mesh_update(void *state, sl_progress *progress, sl_error *error);
-sl_status sl_multi_mesh_edit(void *state, unsigned changes, sl_error *error);
 
 static inline bool sl_is_in_view(const sl_displayed *part) { return part && part->root_count > 0; }
 
-/* ---- state.c ---- */
+/* ---- merge.c ---- */
+
+/* Makes the materials of a view from its id plane: two render targets in one pass. None is there yet. */
+sl_status sl_multi_mesh_see_materials(sl_multi_mesh_state *s, const sl_view *view, sl_error *error);
+void sl_multi_mesh_forget_materials(sl_multi_mesh_state *s);
+/* Makes the picture: R, G, B, which are the sums of the layers direct, specular, indirect and emission; kd
+ * and ks beside them. */
+sl_status sl_multi_mesh_merge(const sl_multi_mesh_state *s, sl_image **image, sl_error *error);
+
+/* ---- direct.c: direct radiance at points of unit reflectance, from the shares of a point's lights ---- */
+
+/* Returns U_ds = (n + 2) / (2 pi) sum cos^n alpha E_d (equation 6 without k_s) towards the eye. Equation (6)
+ * shrinks an area light to a point inside the lobe, which outshines the lamp itself where the lobe is
+ * narrower than it, and is black where the mirror direction meets the lamp beside its middle. So cos^n alpha
+ * is its mean over the light, by the irradiance that each part of it gives where nothing hides it: as dense a
+ * grid of points as the lobe is narrow, 16 to an edge at most. */
+sl_rgb sl_direct_specular(const sl_sampled_lights *lights, const float *share, const sl_lit_point *point,
+                          float exponent, sl_vec3 eye);
+
+/* ---- method.c ---- */
 
 /* Tells whether a mesh is refined: not one that was in the same view before, nor indirect light without a
  * coarse mesh. */
@@ -170,16 +211,8 @@ bool sl_multi_mesh_takes_part(const sl_multi_mesh_state *s, int part);
 int sl_multi_mesh_light_depth(const sl_multi_mesh_state *s, int wanted);
 /* Hands the view to the meshes and clears their planes. */
 sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error);
-/* The materials that are in view. */
-sl_status sl_multi_mesh_see_materials(sl_multi_mesh_state *s, const sl_view *view, sl_error *error);
 /* A picture that was done once is done. */
 bool sl_multi_mesh_was_done(const sl_multi_mesh_state *s);
-void sl_multi_mesh_remember_done(sl_multi_mesh_state *s);
-void sl_multi_mesh_forget_view(sl_multi_mesh_state *s);
-double sl_multi_mesh_fraction(sl_multi_mesh_state *s);
-sl_status sl_multi_mesh_warn_of_lobes(const sl_multi_mesh_state *s, sl_image *image, sl_error *error);
-/* Tells whether the meshes have taken what memory they may. To be asked from the first refinement on. */
-bool sl_multi_mesh_is_full(sl_multi_mesh_state *s);
 
 /* ---- world.c ---- */
 
@@ -197,12 +230,13 @@ typedef struct sl_wanted_vertex {
     uint32_t vertex;
     int wanted_depth;
 } sl_wanted_vertex;
-/* Returns radiance at a point from its lights' shares: equations (4) and (6). */
+/* Returns radiance at a point from its lights' shares: equations (4) and (6), by direct.c. */
 sl_rgb sl_multi_mesh_direct(const sl_multi_mesh_state *s, sl_component part, const sl_sampled_lights *lights,
                             const float *share, const sl_mesh_point *point);
 /* Takes samples and puts them. */
 sl_status sl_multi_mesh_sample(sl_multi_mesh_state *s, sl_component part, size_t count,
                                const sl_wanted_vertex *wanted, sl_error *error);
+
 /* ---- probes.c ---- */
 
 /* A leaf that is served. */

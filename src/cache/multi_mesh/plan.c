@@ -1,7 +1,7 @@
-#include "cache/multi_mesh/plan.h"
+/* The plan: settings completed, the paths, and which passes a scene needs. */
+#include "cache/multi_mesh/multi_mesh_internal.h"
 
 #include "base/math.h"
-#include "cache/hemisphere/gather.h"
 #include "scene/features.h"
 
 typedef struct by_quality {

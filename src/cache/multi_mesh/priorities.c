@@ -32,14 +32,9 @@ void sl_displayed_judge_size(sl_displayed *d, const sl_patch_place *leaf) {
     if (small) sl_displayed_judge_probes(d, node, size);
 }
 
-bool sl_displayed_exceeds_pixel(const sl_displayed *d, const sl_patch_place *leaf) {
-    return sl_displayed_size(d, leaf).edge > 1.0f;
-}
-
 int sl_displayed_wanted_depth(const sl_displayed *d, const sl_patch_place *leaf) {
     if (!d->pixels) return leaf->depth;
-    if (sl_displayed_is_contradicted(d, leaf) || sl_displayed_below_contradicted(d, leaf))
-        return leaf->depth + 1;
+    if (sl_displayed_within_contradicted(d, leaf)) return leaf->depth + 1;
     sl_screen_size size = sl_displayed_size(d, leaf);
     float area = size.area / d->settings.leaf_area, edge = size.edge / d->settings.leaf_edge;
     int depth = leaf->depth;
@@ -75,6 +70,27 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_patch_place *
     return fminf(most, CONTRAST_MAX);
 }
 
+/* Tells whether a corner is inside other geometry. Then direct light ends somewhere in the leaf, and its
+ * other corners do not say where. */
+static bool has_hidden_corner(const sl_displayed *d, const sl_patch_place *leaf) {
+    bool hidden = false;
+    for (int c = 0; c < 3 && d->settings.sharp && !hidden; c++)
+        hidden = sl_mesh_state(d->mesh, sl_patch_corner(d->mesh, leaf->patch, c)) == SL_VERTEX_INVALID;
+    return hidden;
+}
+
+/* Patches of a pixel or less are not cut; one that shows in a single pixel is only to find where light
+ * ends. */
+static bool may_be_cut(const sl_displayed *d, const sl_patch_place *leaf) {
+    uint32_t pixels = d->mesh->patch[leaf->patch].pixels;
+    if (pixels == 0 || leaf->depth >= d->settings.max_depth) return false;
+    return pixels > 1 || d->settings.below_pixels ||
+           (has_hidden_corner(d, leaf) && sl_displayed_size(d, leaf).edge > 1.0f);
+}
+
+/* Few pixels whose corners are much alike: to look into the leaf would take as many samples as it has pixels,
+ * and what an eye can tell of a few pixels is less the fewer they are (Ricco's law: threshold times area is
+ * constant). Without known corners there is nothing to be told. */
 static bool is_minor(const sl_displayed *d, uint32_t pixels, float contrast) {
     return (float)pixels * contrast < d->settings.minor_contrast;
 }
@@ -82,14 +98,14 @@ static bool is_minor(const sl_displayed *d, uint32_t pixels, float contrast) {
 /* So few pixels that their leaf may be one. A hidden corner's contrast with the others is not known, nor is
  * what a probe has told of. */
 static bool may_be_minor(const sl_displayed *d, const sl_patch_place *leaf) {
-    bool few =
-        d->mesh->patch[leaf->patch].pixels < d->settings.minor_pixels && !sl_has_hidden_corner(d, leaf);
-    return few && !sl_displayed_is_contradicted(d, leaf) && !sl_displayed_below_contradicted(d, leaf);
+    return d->mesh->patch[leaf->patch].pixels < d->settings.minor_pixels && !has_hidden_corner(d, leaf) &&
+           !sl_displayed_within_contradicted(d, leaf);
 }
 
-bool sl_displayed_is_minor(const sl_displayed *d, const sl_patch_place *leaf) {
-    return may_be_minor(d, leaf) &&
-           is_minor(d, d->mesh->patch[leaf->patch].pixels, sl_displayed_corner_contrast(d, leaf));
+bool sl_may_split(const sl_displayed *d, const sl_patch_place *leaf) {
+    return may_be_cut(d, leaf) &&
+           !(may_be_minor(d, leaf) &&
+             is_minor(d, d->mesh->patch[leaf->patch].pixels, sl_displayed_corner_contrast(d, leaf)));
 }
 
 float sl_displayed_leaf_priority(const sl_displayed *d, const sl_patch_place *leaf) {
@@ -98,7 +114,7 @@ float sl_displayed_leaf_priority(const sl_displayed *d, const sl_patch_place *le
          unprobed = sl_is_unprobed(d, node);
     /* most often so, and quick to tell */
     if ((node->flags & SL_NODE_TAKEN) || (small && closed && !unprobed)) return 0.0f;
-    if (!sl_may_split_but_for_minor(d, leaf)) return 0.0f;
+    if (!may_be_cut(d, leaf)) return 0.0f;
     if (unprobed) return (float)node->pixels * UNTESTED;
     bool minor = may_be_minor(d, leaf);
     float contrast = sl_displayed_corner_contrast(d, leaf);

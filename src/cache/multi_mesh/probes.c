@@ -185,8 +185,9 @@ bool sl_displayed_is_contradicted(const sl_displayed *d, const sl_patch_place *l
     return sl_displayed_meets_size(d, sl_displayed_size(d, leaf));
 }
 
-bool sl_displayed_below_contradicted(const sl_displayed *d, const sl_patch_place *leaf) {
+bool sl_displayed_within_contradicted(const sl_displayed *d, const sl_patch_place *leaf) {
     if (!(d->settings.probed_area > 0.0f)) return false;
+    if (sl_displayed_is_contradicted(d, leaf)) return true;
     for (uint32_t n = sl_patch_parent(d->mesh, leaf->patch); n != SL_NO_INDEX;
          n = sl_patch_parent(d->mesh, n)) {
         if (d->mesh->patch[n].flags & SL_NODE_SMALL) continue;

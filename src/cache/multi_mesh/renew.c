@@ -86,26 +86,14 @@ static void weigh(listing *l, uint32_t vertex, uint32_t leaf, float pixels) {
 }
 
 /* Corners, and what lies on the edges. */
-static void weigh_leaf(listing *l, const sl_patch_place *leaf) {
+static void weigh_leaf(const sl_patch_place *leaf, void *context) {
+    listing *l = context;
     const sl_patches *mesh = l->d->mesh;
     float pixels = (float)mesh->patch[leaf->patch].pixels;
     sl_fan_spoke spoke[SL_FAN_VERTICES - 3];
     for (int c = 0; c < 3; c++) weigh(l, sl_patch_corner(mesh, leaf->patch, c), leaf->patch, pixels);
     size_t count = sl_patch_spokes(mesh, leaf, SL_FAN_LEVELS, SL_VERTEX_KNOWN, spoke);
     for (size_t i = 0; i < count; i++) weigh(l, spoke[i].vertex, leaf->patch, pixels);
-}
-
-static void weigh_below(listing *l, const sl_patch_place *place) {
-    const sl_patch *node = &l->d->mesh->patch[place->patch];
-    if (!node->pixels) return;
-    if (node->child == SL_NO_INDEX) {
-        weigh_leaf(l, place);
-        return;
-    }
-    for (int c = 0; c < 4; c++) {
-        sl_patch_place child = sl_patch_child_place(l->d->mesh, place, c);
-        weigh_below(l, &child);
-    }
 }
 
 /* By weight, the largest first; floats above 0 are in the order of their bits. */
@@ -126,11 +114,8 @@ sl_status sl_displayed_list_old(sl_displayed *d, uint32_t world, sl_old_vertex *
     listing l = {.d = d, .world = world};
     *old = NULL;
     *count = 0;
-    for (size_t e = 0; d->pixels && d->world > 1 && e < d->pixels->face_count; e++) {
-        if (!sl_displayed_wants(d, e)) continue;
-        sl_patch_place root = sl_patch_root_place(d->mesh, d->pixels->face[e].face);
-        weigh_below(&l, &root);
-    }
+    for (size_t e = 0; d->pixels && d->world > 1 && e < d->pixels->face_count; e++)
+        sl_displayed_visit(d, e, weigh_leaf, &l);
     for (size_t i = 0; i < l.count; i++) {
         uint32_t vertex = l.old[i].vertex;
         l.old[i].weight = d->weight[vertex] * (float)(d->world - d->world_of[vertex]);

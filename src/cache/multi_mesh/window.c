@@ -216,7 +216,7 @@ static void light_piece(const drawing *d, size_t part, shown_leaf *leaves, piece
     }
 }
 
-/* Adds kd U_dd, ks U_ds and kd E_i / pi, as sl_merge_picture() does. */
+/* Adds kd U_dd, ks U_ds and kd E_i / pi, as sl_multi_mesh_merge() does. */
 static void add_light(size_t count, const float *restrict light, const float *restrict kd, float ks,
                       float scale, float *restrict sum) {
 #pragma omp simd

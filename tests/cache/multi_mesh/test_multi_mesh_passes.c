@@ -63,7 +63,7 @@ static void assert_rgb(const float *const planes[3], size_t i, sl_rgb expected) 
 static void materials_are_those_of_each_pixels_triangle(void **state) {
     run r = run_of(load_scene("scenes/cornell-glossy.json"), 48);
     step(&r);
-    const sl_materials_seen *m = r.s->materials;
+    const sl_materials_seen *m = &r.s->materials;
     size_t glossy = 0, lamp = 0;
     for (size_t i = 0; i < 48 * 48; i++) {
         uint32_t t = r.s->id[i];
@@ -94,7 +94,7 @@ static void meshes_are_served_so_that_their_largest_priorities_fall_together(voi
     assert_int_equal(sl_multi_mesh_method.resolve(r.s, &first, NULL), SL_OK);
     sl_rgb ambient = sl_ambient_irradiance(r.scene);
     for (size_t i = 0; i < 96 * 96; i++)
-        if (r.s->materials->diffuse[0][i] > 0.0f) assert_true(r.s->planes[SL_INDIRECT][0][i] == ambient.r);
+        if (r.s->materials.diffuse[0][i] > 0.0f) assert_true(r.s->planes[SL_INDIRECT][0][i] == ambient.r);
     sl_image_destroy(first);
     float top = 0.0f;
     int together = 0, apart = 0;
@@ -167,7 +167,7 @@ static void what_a_scene_has_no_use_for_is_not_done(void **state) {
     assert_null(r.s->part[SL_DIRECT_DIFFUSE]);
     assert_null(r.s->part[SL_INDIRECT]);
     assert_null(r.s->next.coarse);
-    assert_null(r.s->materials->emission[0]);
+    assert_null(r.s->materials.emission[0]);
     assert_true(r.s->counters.value[SL_COUNT_LIGHT_SAMPLES] > 0);
     assert_int_equal(r.s->counters.value[SL_COUNT_COARSE_SAMPLES], 0);
     assert_int_equal(r.s->counters.value[SL_COUNT_INDIRECT_SAMPLES], 0);
@@ -178,8 +178,8 @@ static void what_a_scene_has_no_use_for_is_not_done(void **state) {
     discard(&r);
     r = run_of_floor("\"diffuse\": 0.5", point); /* nothing is glossy, no lamp is to be seen */
     assert_null(r.s->part[SL_DIRECT_SPECULAR]);
-    assert_null(r.s->materials->specular[0]);
-    assert_null(r.s->materials->emission[0]);
+    assert_null(r.s->materials.specular[0]);
+    assert_null(r.s->materials.emission[0]);
     assert_non_null(r.s->part[SL_INDIRECT]);
     discard(&r);
 }

@@ -1,4 +1,5 @@
-/* The state of a picture: how it is made, measured, and what it takes. */
+/* The method: its state is made, measured and ended; an update takes a step of the picture; an edit makes
+ * what that is made from follow the scene, or makes it anew. */
 #include "cache/frame/budget.h"
 #include "cache/multi_mesh/multi_mesh_internal.h"
 
@@ -11,17 +12,16 @@
 
 /* ---- life ---- */
 
-void sl_multi_mesh_forget_view(sl_multi_mesh_state *s) {
+static void forget_view(sl_multi_mesh_state *s) {
     sl_visible_pixels_destroy(s->visible);
-    sl_materials_destroy(s->materials);
+    sl_multi_mesh_forget_materials(s);
     s->visible = NULL;
-    s->materials = NULL;
 }
 
 static void multi_mesh_destroy(void *state) {
     sl_multi_mesh_state *s = state;
     if (!s) return;
-    sl_multi_mesh_forget_view(s);
+    forget_view(s);
     sl_multi_mesh_forget_world(s);
     sl_mesh_frames_destroy(s->frames);
     SL_FREE_ALL(s->id, s->plane_memory, s);
@@ -65,34 +65,6 @@ static bool wants_specular(const void *context, uint32_t face) {
 static bool (*const wants[SL_COMPONENTS])(const void *, uint32_t) = {wants_diffuse, wants_specular,
                                                                      wants_diffuse};
 
-/* Tells whether any visible face needs a pass. A pass that no visible face needs is skipped. */
-static bool shows(const sl_multi_mesh_state *s, bool (*has)(const void *, uint32_t)) {
-    for (size_t f = 0; f < s->visible->face_count; f++)
-        if (has(s->scene, s->visible->face[f].face)) return true;
-    return false;
-}
-
-static bool shines(const void *context, uint32_t face) {
-    return sl_material_is_emitter(sl_triangle_material(context, face / 2));
-}
-
-static void announce_material(sl_multi_mesh_state *s, const char *name, const float *planes) {
-    const sl_settings *of = &s->settings;
-    if (planes) sl_announce(&s->announcer, name, "image pass 2", of->width, of->height, 3, planes, true);
-}
-
-sl_status sl_multi_mesh_see_materials(sl_multi_mesh_state *s, const sl_view *view, sl_error *error) {
-    bool sky = s->scene->environment.present && s->visible->count < sl_settings_pixels(&s->settings);
-    sl_materials_wanted wanted = {.specular = s->plan.specular_seen && shows(s, wants_specular),
-                                  .emission = s->plan.emission && (sky || shows(s, shines))};
-    sl_status status = sl_materials_resolve(s->scene, s->raster, view, s->id, wanted, s->settings.threads,
-                                            &s->materials, &s->counters, error);
-    if (status != SL_OK) return status;
-    announce_material(s, "material: k_d", s->materials->diffuse[0]);
-    announce_material(s, "material: k_s", s->materials->specular[0]);
-    return SL_OK;
-}
-
 sl_status sl_multi_mesh_see(sl_multi_mesh_state *s, sl_error *error) {
     sl_status status = SL_OK;
     for (int i = 0; i < SL_COMPONENTS && status == SL_OK; i++)
@@ -109,7 +81,7 @@ bool sl_multi_mesh_was_done(const sl_multi_mesh_state *s) {
     return false;
 }
 
-void sl_multi_mesh_remember_done(sl_multi_mesh_state *s) {
+static void remember_done(sl_multi_mesh_state *s) {
     if (!s->full && !s->seen_before) s->done[s->done_count++ % SL_DONE_VIEWS] = s->scene->camera;
 }
 
@@ -125,7 +97,7 @@ int sl_multi_mesh_light_depth(const sl_multi_mesh_state *s, int wanted) {
 
 /* Returns the share that is done, roughly, for the progress bar alone: how far the highest priority has come
  * down from what it was at most. */
-double sl_multi_mesh_fraction(sl_multi_mesh_state *s) {
+static double fraction_of(sl_multi_mesh_state *s) {
     double now = 0.0;
     if (s->phase == SL_PHASE_DONE) return 1.0;
     for (int i = 0; i < SL_COMPONENTS && s->phase == SL_PHASE_REFINE; i++)
@@ -135,15 +107,168 @@ double sl_multi_mesh_fraction(sl_multi_mesh_state *s) {
     return s->fraction;
 }
 
-/* Tells of what lobes leave out where enough is seen of it: a twentieth of the picture. */
-sl_status sl_multi_mesh_warn_of_lobes(const sl_multi_mesh_state *s, sl_image *image, sl_error *error) {
-    double share = sl_materials_glossy_share(s->materials);
-    if (!(share > 0.05)) return SL_OK;
-    return sl_warn(
-        image, error,
-        "%.0f %% of the pixels show gloss, which reflects lamps alone: what surfaces and the sky would "
-        "add to it is missing",
-        100.0 * share);
+static double mesh_bytes(const sl_multi_mesh_state *s) {
+    double bytes = s->irradiance ? (double)sl_irradiance_meshes_bytes(s->irradiance) : 0.0;
+    for (int i = 0; i < SL_COMPONENTS; i++)
+        if (s->part[i]) bytes += (double)sl_displayed_memory_bytes(s->part[i]);
+    return bytes;
+}
+
+/* Tells whether the meshes have taken what memory they may: asked from the first refinement on. */
+static bool is_full(sl_multi_mesh_state *s) {
+    if (!s->settings.memory_bytes || s->full) return s->full;
+    double bytes = mesh_bytes(s);
+    if (!s->bytes_of_roots) s->bytes_of_roots = (size_t)bytes;
+    /* arrays are there twice while they grow */
+    s->full = 2.0 * (bytes - (double)s->bytes_of_roots) > (double)s->settings.memory_bytes;
+    size_t leaves = 0;
+    for (int i = 0; i < SL_COMPONENTS; i++) leaves += s->part[i] ? s->part[i]->mesh->leaves_alive : 0;
+    if (s->full) snprintf(s->filled, sizeof s->filled, "meshes end at %zu leaves", leaves);
+    return s->full;
+}
+
+/* ---- the end of a picture ---- */
+
+static void end_picture(sl_multi_mesh_state *s) {
+    sl_multi_mesh_announce_light_sample(s);
+    remember_done(s);
+    s->phase = SL_PHASE_DONE;
+    s->settled = true;
+}
+
+/* Leaves were judged by the other components as they were then. Before the end all are judged by what there
+ * is now. */
+static bool look_again(sl_multi_mesh_state *s) {
+    for (int i = 0; i < SL_COMPONENTS; i++) {
+        if (!sl_multi_mesh_takes_part(s, i)) continue;
+        if (s->world > 1 && !s->judged) sl_displayed_settle_all(s->part[i], &s->counters);
+        sl_displayed_prioritise(s->part[i]);
+    }
+    s->judged = true;
+    return sl_multi_mesh_most_urgent(s) >= 0;
+}
+
+static bool is_coarse_left(const sl_multi_mesh_state *s) {
+    return s->plan.indirect && !sl_coarse_is_of_now(s) && sl_is_in_view(s->part[SL_INDIRECT]);
+}
+
+/* While light moves an update takes long where the coarse mesh is large, and shadows are to be found soon:
+ * batches go on while a leaf counts as much as a 512th of the picture by a threshold. */
+static sl_status refine_more(sl_multi_mesh_state *s, sl_error *error) {
+    enum { BATCHES = 16, PART = 512 };
+    const float large = (float)s->settings.width * (float)s->settings.height / PART;
+    sl_status status = SL_OK;
+    size_t served = 1;
+    for (int k = 1; k < BATCHES && status == SL_OK && served > 0; k++) {
+        const int part = sl_multi_mesh_most_urgent(s);
+        if (part < 0 || sl_displayed_priority(s->part[part]) < large) break;
+        status = sl_multi_mesh_refine(s, &served, error);
+    }
+    return status;
+}
+
+static sl_status refine_or_end(sl_multi_mesh_state *s, sl_error *error) {
+    size_t served = 0;
+    bool full = is_full(s);
+    sl_status status = full ? SL_OK : sl_multi_mesh_refine(s, &served, error);
+    if (status == SL_OK && s->moves && served > 0) status = refine_more(s, error);
+    bool idle = served == 0 && !s->old_left && !is_coarse_left(s);
+    if (status == SL_OK && idle && (full || !look_again(s))) end_picture(s);
+    return status;
+}
+
+/* ---- an update ---- */
+
+/* From then on frames may show it: the most visible edges of light are split, or while something moves at
+ * least some roots lit. */
+static void note_light(sl_multi_mesh_state *s) {
+    bool refines = s->phase == SL_PHASE_REFINE && s->fraction >= 0.25;
+    bool begins = s->is_edited && s->phase >= SL_PHASE_FIRST;
+    s->has_light = s->has_light || refines || begins || s->phase == SL_PHASE_DONE;
+}
+
+/* The first picture: one phase after the other. */
+static sl_status update_phase(sl_multi_mesh_state *s, sl_error *error) {
+    switch (s->phase) {
+    case SL_PHASE_VIEW: return sl_multi_mesh_draw_view(s, error);
+    case SL_PHASE_FIRST: return sl_multi_mesh_first_vertices(s, error);
+    case SL_PHASE_REFINE: break;
+    case SL_PHASE_DONE: return SL_OK;
+    }
+    sl_status status = refine_or_end(s, error);
+    return status == SL_OK && is_coarse_left(s) ? sl_multi_mesh_extend_coarse(s, error) : status;
+}
+
+/* Once there has been an edit an update has a share for each: the view if it has changed, the coarse mesh,
+ * vertices that faces lack which have come into view, what edits have made old, refinement. So leaves are cut
+ * and put together whatever moves, and however often. */
+static sl_status update_shares(sl_multi_mesh_state *s, sl_error *error) {
+    if (s->phase == SL_PHASE_DONE) return SL_OK;
+    sl_status status = s->phase == SL_PHASE_VIEW ? sl_multi_mesh_draw_view(s, error) : SL_OK;
+    if (status == SL_OK && is_coarse_left(s)) status = sl_multi_mesh_extend_coarse(s, error);
+    if (status == SL_OK && s->phase == SL_PHASE_FIRST) status = sl_multi_mesh_first_vertices(s, error);
+    if (status == SL_OK) status = sl_multi_mesh_renew(s, error);
+    return status == SL_OK ? refine_or_end(s, error) : status;
+}
+
+static sl_status multi_mesh_update(void *state, sl_progress *progress, sl_error *error) {
+    sl_multi_mesh_state *s = state;
+    sl_status status = SL_OK;
+    s->updates++;
+    if (s->is_edited) status = update_shares(s, error);
+    else status = update_phase(s, error);
+    progress->fraction = fraction_of(s);
+    progress->frame_done = progress->done = s->phase == SL_PHASE_DONE;
+    note_light(s);
+    return status == SL_OK && s->has_light ? sl_multi_mesh_show(s, error) : status;
+}
+
+/* ---- an edit ---- */
+
+static sl_status make_anew(sl_multi_mesh_state *s, sl_error *error) {
+    forget_view(s);
+    sl_multi_mesh_forget_world(s);
+    s->full = s->has_light = false;
+    s->made++;
+    s->plan = sl_multi_mesh_plan_make(s->scene); /* light may fall where none fell */
+    sl_status status = sl_multi_mesh_make_world(s, error);
+    if (status != SL_OK) sl_multi_mesh_forget_world(s);
+    return status;
+}
+
+/* Lights and objects: what cannot have changed stays as it is, all else is seen until it is renewed. */
+static sl_status edit_world(sl_multi_mesh_state *s, unsigned changes, sl_error *error) {
+    bool followed = false;
+    s->done_count = 0;
+    s->moves = !s->settled;
+    s->settled = false;
+    sl_multi_mesh_hasten_coarse(s);
+    s->gathers_wait = sl_coarse_is_of_now(s) || (s->gathers_wait && !s->next.coarse && !s->whole.rolls);
+    s->world++;
+    if (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS)) s->lit = s->world;
+    s->judged = false;
+    s->updates = 0;
+    if (s->whole.coarse && changes & SL_CHANGED_MATERIALS) s->whole.coarse->reflectance_known = false;
+    if (!s->change_waits) s->change_world = s->world;
+    s->change_waits = true;
+    sl_status status = s->raster && !s->full ? sl_multi_mesh_follow(s, changes, &followed, error) : SL_OK;
+    if (status == SL_OK && !followed) return make_anew(s, error);
+    if (status == SL_OK) return SL_OK;
+    forget_view(s);
+    sl_multi_mesh_forget_world(s);
+    s->settled = true; /* the next one begins anew */
+    return status;
+}
+
+/* The eye: specular radiance starts again, all else stays. */
+static sl_status multi_mesh_edit(void *state, unsigned changes, sl_error *error) {
+    sl_multi_mesh_state *s = state;
+    s->phase = SL_PHASE_VIEW;
+    s->is_edited = true;
+    if (changes & SL_CHANGED_CAMERA && s->part[SL_DIRECT_SPECULAR])
+        sl_displayed_restart(s->part[SL_DIRECT_SPECULAR]);
+    bool world = changes & ~(unsigned)SL_CHANGED_CAMERA;
+    return world ? edit_world(s, changes, error) : SL_OK;
 }
 
 /* ---- memory ---- */
@@ -187,25 +312,6 @@ static sl_memory_need multi_mesh_need(const sl_scene *scene, const sl_settings *
                                 sl_need_of_pixels(settings, A_PIXEL + (plan.specular_seen ? OF_GLOSS : 0))};
 }
 
-static double mesh_bytes(const sl_multi_mesh_state *s) {
-    double bytes = s->irradiance ? (double)sl_irradiance_meshes_bytes(s->irradiance) : 0.0;
-    for (int i = 0; i < SL_COMPONENTS; i++)
-        if (s->part[i]) bytes += (double)sl_displayed_memory_bytes(s->part[i]);
-    return bytes;
-}
-
-bool sl_multi_mesh_is_full(sl_multi_mesh_state *s) {
-    if (!s->settings.memory_bytes || s->full) return s->full;
-    double bytes = mesh_bytes(s);
-    if (!s->bytes_of_roots) s->bytes_of_roots = (size_t)bytes;
-    /* arrays are there twice while they grow */
-    s->full = 2.0 * (bytes - (double)s->bytes_of_roots) > (double)s->settings.memory_bytes;
-    size_t leaves = 0;
-    for (int i = 0; i < SL_COMPONENTS; i++) leaves += s->part[i] ? s->part[i]->mesh->leaves_alive : 0;
-    if (s->full) snprintf(s->filled, sizeof s->filled, "meshes end at %zu leaves", leaves);
-    return s->full;
-}
-
 static const char *multi_mesh_filled(const void *state) {
     const sl_multi_mesh_state *s = state;
     return s->full ? s->filled : NULL;
@@ -245,9 +351,9 @@ const sl_method_class sl_multi_mesh_method = {
     .complete = sl_multi_mesh_complete,
     .create = multi_mesh_create,
     .destroy = multi_mesh_destroy,
-    .update = sl_multi_mesh_update,
+    .update = multi_mesh_update,
     .resolve = sl_multi_mesh_resolve,
-    .edit = sl_multi_mesh_edit,
+    .edit = multi_mesh_edit,
     .tells_apart = SL_CHANGED_POWER | SL_CHANGED_MATERIALS,
     .counters_at = offsetof(sl_multi_mesh_state, counters),
     .memory_bytes = multi_mesh_bytes,
