@@ -35,7 +35,7 @@ allow cache/reference "($below|cache/(reference|frame/))"
 allow cache/audit "($below|cache/(audit|frame/))"
 # Pages of steps draw marks over pictures, which takes the camera, and rays that tell what is hidden; what measures methods asks which light paths
 # each declares. Pictures in pages are encoded and pages written as those in files are.
-allow app '(app/|scene/(features|scene)|base/(batch|vec|error|grow|memory|ranks|sanitized|thread|values)|image/(color|formats|output_file|tone)|trace/trace|cache/frame/(all_light|live|method|settings)\.h)'
+allow app '(app/|scene/(features|scene)|base/(batch|counters|error|grow|memory|random|ranks|sanitized|thread|values|vec)|image/(color|formats|output_file|tone)|trace/trace|cache/frame/(all_light|live|method|settings)\.h)'
 # Nobody can look up numbers of a document that is not here: features, formulas in boxes, pages by their names; in tests and experiments no more than
 # in the library. A section's number stands in one line with the year of the paper that has it, or "of the paper" where its experiments are repeated,
 # or with OpenGL's version; flip.c says once whose they are; a pass announces its own paper's.

@@ -5,12 +5,23 @@
 #define SL_BASE_RANDOM_H
 
 #include <stdint.h>
+#include <string.h>
 
 static inline uint64_t sl_hash64(uint64_t x) { /* SplitMix64's finalizer */
     x += 0x9e3779b97f4a7c15u;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
     return x ^ (x >> 31);
+}
+
+/* Mixes bytes into a hash, eight at a time. */
+static inline uint64_t sl_hash_bytes(uint64_t hash, const void *bytes, size_t count) {
+    for (size_t i = 0; i < count; i += sizeof hash) {
+        uint64_t word = 0;
+        memcpy(&word, (const char *)bytes + i, count - i < sizeof word ? count - i : sizeof word);
+        hash = sl_hash64(hash ^ word);
+    }
+    return hash;
 }
 
 static inline uint64_t sl_random_key(uint64_t seed, uint64_t stream) {

@@ -141,16 +141,9 @@ void sl_scene_destroy(sl_scene *scene) {
 
 /* ---- the hash -------------------------------------------------------------------------------- */
 
-/* Words of eight bytes, each mixed into the state; the length closes, so that lists cannot run into each
- * other. */
+/* The length closes, so that lists cannot run into each other. */
 static void hash_bytes(uint64_t *hash, const void *data, size_t bytes) {
-    const unsigned char *at = data;
-    for (size_t i = 0; i < bytes; i += 8) {
-        uint64_t word = 0;
-        memcpy(&word, at + i, bytes - i < 8 ? bytes - i : 8);
-        *hash = sl_hash64(*hash ^ word);
-    }
-    *hash = sl_hash64(*hash ^ bytes);
+    *hash = sl_hash64(sl_hash_bytes(*hash, data, bytes) ^ bytes);
 }
 
 static void hash_rgb(uint64_t *hash, sl_rgb c) {

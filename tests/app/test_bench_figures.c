@@ -235,7 +235,7 @@ static void a_file_of_trials_is_read_line_by_line(void **state) {
     assert_int_equal(sl_trials_read(path, &all, &error), SL_OK);
     assert_true(all.count == 3 && all.table_count == 1 && all.width == 8 && all.height == 6);
     assert_true(all.truth[SL_BENCH_FULL] && !all.truth[SL_BENCH_MATCHED] && !all.estimates);
-    assert_int_equal(all.trial[0].quality, SL_BENCH_DRAFT);
+    assert_string_equal(all.trial[0].quality, "draft");
     assert_int_equal(all.trial[0].table, -1);
     assert_string_equal(all.trial[1].name, "four, no options");
     assert_string_equal(all.trial[1].arguments, "--bounces 1 -m path");

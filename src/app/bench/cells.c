@@ -38,7 +38,7 @@ static void list_texts(const sl_bench_scene *s, const sl_bench_row *r, text to[T
                              {"method", r->trial->method},
                              {"curve", r->trial->curve},
                              {"trial", r->trial->name},
-                             {"quality", sl_bench_quality_name(r->trial->quality)},
+                             {"quality", r->trial->quality},
                              {"transport", r->trial->transport},
                              {"arguments", r->trial->arguments},
                              {"end", sl_bench_end_name(r->end)},
@@ -47,7 +47,7 @@ static void list_texts(const sl_bench_scene *s, const sl_bench_row *r, text to[T
 }
 
 bool sl_cell_is_text(const char *column) {
-    static const sl_trial trial = {.quality = SL_BENCH_CURVE};
+    static const sl_trial trial = {.quality = ""};
     text texts[TEXTS];
     list_texts(&(sl_bench_scene){0}, &(sl_bench_row){.trial = &trial}, texts);
     for (int i = 0; i < TEXTS; i++)

@@ -128,7 +128,7 @@ static void judge_row(sl_bench_row *row, int number, const sl_image *reference) 
         if (row->reference[t] != number) continue;
         sl_image *difference = NULL;
         sl_error error;
-        bool wanted = t == SL_BENCH_MATCHED && row->trial->quality != SL_BENCH_CURVE && !row->difference;
+        bool wanted = t == SL_BENCH_MATCHED && strcmp(row->trial->quality, "curve") != 0 && !row->difference;
         if (sl_judge(picture, reference, &row->error[t], wanted ? &difference : NULL, &error) != SL_OK)
             snprintf(row->why, sizeof row->why, "%.200s", error.message);
         if (difference) row->difference = sl_picture_text(difference, false);

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
+#include "base/random.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -108,11 +109,11 @@ sl_status sl_journal_add(sl_journal *j, cJSON *entry, sl_error *error) {
 }
 
 void sl_program_fingerprint(char text[17]) {
-    uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a */
+    uint64_t hash = 0;
     FILE *in = fopen("/proc/self/exe", "rb");
     unsigned char bytes[16384];
     for (size_t n; in && (n = fread(bytes, 1, sizeof bytes, in)) > 0;)
-        for (size_t i = 0; i < n; i++) hash = (hash ^ bytes[i]) * 0x100000001b3u;
+        hash = sl_hash_bytes(hash, bytes, n);
     if (in) fclose(in);
     snprintf(text, 17, "%016" PRIx64, hash);
 }

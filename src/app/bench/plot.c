@@ -149,7 +149,7 @@ static void put_goals(FILE *out, const axis *y) {
 static void put_point(FILE *out, const sl_bench_row *row, sl_bench_truth truth, bool best, int class,
                       double x, double y) {
     char error[32], seconds[32], title[2 * SL_BENCH_NAME + 80];
-    double r = row->trial->quality == SL_BENCH_CURVE ? 2.6 : 4.4;
+    double r = strcmp(row->trial->quality, "curve") == 0 ? 2.6 : 4.4;
     sl_error_text(&row->error[truth], error);
     sl_seconds_text(row->cpu.median, seconds);
     fprintf(out, "<g class=\"%s%d\">", best ? "f" : "off m", class);

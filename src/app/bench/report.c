@@ -69,7 +69,7 @@ static void add_differences(cJSON *to, const sl_bench_scene *s) {
         const sl_bench_row *r = &s->rows[i];
         char title[2 * SL_BENCH_NAME + 8], note[64], error[32];
         if (!r->difference) continue;
-        snprintf(title, sizeof title, "%s, %s", r->trial->curve, sl_bench_quality_name(r->trial->quality));
+        snprintf(title, sizeof title, "%s, %s", r->trial->curve, r->trial->quality);
         sl_error_text(&r->error[SL_BENCH_MATCHED], error);
         snprintf(note, sizeof note, "%s, bias %+.2f %%", error, 100.0 * r->error[SL_BENCH_MATCHED].bias);
         add_figure(to, r->difference, title, note);

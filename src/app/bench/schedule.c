@@ -5,6 +5,7 @@
 #include "app/clock.h"
 #include "app/page.h"
 #include "base/error.h"
+#include "base/random.h"
 #include "base/ranks.h"
 
 #include <stdio.h>
@@ -32,24 +33,18 @@ static bool is_listed(const char *list, const char *between, const char *name) {
     return false;
 }
 
-/* Fowler, Noll and Vo's. */
-static uint32_t hash_of(const char *text, uint32_t hash) {
-    for (; *text; text++) hash = (hash ^ (unsigned char)*text) * 16777619u;
-    return hash;
-}
-
-static const uint32_t HASH_BEGIN = 2166136261u;
+static uint64_t hash_of(const char *text, uint64_t hash) { return sl_hash_bytes(hash, text, strlen(text)); }
 
 /* Of several ranks each has all settings of a curve: cheaper ones decide whether dearer ones are tried. */
 static bool is_own(const sl_bench_scene *s, const sl_trial *t) {
     const sl_ranks here = sl_ranks_here();
-    return hash_of(t->curve, hash_of(s->hash, HASH_BEGIN)) % here.count == here.rank;
+    return hash_of(t->curve, hash_of(s->hash, 0)) % here.count == here.rank;
 }
 
 /* Scenes named on the command line stand for those of the trials' file. */
 static bool is_wanted(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t) {
     return (o->own_scenes || is_listed(t->scenes, " ", s->path)) && is_listed(o->methods, ",", t->method) &&
-           is_listed(o->qualities, ",", sl_bench_quality_name(t->quality));
+           is_listed(o->qualities, ",", t->quality);
 }
 
 /* ---- the journal's entries ---- */
@@ -122,7 +117,7 @@ static void picture_path(const sl_bench_options *o, const sl_bench_scene *s, con
                          char path[SL_BENCH_PATH]) {
     char name[64];
     /* names are cut off where arguments are long */
-    const uint32_t hash = hash_of(t->arguments, HASH_BEGIN);
+    const uint32_t hash = (uint32_t)hash_of(t->arguments, 0);
     snprintf(name, sizeof name, "%.60s", t->arguments);
     for (char *c = name; *c; c++) *c = *c == ' ' || *c == '/' ? '_' : *c;
     snprintf(path, SL_BENCH_PATH, "%s/pictures/%s-%dx%d-%.8s-%s-%08x.exr", o->folder, s->hash, s->width,

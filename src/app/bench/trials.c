@@ -30,11 +30,6 @@ const char *sl_bench_truth_name(sl_bench_truth truth) {
     return names[truth];
 }
 
-const char *sl_bench_quality_name(sl_bench_quality quality) {
-    static const char *const names[] = {"draft", "normal", "high", "curve"};
-    return names[quality];
-}
-
 /* ---- a line ---- */
 
 /* The lines so far, as far as they count for the trials to come. */
@@ -49,11 +44,11 @@ static bool copy(char *to, size_t room, const char *from) {
     return (size_t)snprintf(to, room, "%s", from) < room;
 }
 
-static sl_bench_quality quality_of(const char *name) {
-    for (int q = SL_BENCH_DRAFT; q < SL_BENCH_CURVE; q++) {
-        if (strcmp(name, sl_bench_quality_name((sl_bench_quality)q)) == 0) return (sl_bench_quality)q;
-    }
-    return SL_BENCH_CURVE;
+static const char *quality_of(const char *name) {
+    static const char *const qualities[] = {"draft", "normal", "high", "curve"};
+    int q = 0;
+    while (q < 3 && strcmp(name, qualities[q]) != 0) q++;
+    return qualities[q];
 }
 
 /* Decides for the ladder's trials: of the tracers one look is enough, since they have one pass, and a first
@@ -61,7 +56,7 @@ static sl_bench_quality quality_of(const char *name) {
 static bool is_looked_at(const sl_trials *all, const sl_trial *t) {
     const char *columns = t->table < 0 ? NULL : all->table[t->table].columns;
     if (columns) return strstr(columns, "part.") || strstr(columns, "first");
-    return t->quality != SL_BENCH_CURVE && (!sl_is_tracer(t->method) || t->quality == SL_BENCH_DRAFT);
+    return sl_is_tracer(t->method) ? strcmp(t->quality, "draft") == 0 : strcmp(t->quality, "curve") != 0;
 }
 
 /* NAME = OPTIONS */

@@ -16,21 +16,13 @@ typedef enum sl_bench_truth {
     SL_BENCH_TRUTHS
 } sl_bench_truth;
 
-/* The row of a method's ladder of settings that a trial is. */
-typedef enum sl_bench_quality {
-    SL_BENCH_DRAFT,
-    SL_BENCH_NORMAL,
-    SL_BENCH_HIGH,
-    SL_BENCH_CURVE
-} sl_bench_quality;
-
 enum { SL_BENCH_NAME = 80, SL_BENCH_PATHS = 128, SL_BENCH_ARGUMENTS = 400, SL_BENCH_PATH = 1024 };
 
 typedef struct sl_trial {
     char method[SL_BENCH_NAME], curve[SL_BENCH_NAME], name[SL_BENCH_NAME];
     char arguments[SL_BENCH_ARGUMENTS]; /* of softlux render: what makes this picture, size and file apart */
     char transport[SL_BENCH_PATHS];     /* the paths that are its own truth */
-    sl_bench_quality quality;
+    const char *quality; /* draft, normal, high, whose name it has; or curve: what lies between and beyond */
     const char *scenes; /* that it is run with, with spaces between; NULL: all */
     int table;          /* -1: none */
     int rank;           /* in its curve */
@@ -61,7 +53,6 @@ typedef struct sl_trials {
 sl_status sl_trials_read(const char *path, sl_trials *trials, sl_error *error);
 void sl_trials_free(sl_trials *trials);
 const char *sl_bench_truth_name(sl_bench_truth truth);
-const char *sl_bench_quality_name(sl_bench_quality quality);
 
 typedef struct sl_trial_run {
     const char *arguments, *scene_path;

@@ -22,15 +22,7 @@ static file_head head_of(const sl_cache_header *header, size_t size) {
     return head;
 }
 
-static uint64_t checksum(const uint8_t *bytes, size_t size) {
-    uint64_t hash = size;
-    for (size_t i = 0; i < size; i += sizeof hash) {
-        uint64_t word = 0;
-        memcpy(&word, bytes + i, size - i < sizeof word ? size - i : sizeof word);
-        hash = sl_hash64(hash ^ word);
-    }
-    return hash;
-}
+static uint64_t checksum(const uint8_t *bytes, size_t size) { return sl_hash_bytes(size, bytes, size); }
 
 /* ---- writing ---- */
 
