@@ -26,6 +26,7 @@ static inline double sl_clamp_unit(double t) { return t > 0.0 ? (t < 1.0 ? t : 1
 static inline float sl_clamp_unitf(float t) { return t > 0.0f ? (t < 1.0f ? t : 1.0f) : 0.0f; }
 
 static inline sl_vec3 sl_v3(float x, float y, float z) { return (sl_vec3){x, y, z}; }
+static inline sl_vec3 sl_v3_of(const float v[3]) { return sl_v3(v[0], v[1], v[2]); }
 static inline sl_vec3 sl_add(sl_vec3 a, sl_vec3 b) { return sl_v3(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline sl_vec3 sl_sub(sl_vec3 a, sl_vec3 b) { return sl_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
 static inline sl_vec3 sl_scale(sl_vec3 a, float s) { return sl_v3(a.x * s, a.y * s, a.z * s); }

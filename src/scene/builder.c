@@ -341,8 +341,7 @@ sl_status sl_view_take(const float eye[3], const float target[3], const float up
           vertical_fov_rad <= (float)sl_radians(SL_MOST_FOV_DEG)))
         return sl_fail(error, SL_ERROR_INPUT, "camera: expected 'fov_deg' from %g to %g, got %.10g",
                        SL_LEAST_FOV_DEG, SL_MOST_FOV_DEG, (double)vertical_fov_rad / sl_radians(1.0));
-    if (!sl_camera_look_at(camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]),
-                           sl_v3(up[0], up[1], up[2]), vertical_fov_rad))
+    if (!sl_camera_look_at(camera, sl_v3_of(eye), sl_v3_of(target), sl_v3_of(up), vertical_fov_rad))
         return sl_fail(error, SL_ERROR_INPUT, "camera: %s", SL_EXPECTED_VIEW);
     return SL_OK;
 }

@@ -25,14 +25,18 @@ static sl_status fail_of_view(sl_error *error) {
                    "vertical field of view between 0 and 180 degrees");
 }
 
+sl_status sl_camera_take(sl_camera *camera, const float eye[3], const float target[3], const float up[3],
+                         float vertical_fov, sl_error *error) {
+    return sl_camera_look_at(camera, sl_v3_of(eye), sl_v3_of(target), sl_v3_of(up), vertical_fov)
+               ? SL_OK
+               : fail_of_view(error);
+}
+
 sl_status sl_scene_set_camera(sl_scene *scene, const float eye[3], const float target[3], const float up[3],
                               float vertical_fov_rad, sl_error *error) {
     if (!scene || !eye || !target || !up) return sl_fail_null(error, "a scene and three vectors");
-    if (!sl_camera_look_at(&scene->camera, sl_v3(eye[0], eye[1], eye[2]),
-                           sl_v3(target[0], target[1], target[2]), sl_v3(up[0], up[1], up[2]),
-                           vertical_fov_rad)) {
-        return fail_of_view(error);
-    }
+    sl_status status = sl_camera_take(&scene->camera, eye, target, up, vertical_fov_rad, error);
+    if (status != SL_OK) return status;
     sl_scene_measure_from(scene, scene->camera.eye);
     sl_scene_has_changed(scene, SL_CHANGED_CAMERA);
     return SL_OK;
@@ -50,11 +54,11 @@ static bool camera_is_valid(const sl_camera *c) {
 static bool take_view(const sl_viewpoint *v, const sl_scene *s, sl_camera *camera) {
     sl_vec3d low = sl_to_double(s->box_min), high = sl_to_double(s->box_max);
     sl_vec3 middle = sl_to_float(sl_scaled(sl_addd(low, high), 0.5));
-    sl_vec3 eye = v->has_eye ? sl_v3(v->eye[0], v->eye[1], v->eye[2]) : camera->eye;
-    sl_vec3 target = v->has_target ? sl_v3(v->target[0], v->target[1], v->target[2])
+    sl_vec3 eye = v->has_eye ? sl_v3_of(v->eye) : camera->eye;
+    sl_vec3 target = v->has_target ? sl_v3_of(v->target)
                      : v->has_eye  ? middle
                                    : sl_sub(eye, camera->back);
-    sl_vec3 up = v->has_up ? sl_v3(v->up[0], v->up[1], v->up[2]) : sl_v3(0, 1, 0);
+    sl_vec3 up = v->has_up ? sl_v3_of(v->up) : sl_v3(0, 1, 0);
     float fov = v->has_fov ? v->vertical_fov_rad : camera->vertical_fov;
     if (!v->has_eye && !v->has_target) { /* looking from the origin keeps all bits of the direction */
         bool good =

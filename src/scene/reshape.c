@@ -223,7 +223,7 @@ static void mould(sl_surfaces *to, const sl_moulding *m, sl_vec3d *sum) {
         const float *given = m->normals ? m->normals + 3 * i : (const float[3]){0};
         const sl_vec3 facet = length > 0.0 ? sl_to_float(sl_scaled(sum[v], 1.0 / length))
                                            : sl_scene_normal(s, v),
-                      unit = sl_unit_or(sl_v3(given[0], given[1], given[2]), facet);
+                      unit = sl_unit_or(sl_v3_of(given), facet);
         sl_put(s->normal_x, s->normal_y, s->normal_z, v, unit);
         if (to->rest_position) to->rest_position[v] = sl_scene_position(s, v);
         if (to->rest_normal) to->rest_normal[v] = unit;

@@ -341,5 +341,8 @@ __attribute__((format(printf, 2, 3))) void sl_scene_warn(sl_scene *scene, const 
 void sl_scene_leave_out_warnings(sl_scene *scene, size_t count);
 enum { SL_WARNINGS = 100 };
 bool sl_camera_look_at(sl_camera *camera, sl_vec3 eye, sl_vec3 target, sl_vec3 up, float vertical_fov);
+/* The same of what a call gives: SL_ERROR_USAGE where that makes no view. */
+sl_status sl_camera_take(sl_camera *camera, const float eye[3], const float target[3], const float up[3],
+                         float vertical_fov, sl_error *error);
 
 #endif

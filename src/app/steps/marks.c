@@ -4,10 +4,8 @@
 
 #include <math.h>
 
-static sl_vec3 vector(const float v[3]) { return (sl_vec3){v[0], v[1], v[2]}; }
-
 bool sl_mark_project(const sl_mark_view *view, const float at[3], double *column, double *row) {
-    sl_vec3 d = sl_sub(vector(at), view->camera.eye);
+    sl_vec3 d = sl_sub(sl_v3_of(at), view->camera.eye);
     double ahead = -(double)sl_dot(d, view->camera.back), half = tan(0.5 * (double)view->camera.vertical_fov);
     if (!(ahead > 1e-5 * (double)view->scale)) return false;
     double scale = 0.5 * view->height / (half * ahead);
@@ -24,7 +22,7 @@ static bool within(const sl_mark_view *view, double column, double row) {
  */
 bool sl_mark_is_hidden(const sl_mark_view *view, const float at[3]) {
     if (!view->tracer) return false;
-    sl_vec3 eye = view->camera.eye, d = sl_sub(vector(at), eye);
+    sl_vec3 eye = view->camera.eye, d = sl_sub(sl_v3_of(at), eye);
     float distance = sqrtf(sl_dot(d, d));
     const float far = 1.0f - 5e-3f * view->scale / fmaxf(distance, 1e-6f * view->scale);
     sl_ray16 ray = {.far = {0.0f}};
@@ -45,11 +43,11 @@ static void put_colour(FILE *out, const char *attribute, const float colour[3]) 
 
 static void put_disc(FILE *out, const sl_mark_view *view, const sl_mark *m) {
     enum { CORNERS = 20 };
-    sl_frame frame = sl_frame_from_normal(sl_normalize_or(vector(m->to), sl_v3(0.0f, 1.0f, 0.0f)));
+    sl_frame frame = sl_frame_from_normal(sl_normalize_or(sl_v3_of(m->to), sl_v3(0.0f, 1.0f, 0.0f)));
     double column[CORNERS], row[CORNERS];
     for (int i = 0; i < CORNERS; i++) {
         double a = 6.283185307179586 * i / CORNERS;
-        sl_vec3 p = sl_add(vector(m->at), sl_frame_to_world(&frame, sl_v3(m->radius * (float)cos(a),
+        sl_vec3 p = sl_add(sl_v3_of(m->at), sl_frame_to_world(&frame, sl_v3(m->radius * (float)cos(a),
                                                                           m->radius * (float)sin(a), 0.0f)));
         /* reaches behind the eye */
         if (!sl_mark_project(view, (float[3]){p.x, p.y, p.z}, &column[i], &row[i])) return;

@@ -95,8 +95,7 @@ struct sl_live {
     sl_image *picture; /* the newest, not taken yet; NULL: none */
     double picture_time;
     uint64_t pictures;
-    sl_status status; /* of the thread: not SL_OK, it has ended */
-    sl_error error;
+    sl_error error;    /* of the thread: its status not SL_OK, it has ended */
 };
 
 /* ---- poses ----------------------------------------------------------------------------------- */
@@ -113,9 +112,7 @@ static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl
     if (status != SL_OK) return status;
     if (p->looks) scene->camera = p->camera;
     *changes &= ~(unsigned)SL_CHANGED_CAMERA;
-    if (!same_camera(&before, &scene->camera)) {
-        *changes |= SL_CHANGED_CAMERA;
-    }
+    if (!same_camera(&before, &scene->camera)) *changes |= SL_CHANGED_CAMERA;
     /* keyframes may have moved a camera that nobody looks through */
     memcpy(scene->changed, changed, sizeof changed);
     scene->version = version;
@@ -151,9 +148,9 @@ static bool rests(const sl_live *l) {
  * been shown. */
 static bool next_turn(sl_live *l, bool shown, pose *turn, change *moved) {
     sl_monitor_enter(&l->meeting);
-    while (!l->stop && l->status == SL_OK && (l->blind || (!l->visit_count && rests(l))))
+    while (!l->stop && l->error.status == SL_OK && (l->blind || (!l->visit_count && rests(l))))
         sl_monitor_wait(&l->meeting);
-    bool goes_on = !l->stop && l->status == SL_OK;
+    bool goes_on = !l->stop && l->error.status == SL_OK;
     if (shown) {
         *turn = l->asked;
         if (!moved->waits) *moved = l->moved;
@@ -303,10 +300,7 @@ static void tell(sl_live *l, const pose *p, const change *moved, const sl_progre
         l->picture_changed = l->changed;
         l->pictures++;
     }
-    if (status != SL_OK) {
-        l->status = status;
-        l->error = *error;
-    }
+    if (status != SL_OK) l->error = *error;
     sl_monitor_leave(&l->meeting);
     sl_image_destroy(old);
 }
@@ -344,7 +338,6 @@ static bool open_show(sl_live *l) {
     if (status == SL_OK) status = make_method(l, &error);
     if (status == SL_OK) return true;
     sl_monitor_enter(&l->meeting);
-    l->status = status;
     l->error = error;
     sl_monitor_leave(&l->meeting);
     return false;
@@ -463,7 +456,7 @@ static sl_status renew_window(sl_live *l, sl_error *error) {
         l->method->class->window->create(l->method->state, l->scene_copy, drawers(l), &l->window, error);
     sl_monitor_enter(&l->meeting);
     l->blind = false;
-    if (status != SL_OK) l->status = status, l->error = *error;
+    if (status != SL_OK) l->error = *error;
     sl_monitor_signal(&l->meeting);
     sl_monitor_leave(&l->meeting);
     return status;
@@ -534,10 +527,7 @@ static void ask(sl_live *l, unsigned changes, sl_status status, const sl_error *
     sl_monitor_enter(&l->meeting);
     l->asked = l->shown;
     if ((changes & shades) && !l->moved.waits) l->moved = (change){true, l->shown.time, l->state.frames};
-    if (l->status == SL_OK && status != SL_OK) {
-        l->status = status;
-        l->error = *error;
-    }
+    if (l->error.status == SL_OK && status != SL_OK) l->error = *error;
     sl_monitor_signal(&l->meeting);
     sl_monitor_leave(&l->meeting);
 }
@@ -573,12 +563,8 @@ sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], co
                        float vertical_fov_rad, sl_error *error) {
     if (!l || !eye || !target || !up) return sl_fail_null(error, "a live show and three vectors");
     sl_camera camera = l->scene_copy->camera;
-    if (!sl_camera_look_at(&camera, sl_v3(eye[0], eye[1], eye[2]), sl_v3(target[0], target[1], target[2]),
-                           sl_v3(up[0], up[1], up[2]), vertical_fov_rad))
-        return sl_fail(error, SL_ERROR_USAGE,
-                       "camera: expected an eye apart from its target, an up vector not along the view and a "
-                       "vertical field of view "
-                       "between 0 and 180 degrees");
+    sl_status status = sl_camera_take(&camera, eye, target, up, vertical_fov_rad, error);
+    if (status != SL_OK) return status;
     pose there = l->shown;
     there.looks = true;
     there.camera = camera;
@@ -683,7 +669,8 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
     l->state.error_levels = l->error_levels;
     l->state.samples = l->samples;
     l->state.done = l->progress.done && l->followed == l->shown.number && !l->changes;
-    *picture = l->status == SL_OK ? l->picture : NULL; /* else nobody would take it */
+    sl_status status = l->error.status;
+    *picture = status == SL_OK ? l->picture : NULL; /* else nobody would take it */
     *picture_time = l->picture_time;
     if (*picture) {
         l->picture = NULL;
@@ -696,7 +683,6 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
         l->state.change_frames = l->state.frames - l->found.frames;
     }
     l->found.waits = false;
-    sl_status status = l->status;
     if (status != SL_OK && error) *error = l->error;
     sl_monitor_leave(&l->meeting);
     return status;
