@@ -137,30 +137,25 @@ sl_status sl_image_decode(const sl_bytes *bytes, sl_image **image, sl_error *err
                    bytes->path);
 }
 
-typedef sl_status decoder(const sl_bytes *bytes, sl_image **image, sl_error *error);
-
-static sl_status read_with(decoder *decode, const char *path, sl_image **image, sl_error *error) {
+static sl_status read_file(const char *path, bool sky, sl_image **image, sl_error *error) {
     if (!image) return sl_fail_null(error, "a place for an image");
     *image = NULL;
     if (!path) return sl_fail_null(error, "the name of a picture's file");
     sl_bytes bytes;
     sl_status status = sl_bytes_read(path, SIZE_MAX - 1, &bytes, error);
-    if (status == SL_OK) status = decode(&bytes, image, error);
+    if (status == SL_OK)
+        status = sky && sl_exr_recognise(&bytes) ? sl_exr_read(&bytes, true, image, error)
+                                                 : sl_image_decode(&bytes, image, error);
     sl_free(bytes.data);
     return status;
 }
 
 sl_status sl_image_read(const char *path, sl_image **image, sl_error *error) {
-    return read_with(sl_image_decode, path, image, error);
-}
-
-static sl_status decode_sky(const sl_bytes *bytes, sl_image **image, sl_error *error) {
-    return sl_exr_recognise(bytes) ? sl_exr_read(bytes, true, image, error)
-                                   : sl_image_decode(bytes, image, error);
+    return read_file(path, false, image, error);
 }
 
 sl_status sl_sky_read(const char *path, sl_image **image, sl_error *error) {
-    return read_with(decode_sky, path, image, error);
+    return read_file(path, true, image, error);
 }
 
 typedef sl_status write_function(const sl_image *image, sl_output_file *file, sl_error *error);

@@ -1,6 +1,7 @@
 #include "app/steps/record.h"
 
 #include "app/page.h"
+#include "base/counters.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +10,8 @@ enum { MARKS_SHOWN = 700 };
 
 void sl_recording_interrupt(sl_recording *r, const sl_counters *counters) {
     r->later = r->next;
-    for (int i = 0; i < SL_COUNTERS; i++) r->next.value[i] = r->told.value[i] - counters->value[i];
+    r->next = r->told;
+    sl_counters_subtract(&r->next, counters);
 }
 
 /* Keeps a pass with what it cost itself. */
@@ -17,11 +19,9 @@ static void on_pass(void *context, const sl_pass *pass) {
     sl_recording *r = context;
     sl_pass own = *pass;
     sl_counters cost = *pass->counters;
-    for (int i = 0; i < SL_COUNTERS; i++) {
-        r->told.value[i] += cost.value[i];
-        cost.value[i] += r->next.value[i];
-        r->later.value[i] -= r->next.value[i];
-    }
+    sl_counters_add(&r->told, &cost);
+    sl_counters_add(&cost, &r->next);
+    sl_counters_subtract(&r->later, &r->next);
     r->next = (sl_counters){{0}};
     own.counters = &cost;
     sl_watched_keep(&r->watched, &own);

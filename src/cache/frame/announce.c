@@ -1,13 +1,14 @@
 #include "cache/frame/announce.h"
 
+#include "base/counters.h"
 #include "base/memory.h"
 
 #include <string.h>
 
 /* Tells it with what the counters have grown by since the last pass; no picture: NULL. */
 static void tell(sl_announcer *a, sl_pass pass) {
-    sl_counters cost = {0};
-    for (int i = 0; i < SL_COUNTERS; i++) cost.value[i] = a->counters->value[i] - a->told.value[i];
+    sl_counters cost = *a->counters;
+    sl_counters_subtract(&cost, &a->told);
     a->told = *a->counters;
     pass.method = a->method;
     pass.counters = &cost;

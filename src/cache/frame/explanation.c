@@ -4,8 +4,8 @@
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
+#include "image/tone.h"
 
-#include <stdio.h>
 #include <string.h>
 
 struct sl_explanation_writer {
@@ -42,17 +42,12 @@ void sl_explanation_add_light(sl_explanation_writer *writer, const char *layer, 
     if (any) sl_explanation_add(writer, &term);
 }
 
-static const char *const colours[3] = {"R", "G", "B"};
-
 /* The three values of a layer at the pixel, or of the picture where layer is NULL; 0 where there is no such
  * channel. */
 static void read_layer(const sl_image *picture, const char *layer, size_t pixel, float value[3]) {
-    for (int c = 0; c < 3; c++) {
-        char name[SL_CHANNEL_NAME_MAX];
-        snprintf(name, sizeof name, "%s%s%s", layer ? layer : "", layer ? "." : "", colours[c]);
-        const float *plane = sl_image_channel(picture, name);
-        value[c] = plane ? plane[pixel] : 0.0f;
-    }
+    const float *planes[3];
+    sl_layer_planes(picture, layer, planes);
+    for (int c = 0; c < 3; c++) value[c] = planes[c] ? planes[c][pixel] : 0.0f;
 }
 
 void sl_explanation_add_layer(sl_explanation_writer *writer, const char *layer, const char *kind) {

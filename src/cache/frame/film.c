@@ -86,12 +86,7 @@ void sl_film_destroy(sl_film *f) {
     sl_outlines_destroy(f->outlines);
     sl_image_destroy(f->sums);
     sl_mips_destroy(f->scene, f->mips);
-    sl_free(f->count);
-    sl_free(f->edge);
-    sl_free(f->wanted);
-    sl_free(f->low);
-    sl_free(f->high);
-    sl_free(f);
+    SL_FREE_ALL(f->count, f->edge, f->wanted, f->low, f->high, f);
 }
 
 /* ---- which sub-frames ---- */

@@ -197,26 +197,11 @@ sl_status sl_settings_check(const sl_settings *s, sl_error *error) {
 
 /* ---- from text ---- */
 
-static const char *const names[] = {
-    "splatting",
-    "direct-radiance",
-    "light-octree",
-    "multi-mesh",
-    "shading-cache",
-    "path",
-    "bidirectional",
-    "auto",
-    "direct",
-    "one-bounce",
-    "full",
-    "matched:splatting",
-    "matched:direct-radiance",
-    "matched:light-octree",
-    "matched:multi-mesh",
-    "matched:shading-cache",
-    "matched:path",
-    "matched:bidirectional",
-};
+#define METHODS(of) \
+    of "splatting", of "direct-radiance", of "light-octree", of "multi-mesh", of "shading-cache", of "path", \
+        of "bidirectional"
+static const char *const names[] = {METHODS(""), "auto", "direct", "one-bounce", "full",
+                                    METHODS("matched:")};
 enum { METHODS_AND_AUTO = 8, NAMES = sizeof names / sizeof names[0] };
 
 /* Names outlive the text that they are read from. */
