@@ -1,8 +1,7 @@
 #include "scene/copy.h"
 
-#include <string.h>
-
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "scene/derive.h"
 
@@ -25,10 +24,8 @@ sl_status sl_scene_copy(const sl_scene *scene, sl_scene **scene_copy, sl_error *
     bool ok = true;
     for (int k = 0; k < SL_SCENE_ARRAYS; k++) {
         if (!arrays[k].moves) continue;
-        void *from, *own = ok ? sl_allocate(arrays[k].bytes, 1) : NULL;
-        memcpy(&from, arrays[k].pointer, sizeof from);
-        if (own && arrays[k].bytes) memcpy(own, from, arrays[k].bytes);
-        memcpy(arrays[k].pointer, &own, sizeof own);
+        void *own = ok ? sl_copy_of(sl_scene_array_at(&arrays[k]), arrays[k].bytes, 1) : NULL;
+        sl_scene_array_put(&arrays[k], own);
         ok = own != NULL;
     }
     if (ok) {
@@ -43,10 +40,7 @@ void sl_scene_copy_destroy(sl_scene *scene_copy) {
     if (!scene_copy) return;
     sl_scene_array arrays[SL_SCENE_ARRAYS];
     sl_scene_arrays(scene_copy, arrays);
-    for (int k = 0; k < SL_SCENE_ARRAYS; k++) {
-        void *own;
-        memcpy(&own, arrays[k].pointer, sizeof own);
-        if (arrays[k].moves) sl_free(own);
-    }
+    for (int k = 0; k < SL_SCENE_ARRAYS; k++)
+        if (arrays[k].moves) sl_free(sl_scene_array_at(&arrays[k]));
     sl_free(scene_copy);
 }

@@ -3,6 +3,8 @@
 #ifndef SL_SCENE_DERIVE_H
 #define SL_SCENE_DERIVE_H
 
+#include <string.h>
+
 #include "scene/scene.h"
 
 /* The geometric normal times twice the area, in double, so that slivers keep a direction. False where the
@@ -42,6 +44,14 @@ typedef struct sl_scene_array {
 } sl_scene_array;
 enum { SL_SCENE_ARRAYS = 21, SL_HASHED_ARRAYS = 12 };
 void sl_scene_arrays(sl_scene *scene, sl_scene_array list[SL_SCENE_ARRAYS]);
+static inline void *sl_scene_array_at(const sl_scene_array *array) {
+    void *at;
+    memcpy(&at, array->pointer, sizeof at);
+    return at;
+}
+static inline void sl_scene_array_put(const sl_scene_array *array, void *at) {
+    memcpy(array->pointer, &at, sizeof at);
+}
 /* Frees all that a scene has, but not the scene. */
 void sl_scene_release(sl_scene *scene);
 

@@ -157,15 +157,16 @@ sl_status sl_model_add_quad(sl_model *m, const char *path, const char *name, con
 
 static sl_status check_light(sl_light *light, size_t index, sl_error *error) {
     const sl_rgb i = light->intensity;
-    if (!(i.r >= 0.0f && i.g >= 0.0f && i.b >= 0.0f) || !sl_rgb_is_finite(i))
-        return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected a finite intensity of at least 0", index);
-    if (light->type != SL_LIGHT_DIRECTIONAL && !sl_is_finite(light->position))
-        return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected a finite position", index);
+    const sl_vec3 p = light->position, d = light->direction;
+    const sl_light_data given = {.type = light->type, .strength = {i.r, i.g, i.b},
+                                 .position = {(double)p.x, (double)p.y, (double)p.z},
+                                 .direction = {(double)d.x, (double)d.y, (double)d.z},
+                                 .outer_rad = 1.0}; /* its cosines are checked here */
+    char text[SL_RULE_TEXT];
+    if (sl_light_fault(&given, text))
+        return sl_fail(error, SL_ERROR_INPUT, "light %zu: %s", index, text);
     if (light->type == SL_LIGHT_POINT) return SL_OK;
-    light->direction = sl_unit_or(light->direction, sl_v3(0, 0, 0));
-    if (!(sl_dot(light->direction, light->direction) > 0.5f))
-        return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected a direction that is finite and not zero",
-                       index);
+    light->direction = sl_unit_or(d, sl_v3(0, 0, 0));
     bool cone = light->cos_outer >= -1.0f && light->cos_outer <= light->cos_inner && light->cos_inner <= 1.0f;
     if (light->type == SL_LIGHT_SPOT && !cone)
         return sl_fail(error, SL_ERROR_INPUT, "light %zu: expected an inner cone inside the outer cone",

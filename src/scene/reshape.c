@@ -94,13 +94,6 @@ static void *renewed(const void *array, const numbering *n, const void *more, si
     return to;
 }
 
-static void *pointer_of(const sl_scene_array *array) {
-    void *pointer;
-    memcpy(&pointer, array->pointer, sizeof pointer);
-    return pointer;
-}
-static void point(const sl_scene_array *array, void *to) { memcpy(array->pointer, &to, sizeof to); }
-
 /* ---- surfaces -------------------------------------------------------------------------------- */
 
 static sl_surfaces surfaces_of(const sl_scene *s) {
@@ -113,7 +106,7 @@ static sl_surfaces without_surfaces(const sl_scene *s) {
     sl_surfaces none = {.scene = *s};
     sl_scene_array list[SL_SCENE_ARRAYS];
     sl_scene_arrays(&none.scene, list);
-    for (int k = 0; k < SURFACE_ARRAYS; k++) point(&list[k], NULL);
+    for (int k = 0; k < SURFACE_ARRAYS; k++) sl_scene_array_put(&list[k], NULL);
     none.scene.bicubics = NULL;
     none.scene.object_names = NULL;
     return none;
@@ -130,7 +123,7 @@ static void put(sl_scene *s, const sl_surfaces *surfaces) {
 static void release(sl_surfaces *surfaces) {
     sl_scene_array list[SL_SCENE_ARRAYS];
     sl_scene_arrays(&surfaces->scene, list);
-    for (int k = 0; k < SURFACE_ARRAYS; k++) sl_free(pointer_of(&list[k]));
+    for (int k = 0; k < SURFACE_ARRAYS; k++) sl_free(sl_scene_array_at(&list[k]));
     SL_FREE_ALL(surfaces->scene.bicubics, surfaces->scene.object_names, surfaces->track_of_vertex,
                 surfaces->rest_position, surfaces->rest_normal);
 }
@@ -146,9 +139,9 @@ static bool renew_arrays(sl_scene *s, const sl_scene *old, sl_scene *more, const
     for (int k = 0; k < SURFACE_ARRAYS; k++) {
         const bool by_vertex = k < BY_VERTEX;
         void *array =
-            renewed(pointer_of(&from[k]), by_vertex ? vertices : triangles, pointer_of(&extra[k]),
+            renewed(sl_scene_array_at(&from[k]), by_vertex ? vertices : triangles, sl_scene_array_at(&extra[k]),
                     by_vertex ? more->vertex_count : more->triangle_count, sizeof(float));
-        point(&to[k], array);
+        sl_scene_array_put(&to[k], array);
         there &= array != NULL;
     }
     s->vertex_count = vertices->kept + more->vertex_count;

@@ -47,12 +47,6 @@ void sl_scene_arrays(sl_scene *s, sl_scene_array list[SL_SCENE_ARRAYS]) {
     *list = (sl_scene_array){&s->bicubics, s->bicubic_count * sizeof *s->bicubics, true};
 }
 
-static void *start_of(const sl_scene_array *array) {
-    void *start;
-    memcpy(&start, array->pointer, sizeof start);
-    return start;
-}
-
 static size_t animation_bytes(const sl_scene *s) {
     const size_t a_vertex = sizeof *s->animation->track_of_vertex + sizeof *s->animation->rest_position +
                             sizeof *s->animation->rest_normal;
@@ -119,7 +113,7 @@ void sl_scene_warn(sl_scene *scene, const char *format, ...) {
 void sl_scene_release(sl_scene *s) {
     sl_scene_array arrays[SL_SCENE_ARRAYS];
     sl_scene_arrays(s, arrays);
-    for (int k = 0; k < SL_SCENE_ARRAYS; k++) sl_free(start_of(&arrays[k]));
+    for (int k = 0; k < SL_SCENE_ARRAYS; k++) sl_free(sl_scene_array_at(&arrays[k]));
     for (size_t i = 0; i < s->material_count; i++) sl_free(s->materials[i].name);
     sl_free(s->materials);
     for (size_t i = 0; i < s->texture_count; i++) {
@@ -157,7 +151,7 @@ static void hash_geometry(uint64_t *hash, const sl_scene *scene) {
     sl_scene s = *scene;
     sl_scene_array arrays[SL_SCENE_ARRAYS];
     sl_scene_arrays(&s, arrays);
-    for (int k = 0; k < SL_HASHED_ARRAYS; k++) hash_bytes(hash, start_of(&arrays[k]), arrays[k].bytes);
+    for (int k = 0; k < SL_HASHED_ARRAYS; k++) hash_bytes(hash, sl_scene_array_at(&arrays[k]), arrays[k].bytes);
     for (size_t i = 0; i < s.bicubic_count; i++) {
         const sl_bicubic *b = &s.bicubics[i];
         for (int k = 0; k < 16; k++) hash_vec3(hash, b->point[k / 4][k % 4]);
