@@ -1,6 +1,5 @@
 /* --method auto: which method a scene and a budget ask for, and why. */
-#ifndef SL_APP_AUTO_METHOD_H
-#define SL_APP_AUTO_METHOD_H
+#pragma once
 
 #include "cache/frame/settings.h"
 
@@ -24,5 +23,3 @@ sl_status sl_auto_method(const sl_scene *scene, const sl_settings *settings, con
 /* Replaces the method "auto" in the settings, and says why on stderr unless quiet; other methods stay. */
 sl_status sl_auto_settle(const sl_scene *scene, const sl_auto_budget *budget, bool quiet,
                          sl_settings *settings, sl_error *error);
-
-#endif

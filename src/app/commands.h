@@ -1,8 +1,7 @@
 /* The program's subcommands: each takes the arguments after its own name and returns the exit status:
  * 0, 1 (comparison failed), 2 (usage), 3 (input), 4 (output), 5 (resources), above 128 (cut short by a
  * signal, 128 + its number). */
-#ifndef SL_APP_COMMANDS_H
-#define SL_APP_COMMANDS_H
+#pragma once
 
 enum { SL_EXIT_COMPARISON_FAILED = 1, SL_EXIT_SIGNAL = 128 };
 
@@ -20,5 +19,3 @@ int sl_command_steps(int argc, char **argv);
 int sl_command_check_numerics(int argc, char **argv);
 int sl_command_live(int argc, char **argv);
 int sl_command_serve(int argc, char **argv);
-
-#endif

@@ -1,6 +1,5 @@
 /* Files that one rank gives the others, and folders where they have them. */
-#ifndef SL_APP_FILES_OF_RANKS_H
-#define SL_APP_FILES_OF_RANKS_H
+#pragma once
 
 #include "softlux.h"
 
@@ -14,5 +13,3 @@ void sl_own_folder_remove(const char *folder);
 /* Copies a file of one rank, the giver, to a place of every other one that names one; NULL: it does without.
  * All ranks call it; a failure of one ends the job. */
 sl_status sl_share_file(unsigned giver, const char *from, const char *to, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Each method's settings in one order, from coarse to fine: what --error and --time climb. */
-#ifndef SL_APP_LADDER_H
-#define SL_APP_LADDER_H
+#pragma once
 
 #include "cache/frame/settings.h"
 
@@ -20,5 +19,3 @@ double sl_ladder_cost(const char *method, unsigned step);
 /* Returns the cost of a picture, by counts, which are the same on every machine, in units of one ray of a
  * path tracer. */
 double sl_effort_in_rays(const sl_counters *counters);
-
-#endif

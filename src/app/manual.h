@@ -1,7 +1,6 @@
 /* Manual pages, in the language of man(7), from the same tables as --help, so that the two cannot disagree.
  */
-#ifndef SL_APP_MANUAL_H
-#define SL_APP_MANUAL_H
+#pragma once
 
 #include "app/commands.h"
 #include "app/options.h"
@@ -21,5 +20,3 @@ const char *sl_setting_flag(const sl_setting *setting);
 void sl_setting_help(const sl_setting *setting, char *text, size_t room);
 /* Prints all of them, method by method. */
 void sl_print_settings(void);
-
-#endif

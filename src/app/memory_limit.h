@@ -1,7 +1,6 @@
 /* --memory as the system's limit, too: what is taken while a scene loads cannot be worked out before, and
  * what a method says may be wrong. */
-#ifndef SL_APP_MEMORY_LIMIT_H
-#define SL_APP_MEMORY_LIMIT_H
+#pragma once
 
 #include "cache/frame/settings.h"
 
@@ -14,5 +13,3 @@ sl_status sl_load_within_memory(const char *path, const sl_load_options *load, c
 /* For shows, where every frame takes what the one before gave back: the system need not take it and clear it
  * in between. Where memory is limited nothing is kept. */
 void sl_keep_freed_memory(const sl_settings *settings);
-
-#endif

@@ -1,7 +1,6 @@
 /* Command lines from tables: `--name value`, `--name=value`, `-n value`, flags, `--`, operands in any order;
  * `--help` and `--man` are printed from the same table, so that they cannot disagree. */
-#ifndef SL_APP_OPTIONS_H
-#define SL_APP_OPTIONS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -83,5 +82,3 @@ bool sl_options_parse(const sl_command_line *line, int argc, char **argv, const 
 /* Hands out every option of a command as a help page shows it. */
 typedef void (*sl_option_printer)(char letter, const char *name, const char *unit, const char *help);
 void sl_each_option(const sl_command_line *line, sl_option_printer print);
-
-#endif

@@ -1,7 +1,6 @@
 /* Output for people and for programs: lines on stderr, JSON, and pages that hold everything they show and
  * fetch nothing: a style, data as JSON, and a script that makes the page of it. */
-#ifndef SL_APP_PAGE_H
-#define SL_APP_PAGE_H
+#pragma once
 
 #include "softlux.h"
 
@@ -44,5 +43,3 @@ void sl_put_escaped(FILE *out, const char *text);
 char *sl_base_64(const void *bytes, size_t count);
 /* As PNG in base 64, which the caller frees; NULL: no memory. tone: of radiance; else values as they are. */
 char *sl_picture_text(const sl_image *image, bool tone);
-
-#endif

@@ -1,6 +1,5 @@
 /* The work of `softlux render`: a method is run, and its pictures are written, one or a series. */
-#ifndef SL_APP_PICTURE_H
-#define SL_APP_PICTURE_H
+#pragma once
 
 #include "app/options.h"
 #include "cache/frame/settings.h"
@@ -79,5 +78,3 @@ cJSON *sl_picture_json(const sl_render_options *options, const sl_scene *scene, 
 /* Runs a method to its end; fails where that takes longer than so many seconds. */
 sl_status sl_picture_make(const sl_scene *scene, const sl_settings *settings, double seconds,
                           sl_image **image, sl_error *error);
-
-#endif

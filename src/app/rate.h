@@ -1,7 +1,6 @@
 /* Measures how many samples a second the updates of a show take on this machine, and tells the method: by
  * that it decides how fine patches may be while things move. */
-#ifndef SL_APP_RATE_H
-#define SL_APP_RATE_H
+#pragma once
 
 #include "cache/frame/settings.h"
 
@@ -16,5 +15,3 @@ typedef struct sl_rate {
  * state. */
 sl_status sl_rate_tell(sl_rate *rate, sl_live *live, const sl_settings *settings, const sl_live_state *frame,
                        sl_error *error);
-
-#endif

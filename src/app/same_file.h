@@ -1,6 +1,5 @@
 /* Files that a command writes must not take the place of those that it reads, or of each other. */
-#ifndef SL_APP_SAME_FILE_H
-#define SL_APP_SAME_FILE_H
+#pragma once
 
 #include "softlux.h"
 
@@ -25,5 +24,3 @@ sl_status sl_make_folder(const char *folder, const char *name, sl_error *error);
 /* Tells whether there is one %d, %4d or %04d, and no other %. */
 bool sl_frame_pattern_is_good(const char *pattern);
 void sl_frame_name(const char *pattern, unsigned long long frame, char *name, size_t size);
-
-#endif

@@ -1,6 +1,5 @@
 /* A scene that all ranks render: the first one reads it. */
-#ifndef SL_APP_SCENE_OF_RANKS_H
-#define SL_APP_SCENE_OF_RANKS_H
+#pragma once
 
 #include "cache/frame/settings.h"
 
@@ -8,5 +7,3 @@
  * INPUT: it is not the same scene everywhere. */
 sl_status sl_load_for_ranks(const char *path, const sl_load_options *load, const sl_settings *settings,
                             sl_scene **scene, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* The frames of a show as files: numbered PNGs, or one stream that players take (YUV4MPEG2, uncompressed). */
-#ifndef SL_APP_SHOW_FILES_H
-#define SL_APP_SHOW_FILES_H
+#pragma once
 
 #include "image/output_file.h"
 
@@ -26,5 +25,3 @@ sl_status sl_show_files_write(sl_show_files *files, const sl_image *frame, sl_to
                               uint64_t times, sl_error *error);
 /* Lets what went well so far appear under its name; else nothing does. */
 sl_status sl_show_files_close(sl_show_files *files, bool well, sl_error *error);
-
-#endif

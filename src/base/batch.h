@@ -1,8 +1,7 @@
 /* Batches: independent work of one kind. Item i reads the batch's context and its index alone, and writes one
  * result of fixed size; the caller commits results in the order of their indices, so that a picture has the
  * same bits at any number of workers, wherever they work. */
-#ifndef SL_BASE_BATCH_H
-#define SL_BASE_BATCH_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -39,5 +38,3 @@ void sl_batch_run(const sl_batch *batch, unsigned threads, sl_counters *counters
 
 /* Tells whether an item that ranks share out is at work on this thread: others do not do the same. */
 bool sl_batch_is_own_work(void);
-
-#endif

@@ -1,6 +1,5 @@
 /* Choices of options, in the order in which the table of options names them (cache/frame/options.h). */
-#ifndef SL_BASE_CHOICES_H
-#define SL_BASE_CHOICES_H
+#pragma once
 
 /* A place on a method's curve of speed against error: settings that are left at 0 follow it. */
 typedef enum sl_quality { SL_QUALITY_DRAFT, SL_QUALITY_NORMAL, SL_QUALITY_HIGH } sl_quality;
@@ -118,5 +117,3 @@ typedef enum sl_pixel_selection {
     SL_PIXELS_HIT_AND_TEST, /* the paper's: random pixels, accepted by priority, and flood fill from them */
     SL_PIXELS_SORTED       /* the highest priorities first: what the paper compares with */
 } sl_pixel_selection;
-
-#endif

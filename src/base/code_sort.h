@@ -1,6 +1,5 @@
 /* Things in the order of a code, such as their place along the Morton curve (morton.h). */
-#ifndef SL_BASE_CODE_SORT_H
-#define SL_BASE_CODE_SORT_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -12,5 +11,3 @@ typedef struct sl_coded {
 
 /* Sorts by code, then by item, in place. */
 void sl_sort_coded(sl_coded *list, size_t count);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SL_BASE_COUNTERS_H
-#define SL_BASE_COUNTERS_H
+#pragma once
 
 #include "softlux.h"
 
@@ -8,5 +7,3 @@ static inline void sl_count(sl_counters *counters, sl_counter counter, uint64_t 
 }
 void sl_counters_add(sl_counters *sum, const sl_counters *other);
 void sl_counters_subtract(sl_counters *from, const sl_counters *other);
-
-#endif

@@ -1,6 +1,5 @@
 /* Filling an sl_error. `error` may be NULL everywhere. */
-#ifndef SL_BASE_ERROR_H
-#define SL_BASE_ERROR_H
+#pragma once
 
 #include "softlux.h"
 
@@ -19,5 +18,3 @@ const char *sl_outside_text(double value, double low, double high, char text[32]
 /* Returns what a system call that failed with this errno failed for: resources (no memory, no more files), or
  * as its caller says. */
 sl_status sl_status_of_errno(int reason, sl_status otherwise);
-
-#endif

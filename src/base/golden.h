@@ -1,6 +1,5 @@
 /* The order of visits in which each place is far from the one before: steps of the golden ratio. */
-#ifndef SL_BASE_GOLDEN_H
-#define SL_BASE_GOLDEN_H
+#pragma once
 
 #include <stdint.h>
 
@@ -20,5 +19,3 @@ static inline uint64_t sl_golden_step(uint64_t count) {
     while (step > 1 && sl_greatest_common_divisor(step, count) != 1) step--;
     return step > 1 ? step : 1;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Arrays that grow. */
-#ifndef SL_BASE_GROW_H
-#define SL_BASE_GROW_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,5 +15,3 @@ bool sl_make_room(void *block, size_t count, size_t *room, size_t size);
 /* A quarter more, or what is needed if that is more still: room for one more without holding much more than
  * is used. */
 size_t sl_grown_capacity(size_t capacity, size_t needed);
-
-#endif

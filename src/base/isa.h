@@ -3,8 +3,7 @@
  * the same bits: no contraction, element-wise loops, reductions in fixed lanes. The environment variable
  * SOFTLUX_ISA=baseline|avx2|avx512 lowers the choice (tests use it to compare); a build with SL_BASELINE_ONLY
  * has the baseline variant alone, as have processors other than x86-64. */
-#ifndef SL_BASE_ISA_H
-#define SL_BASE_ISA_H
+#pragma once
 
 typedef enum sl_isa { SL_ISA_BASELINE, SL_ISA_AVX2, SL_ISA_AVX512, SL_ISAS } sl_isa;
 
@@ -28,6 +27,4 @@ const char *sl_isa_name(sl_isa isa);
     result name##_baseline arguments, name##_avx2 arguments, name##_avx512 arguments
 #define SL_KERNEL_OF(isa, name) \
     ((isa) == SL_ISA_AVX512 ? name##_avx512 : (isa) == SL_ISA_AVX2 ? name##_avx2 : name##_baseline)
-#endif
-
 #endif

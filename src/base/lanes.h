@@ -2,8 +2,7 @@
  * about them. (With arrays and loops instead, compilers keep them in memory, and a loop that collects bits
  * costs as much as a test; vectors wider than the machine's are compared lane by lane, ten times slower.) The
  * operators + - * & | and comparisons work lane by lane, a comparison giving all ones or 0. */
-#ifndef SL_BASE_LANES_H
-#define SL_BASE_LANES_H
+#pragma once
 
 #include <stdint.h>
 #include <string.h>
@@ -110,5 +109,3 @@ static inline uint32_t sl_bits16_count(uint32_t bits) {
     return (bits + (bits >> 8)) & 0x1fu;
 #endif
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* Elementary functions that give the same bits on every machine: libm's may differ between versions and CPUs,
  * these are built of + - * / and sqrt only. Error bounds are tested (tests/base/test_base_math.c) and hold
  * for all finite arguments in the stated ranges; guarded arguments are said per function. */
-#ifndef SL_BASE_MATH_H
-#define SL_BASE_MATH_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -154,5 +153,3 @@ static inline void sl_sincos_turnf(float u, float *sine, float *cosine) {
     *sine = sl_float_of_bits(sl_float_bits(a) ^ sine_sign);
     *cosine = sl_float_of_bits(sl_float_bits(b) ^ cosine_sign);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Allocation with overflow checks; 64-byte aligned, zeroed. NULL on failure or overflow; count 0 gives a
  * valid block. */
-#ifndef SL_BASE_MEMORY_H
-#define SL_BASE_MEMORY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -20,5 +19,3 @@ void sl_free(void *block); /* NULL is allowed; only for blocks of sl_allocate() 
 #define SL_FREE_ALL(...) \
     sl_free_all((void *[]){__VA_ARGS__}, sizeof((void *[]){__VA_ARGS__}) / sizeof(void *))
 void sl_free_all(void *const blocks[], size_t count);
-
-#endif

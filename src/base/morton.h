@@ -1,6 +1,5 @@
 /* Morton codes: the bits of three coordinates interleaved, so that what is near in space is near in order. */
-#ifndef SL_BASE_MORTON_H
-#define SL_BASE_MORTON_H
+#pragma once
 
 #include <stdint.h>
 
@@ -31,5 +30,3 @@ static inline uint32_t sl_morton_gather(uint64_t v) {
 static inline void sl_morton_decode(uint64_t code, uint32_t cell[3]) {
     for (int axis = 0; axis < 3; axis++) cell[axis] = sl_morton_gather(code >> axis);
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SL_BASE_OCTAHEDRAL_H
-#define SL_BASE_OCTAHEDRAL_H
+#pragma once
 
 #include "base/vec.h"
 
@@ -17,5 +16,3 @@ static inline sl_vec3 sl_octahedral_point(float u, float v) {
     if (z < 0.0f) return sl_v3(copysignf(1.0f - fabsf(v), u), copysignf(1.0f - fabsf(u), v), z);
     return sl_v3(u, v, z);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Parallel loops. A task's result may depend on its index and never on the worker, which only chooses scratch
  * memory; so results are the same at any number of threads. */
-#ifndef SL_BASE_PARALLEL_H
-#define SL_BASE_PARALLEL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,5 +16,3 @@ void sl_parallel_for(unsigned threads, size_t count, sl_task *task, void *contex
 unsigned sl_threads_to_be_had(unsigned wanted);
 /* threads, or the number of processors where threads is 0; at least 1, at most 256. */
 unsigned sl_thread_count(unsigned threads);
-
-#endif

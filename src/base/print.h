@@ -1,7 +1,6 @@
 /* Numbers are printed and read with a decimal point, whatever the locale of the program that the library is a
  * part of: many have a comma. */
-#ifndef SL_BASE_PRINT_H
-#define SL_BASE_PRINT_H
+#pragma once
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,5 +14,3 @@ __attribute__((format(printf, 3, 0))) int sl_print_list(char *text, size_t size,
  * takes what the first returned. */
 void *sl_c_locale_begin(void);
 void sl_c_locale_end(void *before);
-
-#endif

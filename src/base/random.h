@@ -1,8 +1,7 @@
 /* Random numbers as a pure function of (seed, stream, index): no state, so any order of evaluation and any
  * number of threads gives the same numbers. The mixing is that of Widynski's "Squares" generator (2020, four
  * rounds), keyed by a SplitMix64 hash of seed and stream. */
-#ifndef SL_BASE_RANDOM_H
-#define SL_BASE_RANDOM_H
+#pragma once
 
 #include <stdint.h>
 #include <string.h>
@@ -55,5 +54,3 @@ static inline uint32_t sl_van_der_corput(uint32_t i) {
     i = ((i & 0x33333333u) << 2) | ((i & 0xccccccccu) >> 2);
     return ((i & 0x55555555u) << 1) | ((i & 0xaaaaaaaau) >> 1);
 }
-
-#endif

@@ -3,8 +3,7 @@
  * knows of them, and a picture has the same bits with any number of ranks.
  *
  * ranks_alone.c is a process by itself, without MPI; ../mpi/ranks.c those that mpirun starts (make MPI=1). */
-#ifndef SL_BASE_RANKS_H
-#define SL_BASE_RANKS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -49,5 +48,3 @@ bool sl_ranks_recall(const sl_batch_plane *planes, unsigned plane_count, size_t 
 
 /* Gives all ranks the bytes of one of them. */
 void sl_ranks_tell(unsigned teller, void *bytes, size_t count);
-
-#endif

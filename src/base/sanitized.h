@@ -1,7 +1,6 @@
 /* 1 where the program is watched by a sanitizer of addresses or of threads, which takes several times the
  * memory and the time, reserves terabytes of addresses, and tells of crashes itself. */
-#ifndef SL_BASE_SANITIZED_H
-#define SL_BASE_SANITIZED_H
+#pragma once
 
 #if defined __has_feature
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
@@ -13,6 +12,4 @@
 #endif
 #ifndef SL_SANITIZED
 #define SL_SANITIZED 0
-#endif
-
 #endif

@@ -1,8 +1,7 @@
 /* A thread that runs beside the caller's, and the lock under which the two meet: for what goes on at its own
  * pace, as samples do beside the display. Loops over data are parallel.h's. POSIX threads rather than those
  * of C11: the thread sanitizer sees through these alone. */
-#ifndef SL_BASE_THREAD_H
-#define SL_BASE_THREAD_H
+#pragma once
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -33,5 +32,3 @@ typedef struct sl_thread {
 /* The thread stays where it is until it is joined. False: no thread could be had. */
 bool sl_thread_start(sl_thread *thread, void (*run)(void *context), void *context);
 void sl_thread_join(sl_thread *thread); /* waits for its end */
-
-#endif

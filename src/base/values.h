@@ -1,7 +1,6 @@
 /* Values as people write them in options, read with a decimal point whatever the locale. What is expected
  * otherwise is told in *error, for the caller to put the option's name before it. */
-#ifndef SL_BASE_VALUES_H
-#define SL_BASE_VALUES_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -28,5 +27,3 @@ bool sl_ends_with(const char *text, const char *ending);
 /* Returns the candidate nearest to a misspelt word: one that begins with it, or it with that, or by edit
  * distance, upper and lower case being the same; NULL if none is near. */
 const char *sl_nearest_word(const char *word, const char *const *candidates, size_t count);
-
-#endif

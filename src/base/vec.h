@@ -1,8 +1,7 @@
 /* Small vectors and colours, in float (what the simulated hardware computes in) and in double (what sums and
  * geometric predicates need). Plain values; every operation is one rounding per component, in the order
  * written. */
-#ifndef SL_BASE_VEC_H
-#define SL_BASE_VEC_H
+#pragma once
 
 #include <float.h>
 #include <math.h>
@@ -138,5 +137,3 @@ static inline bool sl_rgb_is_black(sl_rgb a) { return !(sl_rgb_max(a) > 0.0f); }
 static inline bool sl_rgb_is_finite(sl_rgb a) { return isfinite(a.r) && isfinite(a.g) && isfinite(a.b); }
 /* Rec. 709 luminance. */
 static inline float sl_luminance(sl_rgb a) { return 0.2126f * a.r + 0.7152f * a.g + 0.0722f * a.b; }
-
-#endif

@@ -1,7 +1,6 @@
 /* The picture formats, each a pair of functions between bytes and images. Readers get the whole file: `path`
  * names it in errors only. */
-#ifndef SL_IMAGE_FORMATS_H
-#define SL_IMAGE_FORMATS_H
+#pragma once
 
 #include "image/output_file.h"
 
@@ -67,5 +66,3 @@ bool sl_jpeg_recognise(const sl_bytes *bytes);
 bool sl_jpeg_tables_are_sound(const sl_bytes *bytes);
 sl_status sl_stb_decode(const sl_bytes *bytes, int *width, int *height, bool *has_alpha, uint8_t **rgba,
                         sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Perceptual metrics on pairs of tone-mapped pictures, and the convolution that they share. */
-#ifndef SL_IMAGE_METRICS_H
-#define SL_IMAGE_METRICS_H
+#pragma once
 
 #include "softlux.h"
 
@@ -33,5 +32,3 @@ sl_status sl_flip(const sl_picture_pair *pictures, double *mean, sl_error *error
  */
 sl_status sl_image_colour_planes(const sl_image *image, const char *which, const float *planes[3],
                                  sl_error *error);
-
-#endif

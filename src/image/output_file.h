@@ -1,8 +1,7 @@
 /* Files that appear whole or not at all: the bytes go to a file beside the target, NAME.PROCESS-NUMBER.part,
  * which takes the target's name only when everything is on the disk. A failure, at any point, leaves what was
  * there before and nothing else; a process that is killed leaves the part too, in nobody's way. */
-#ifndef SL_IMAGE_OUTPUT_FILE_H
-#define SL_IMAGE_OUTPUT_FILE_H
+#pragma once
 
 #include "softlux.h"
 
@@ -35,5 +34,3 @@ sl_status sl_output_close(sl_output_file *file, sl_status written, sl_error *err
 void sl_output_discard(sl_output_file *file);
 /* Writes a file of these bytes. */
 sl_status sl_output_whole(const char *path, const void *data, size_t bytes, sl_error *error);
-
-#endif

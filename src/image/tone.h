@@ -1,6 +1,5 @@
 /* From radiance to the 8-bit sRGB of a PNG. */
-#ifndef SL_IMAGE_TONE_H
-#define SL_IMAGE_TONE_H
+#pragma once
 
 #include "softlux.h"
 
@@ -20,5 +19,3 @@ double sl_tone_stops(const sl_image *image, sl_tone tone);
 #define SL_TONE_AUTOMATIC_KEY "softlux.exposure_automatic"
 /* "clip", "reinhard"; NULL past the end. */
 const char *sl_tone_curve_name(size_t index);
-
-#endif

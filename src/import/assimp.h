@@ -1,6 +1,5 @@
 /* From what Assimp made of a file to a model. */
-#ifndef SL_IMPORT_ASSIMP_H
-#define SL_IMPORT_ASSIMP_H
+#pragma once
 
 #include <assimp/scene.h>
 
@@ -26,5 +25,3 @@ bool sl_import_uvs(const struct aiScene *scene, const cJSON *gltf, const struct 
  * and the file has not. It must be whole, and the file long enough for what it announces. Files that neither
  * are named so nor begin so pass. */
 sl_status sl_ply_check(const char *path, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* The files that Assimp opens while it reads one: material libraries, buffers, whatever a format can name. */
-#ifndef SL_IMPORT_FILES_H
-#define SL_IMPORT_FILES_H
+#pragma once
 
 #include <assimp/cfileio.h>
 
@@ -16,5 +15,3 @@ typedef struct sl_import_files {
 } sl_import_files;
 
 void sl_import_files_init(sl_import_files *files, const char *path, sl_model *model, sl_error *error);
-
-#endif

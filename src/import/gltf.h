@@ -1,6 +1,5 @@
 /* Facts of a glTF file that Assimp does not pass on, or not exactly. */
-#ifndef SL_IMPORT_GLTF_H
-#define SL_IMPORT_GLTF_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -24,5 +23,3 @@ double sl_gltf_vertical_fov(const cJSON *gltf, const char *node);
 double sl_gltf_emissive_strength(const cJSON *gltf, const char *material); /* 1 where it is not given */
 /* Of the base texture, or that of the diffuse colour. */
 sl_gltf_transform sl_gltf_base_transform(const cJSON *gltf, const char *material);
-
-#endif

@@ -1,6 +1,5 @@
 /* How a rank begins, ends them all, and tells that it is still there. */
-#ifndef SL_MPI_END_H
-#define SL_MPI_END_H
+#pragma once
 
 #include <stdint.h>
 
@@ -21,5 +20,3 @@ _Noreturn void sl_ranks_end(unsigned rank, const char *why);
 void sl_heartbeat_start(void);
 /* When all have come here: nobody is missed who has done his work. */
 void sl_heartbeat_stop(void);
-
-#endif

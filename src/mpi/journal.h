@@ -1,7 +1,6 @@
 /* The journal of a call, in a file of the first rank's: what its batches have brought (base/batch.h), so that
  * a call that was ended can be gone on with, by as many ranks as there are then. */
-#ifndef SL_MPI_JOURNAL_H
-#define SL_MPI_JOURNAL_H
+#pragma once
 
 #include <stdint.h>
 
@@ -18,5 +17,3 @@ void sl_ranks_journal_note(const sl_batch_plane *planes, unsigned plane_count, s
                              const sl_counters *counted);
 /* When the call is done. */
 void sl_ranks_journal_remove(void);
-
-#endif

@@ -6,8 +6,7 @@
  *       4  5  6  7     part 1
  *       0  1  2  3     part 0
  *         SSE2                           AVX2                     AVX-512                    */
-#ifndef SL_RASTER_BLOCK_H
-#define SL_RASTER_BLOCK_H
+#pragma once
 
 #include "base/lanes.h"
 
@@ -68,5 +67,3 @@ static inline void sl_block_rows(const uint32_t *blocks, uint32_t *to, size_t st
     }
 #endif
 }
-
-#endif

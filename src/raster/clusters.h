@@ -1,6 +1,5 @@
 /* The hardware's geometry: triangles that lie together, with bounds around them (clusters.c made them). */
-#ifndef SL_RASTER_CLUSTERS_H
-#define SL_RASTER_CLUSTERS_H
+#pragma once
 
 #include "raster/raster.h"
 
@@ -41,5 +40,3 @@ static inline sl_vec3 sl_mesh_position(const sl_raster_mesh *m, uint32_t vertex)
 /* Bounds around vertices (clusters.c). */
 void sl_bound_cluster(sl_raster *raster, size_t cluster, const float *x, const float *y, const float *z,
                       size_t count);
-
-#endif

@@ -18,8 +18,7 @@
  *
  * The depth test is a total order (nearer first, then lower triangle index), so the order in which clusters
  * are drawn cannot be seen in the picture: it is as if the triangles had been submitted in index order. */
-#ifndef SL_RASTER_PIPELINE_H
-#define SL_RASTER_PIPELINE_H
+#pragma once
 
 #include "base/counters.h"
 #include "raster/tile.h"
@@ -102,5 +101,3 @@ void sl_tile_draw(const sl_raster *raster, const sl_view *view, const sl_pass_vi
 /* Counts a render. */
 void sl_pass_count(const sl_raster *raster, const sl_visible *visible, const sl_cluster_fate *fate,
                    sl_counters *counters);
-
-#endif

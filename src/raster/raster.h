@@ -14,8 +14,7 @@
  *
  * Counters are added to, and wanted; an error may be NULL.
  */
-#ifndef SL_RASTER_RASTER_H
-#define SL_RASTER_RASTER_H
+#pragma once
 
 #include "base/isa.h"
 #include "scene/scene.h"
@@ -293,5 +292,3 @@ void sl_raster_reduce(const float *planes, int size, int channels, int final, fl
 
 /* Copies a bottom-first plane into top-first order. */
 void sl_raster_flip(const float *plane, int width, int height, float *image_plane);
-
-#endif

@@ -10,8 +10,7 @@
  *      +---- +--+--+--+ ---- x              block 0       block 1
  *
  * Small triangles touch few blocks, where they would touch many rows. */
-#ifndef SL_RASTER_TILE_H
-#define SL_RASTER_TILE_H
+#pragma once
 
 #include "raster/clusters.h"
 #include "raster/view.h"
@@ -51,5 +50,3 @@ static inline size_t sl_tile_index(const sl_tile *tile, int x, int y) {
     int i = x - tile->left, j = y - tile->low;
     return (size_t)(((j >> 2) * tile->blocks_x + (i >> 2)) * SL_LANES + (j & 3) * SL_BLOCK + (i & 3));
 }
-
-#endif

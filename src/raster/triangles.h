@@ -1,7 +1,6 @@
 /* Triangles on their way from a cluster to the pixels: transformed vertices, classes, what is left after
  * clipping, edge functions and depth planes. */
-#ifndef SL_RASTER_TRIANGLES_H
-#define SL_RASTER_TRIANGLES_H
+#pragma once
 
 #include "raster/clusters.h"
 #include "raster/view.h"
@@ -174,5 +173,3 @@ static inline void sl_batch_append(const sl_raster *raster, const sl_vertex_buff
  * are vertices of the buffer. At most SL_CLIP_TRIANGLES; returns how many. */
 uint32_t sl_clip_triangle(const sl_pass_view *view, const sl_vertex_buffer *vertices,
                           const uint16_t corner[3], sl_triangle_batch *batch);
-
-#endif

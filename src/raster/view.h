@@ -1,6 +1,5 @@
 /* The constants of one view, and what clipping by its planes says of a vertex. */
-#ifndef SL_RASTER_VIEW_H
-#define SL_RASTER_VIEW_H
+#pragma once
 
 #include <math.h>
 
@@ -56,5 +55,3 @@ typedef struct sl_pass_view {
 
 /* The view's constants for a target of this size. */
 sl_pass_view sl_pass_view_make(const sl_view *view, int width, int height);
-
-#endif

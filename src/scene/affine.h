@@ -1,6 +1,5 @@
 /* Affine maps in double: node transforms, the turn from z up to y up, keyframes. */
-#ifndef SL_SCENE_AFFINE_H
-#define SL_SCENE_AFFINE_H
+#pragma once
 
 #include "base/vec.h"
 
@@ -93,5 +92,3 @@ static inline sl_vec3 sl_unit_or(sl_vec3 a, sl_vec3 fallback) {
     const sl_vec3d d = sl_to_double(a);
     return fabs(sl_dotd(d, d) - 1.0) < 0x1p-22 ? a : sl_normalize_or(a, fallback);
 }
-
-#endif

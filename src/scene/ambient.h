@@ -2,8 +2,7 @@
  * area of all surfaces. In a closed cavity of one reflectance that is what one bounce brings on the average,
  * and in a sphere what it brings everywhere. The environment adds its mean over all directions, as if nothing
  * stood before it. */
-#ifndef SL_SCENE_AMBIENT_H
-#define SL_SCENE_AMBIENT_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -17,5 +16,3 @@ double sl_mean_reflectance(const sl_scene *scene);
 
 /* 0 where it is not finite. */
 double sl_triangle_area(const sl_scene *scene, size_t triangle);
-
-#endif

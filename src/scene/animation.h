@@ -1,7 +1,6 @@
 /* Keyframes of objects, lights and camera. A state is a pure function of the time: what moves is always
  * placed from its rest state, never from where it was. */
-#ifndef SL_SCENE_ANIMATION_H
-#define SL_SCENE_ANIMATION_H
+#pragma once
 
 #include "scene/affine.h"
 #include "scene/scene.h"
@@ -68,5 +67,3 @@ typedef struct sl_placement {
 sl_status sl_animation_place(sl_scene *scene, size_t count, const sl_placement *placement, unsigned *changes,
                              sl_error *error);
 void sl_animation_destroy(sl_animation *animation); /* NULL is allowed */
-
-#endif

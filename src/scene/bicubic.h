@@ -1,6 +1,5 @@
 /* Bicubic Bezier surfaces: points and normals of the surface itself, and its triangles in the scene. */
-#ifndef SL_SCENE_BICUBIC_H
-#define SL_SCENE_BICUBIC_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -20,5 +19,3 @@ bool sl_bicubic_has_area(const sl_bicubic *surface);
 /* The scene triangle of a cell: half 0 has (+1, 0) for a corner, half 1 (0, +1). SL_NO_INDEX where it has no
  * area. */
 uint32_t sl_bicubic_triangle(const sl_scene *scene, const sl_bicubic *surface, int column, int row, int half);
-
-#endif

@@ -1,7 +1,6 @@
 /* Bump and parallax mapping: shading normals and colours as if the surface rose and fell by a height map. The
  * surface itself stays where it is: visibility, silhouettes and shadows do not change. */
-#ifndef SL_SCENE_BUMP_H
-#define SL_SCENE_BUMP_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -14,5 +13,3 @@ static inline bool sl_material_is_bumpy(const sl_material *m) {
  * surfaces"). surface: position, normals, side and material are there; to_viewer need not be unit. */
 void sl_bump(const sl_scene *scene, uint32_t triangle, sl_vec3 to_viewer, float *u, float *v,
              sl_surface *surface);
-
-#endif

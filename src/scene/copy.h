@@ -1,8 +1,7 @@
 /* A copy of a scene: what keyframes and cameras move is its own, all the rest is the scene's. So two threads
  * can have the same scene at two times: what is shown follows at once, while samples are still taken where
  * things were. */
-#ifndef SL_SCENE_COPY_H
-#define SL_SCENE_COPY_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -13,5 +12,3 @@ sl_status sl_scene_copy(const sl_scene *scene, sl_scene **scene_copy, sl_error *
 size_t sl_scene_copy_bytes(const sl_scene *scene);
 /* NULL is allowed; not sl_scene_destroy(), which would take the scene along */
 void sl_scene_copy_destroy(sl_scene *scene_copy);
-
-#endif

@@ -1,7 +1,6 @@
 /* Geometric normals, emitters and bounds: they follow from the triangles, and are computed again whenever
  * these move. */
-#ifndef SL_SCENE_DERIVE_H
-#define SL_SCENE_DERIVE_H
+#pragma once
 
 #include <string.h>
 
@@ -64,5 +63,3 @@ sl_status sl_lights_check(sl_scene *scene, sl_error *error);
 
 char *sl_string_copy(const char *text); /* NULL: ""; release with sl_free() */
 void sl_strings_free(char **list, size_t count); /* NULL: none */
-
-#endif

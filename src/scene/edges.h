@@ -1,7 +1,6 @@
 /* Where triangles meet. A scene's vertices are split by normal and texture coordinates, so positions tell
  * which corners meet: equal bits, equal place (-0 is 0). */
-#ifndef SL_SCENE_EDGES_H
-#define SL_SCENE_EDGES_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -39,5 +38,3 @@ static inline sl_half_edge sl_half_edge_of(const sl_half_edges *e, uint32_t inde
 static inline sl_half_edge sl_half_edge_at(const sl_half_edges *e, size_t i) {
     return sl_half_edge_of(e, e->index[i]);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* The contents of a scene, on which plans are made: one look over materials, lights and triangles. */
-#ifndef SL_SCENE_FEATURES_H
-#define SL_SCENE_FEATURES_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -15,5 +14,3 @@ typedef struct sl_features {
 sl_features sl_scene_features(const sl_scene *scene);
 /* Tells whether any of a few dozen rays through the camera's picture hits something. */
 bool sl_scene_is_in_view(const sl_scene *scene);
-
-#endif

@@ -1,6 +1,5 @@
 /* Small things that all readers need: paths and names. */
-#ifndef SL_SCENE_FILE_H
-#define SL_SCENE_FILE_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -33,5 +32,3 @@ typedef struct sl_names {
 /* Finds the number of a name, or adds it. False: there is no memory. */
 bool sl_names_find(sl_names *names, const char *name, uint32_t *number);
 void sl_names_release(sl_names *names);
-
-#endif

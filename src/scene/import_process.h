@@ -1,7 +1,6 @@
 /* The importer (Assimp) at work in a process of its own, softlux-import: some damaged files lead it astray,
  * and a library has to live on. */
-#ifndef SL_SCENE_IMPORT_PROCESS_H
-#define SL_SCENE_IMPORT_PROCESS_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -28,5 +27,3 @@ sl_import_limits sl_import_limits_of(const char *path);
  * halves is an input error; one that cannot be started, or has no memory, an error of resources. */
 sl_status sl_import_run(const char *path, const sl_affine *placement, const char *folder,
                         sl_import_limits limits, void **reply, size_t *size, sl_error *error);
-
-#endif

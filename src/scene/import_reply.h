@@ -1,7 +1,6 @@
 /* The answer of the importer's process: what came of a file, and the model of what is in it. Written there
  * and read here, as a stranger's file is: the importer may have run astray. */
-#ifndef SL_SCENE_IMPORT_REPLY_H
-#define SL_SCENE_IMPORT_REPLY_H
+#pragma once
 
 #include <stdio.h>
 
@@ -21,5 +20,3 @@ uint64_t sl_import_reply_bytes(const void *header);
  * indices are below their lists' lengths; numbers may be any. Failing names the path. */
 sl_status sl_import_reply_read(const char *path, const void *reply, size_t size, sl_model *model,
                                sl_error *error);
-
-#endif

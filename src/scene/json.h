@@ -1,8 +1,7 @@
 /* Reading JSON with errors that a person can act on: file, line, what was expected. The first error sticks:
  * whoever reads on reads nothing more, so that a reader asks for everything in order and looks at `status`
  * once. */
-#ifndef SL_SCENE_JSON_H
-#define SL_SCENE_JSON_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -57,5 +56,3 @@ const char *sl_json_string(sl_json *json, const cJSON *item); /* NULL where it i
 size_t sl_json_entries(sl_json *json, const cJSON *item);
 /* The same, of what must be an array. */
 size_t sl_json_array(sl_json *json, const cJSON *item);
-
-#endif

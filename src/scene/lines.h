@@ -1,6 +1,5 @@
 /* Text files line by line, and the words and numbers of a line. */
-#ifndef SL_SCENE_LINES_H
-#define SL_SCENE_LINES_H
+#pragma once
 
 #include "softlux.h"
 
@@ -41,5 +40,3 @@ char *sl_read_number(char *at, float *value);
 /* Writes a finite number with as few digits, six at least, as read back to the same bits; returns text. */
 enum { SL_NUMBER_ROOM = 32 };
 const char *sl_write_number(float value, char text[SL_NUMBER_ROOM]);
-
-#endif

@@ -1,7 +1,6 @@
 /* Mesh files of any kind that the importer (Assimp, in a process of its own) reads, and those that are text
  * and read here, where every mistake has its line. */
-#ifndef SL_SCENE_MESH_FILE_H
-#define SL_SCENE_MESH_FILE_H
+#pragma once
 
 #include "scene/model.h"
 
@@ -13,5 +12,3 @@ sl_status sl_mesh_file_load(const char *path, const sl_affine *placement, sl_mod
 sl_status sl_obj_file_load(const char *path, const sl_affine *placement, sl_model *model, sl_error *error);
 sl_status sl_bicubic_file_load(const char *path, const sl_affine *placement, sl_model *model,
                                sl_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* A scene while it is being made: whatever it comes from (files, the importer's process, arrays) is added
  * here, and sl_model_build() checks it and makes the scene. */
-#ifndef SL_SCENE_MODEL_H
-#define SL_SCENE_MODEL_H
+#pragma once
 
 #include "scene/affine.h"
 #include "scene/scene.h"
@@ -92,5 +91,3 @@ sl_status sl_model_texture(sl_model *model, const char *path, const void *memory
  * that they ran on. Of what can be meant, the first file that is there and may be read. `name` is changed. */
 sl_status sl_model_texture_beside(sl_model *model, const char *mesh_file, char *name, uint32_t *index,
                                   sl_error *error);
-
-#endif

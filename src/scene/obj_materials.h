@@ -1,7 +1,6 @@
 /* The materials of an OBJ file in its model: those of its libraries (MTL), and those that it names and no
  * library has. */
-#ifndef SL_SCENE_OBJ_MATERIALS_H
-#define SL_SCENE_OBJ_MATERIALS_H
+#pragma once
 
 #include "scene/file.h"
 #include "scene/model.h"
@@ -32,5 +31,3 @@ sl_status sl_obj_materials_read(sl_obj_materials *materials, const char *path, s
 /* Makes mirrors of what all that was read says are some. */
 void sl_obj_materials_finish(sl_obj_materials *materials);
 void sl_obj_materials_release(sl_obj_materials *materials);
-
-#endif

@@ -1,6 +1,5 @@
 /* How objects have moved between two states of a scene, for what lies on them and moves along. */
-#ifndef SL_SCENE_OBJECT_MOTION_H
-#define SL_SCENE_OBJECT_MOTION_H
+#pragma once
 
 #include "scene/affine.h"
 #include "scene/scene.h"
@@ -15,5 +14,3 @@ typedef struct sl_object_motion {
 sl_status sl_object_placements_take(const sl_scene *scene, sl_affine **placements, sl_error *error);
 /* Returns the motion from one placement to another; none from a flat one, which has no inverse. */
 sl_object_motion sl_object_motion_between(const sl_affine *before, const sl_affine *now);
-
-#endif

@@ -1,6 +1,5 @@
 /* Where objects are, to find out which have moved between two states of a scene. */
-#ifndef SL_SCENE_OBJECT_PLACES_H
-#define SL_SCENE_OBJECT_PLACES_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -20,5 +19,3 @@ static inline bool sl_object_has_moved(const sl_object_places *before, const sl_
                                        size_t object) {
     return before->hash[object] != after->hash[object];
 }
-
-#endif

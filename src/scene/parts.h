@@ -1,7 +1,6 @@
 /* Parts of a scene as people give them, in scene files and in calls: one set of bounds, one set of words for
  * what breaks them, and one way into the model. */
-#ifndef SL_SCENE_PARTS_H
-#define SL_SCENE_PARTS_H
+#pragma once
 
 #include "scene/model.h"
 
@@ -63,5 +62,3 @@ sl_status sl_view_take(const float eye[3], const float target[3], const float up
 
 /* Makes a transform of 16 numbers by columns. Returns what was expected, or NULL where they are one. */
 const char *sl_matrix_fault(const double columns[16], sl_affine *transform);
-
-#endif

@@ -1,6 +1,5 @@
 /* Polygons of a mesh file by the numbers of their corners' positions, texture coordinates and normals. */
-#ifndef SL_SCENE_POLYGONS_H
-#define SL_SCENE_POLYGONS_H
+#pragma once
 
 #include "scene/model.h"
 
@@ -35,5 +34,3 @@ void sl_polygons_release(sl_polygons *polygons);
  * its corners have the same, and what they name is there. */
 sl_status sl_polygons_place(sl_polygons *polygons, const char *path, uint32_t material, uint32_t object,
                             const sl_affine *placement, sl_model *model, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Surfaces of a scene that become others by an edit: objects that come and go, vertices that move. */
-#ifndef SL_SCENE_RESHAPE_H
-#define SL_SCENE_RESHAPE_H
+#pragma once
 
 #include "scene/model.h"
 
@@ -36,5 +35,3 @@ sl_status sl_reshape(sl_scene *scene, sl_reshaping *r, sl_surfaces *before, sl_e
 /* Puts them back; or lets go of them, and of what went with them. */
 void sl_reshape_undo(sl_scene *scene, sl_surfaces *before);
 void sl_reshape_settle(sl_reshaping *r, sl_surfaces *before);
-
-#endif

@@ -1,7 +1,6 @@
 /* The scene as everyone behind the public header sees it: triangles in structure-of-arrays form, materials,
  * lights, camera. Immutable between edits; an edit raises `version`. */
-#ifndef SL_SCENE_SCENE_H
-#define SL_SCENE_SCENE_H
+#pragma once
 
 #include <math.h>
 #include <string.h>
@@ -344,5 +343,3 @@ bool sl_camera_look_at(sl_camera *camera, sl_vec3 eye, sl_vec3 target, sl_vec3 u
 /* The same of what a call gives: SL_ERROR_USAGE where that makes no view. */
 sl_status sl_camera_take(sl_camera *camera, const float eye[3], const float target[3], const float up[3],
                          float vertical_fov, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* The JSON scene file (docs/scene-format.md). */
-#ifndef SL_SCENE_SCENE_FILE_H
-#define SL_SCENE_SCENE_FILE_H
+#pragma once
 
 #include "scene/animation.h"
 #include "scene/json.h"
@@ -33,5 +32,3 @@ void sl_scene_file_environment(sl_scene_file *file, const cJSON *item);
 void sl_scene_file_materials(sl_scene_file *file, const cJSON *list, const cJSON *meshes);
 /* The index of a named material; an input error at `item` where there is none. */
 uint32_t sl_scene_file_material_named(sl_scene_file *file, const cJSON *item, const char *name);
-
-#endif

@@ -1,7 +1,6 @@
 /* A few dozen rays against every triangle, one after another: enough to tell what a point sees before there
  * is any hierarchy. Masks are not looked at. */
-#ifndef SL_SCENE_SIGHT_H
-#define SL_SCENE_SIGHT_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -37,5 +36,3 @@ typedef struct sl_sight_count {
     double mean_distance; /* of all that hit */
 } sl_sight_count;
 sl_sight_count sl_sight_counted(const sl_sight *sight, const sl_scene *scene);
-
-#endif

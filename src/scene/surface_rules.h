@@ -1,8 +1,7 @@
 /* The arithmetic of a surface point: how attributes are interpolated, which side is seen, which way normals
  * point. One home for sl_scene_surface(), one point at a time, and for the rasterizer's lanes, which
  * therefore agree to the bit. */
-#ifndef SL_SCENE_SURFACE_RULES_H
-#define SL_SCENE_SURFACE_RULES_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -52,5 +51,3 @@ static inline sl_vec3 sl_shading_normal(sl_vec3 interpolated, sl_vec3 geometric)
                  agreement != 0.0f ? turn * normal.y : geometric.y,
                  agreement != 0.0f ? turn * normal.z : geometric.z);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Texture lookup: bilinear between texel centres, repeated in both directions, v = 0 at the bottom. */
-#ifndef SL_SCENE_TEXTURE_H
-#define SL_SCENE_TEXTURE_H
+#pragma once
 
 #include "image/color.h"
 #include "scene/scene.h"
@@ -15,5 +14,3 @@ float sl_texture_height(const sl_texture *texture, float u, float v);
 /* The alpha channel, or where there is none the luminance of the bytes as they stand (a mask is data, not a
  * colour). */
 float sl_texture_alpha(const sl_texture *texture, float u, float v);
-
-#endif

@@ -1,8 +1,7 @@
 /* The arithmetic of a bilinear lookup: where a texture coordinate falls, and how texels are mixed there. One
  * home for sl_texture_color(), one point at a time, and for the rasterizer's lanes, which therefore agree to
  * the bit. */
-#ifndef SL_SCENE_TEXTURE_RULES_H
-#define SL_SCENE_TEXTURE_RULES_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -37,5 +36,3 @@ static inline float sl_texel_mix(float a, float b, float t) { return a + t * (b 
 static inline float sl_texel_bilinear(float a, float b, float c, float d, float right, float up) {
     return sl_texel_mix(sl_texel_mix(a, b, right), sl_texel_mix(c, d, right), up);
 }
-
-#endif

@@ -8,8 +8,7 @@
  *
  * Vertices are named from the eye: x1 is the first surface that is not a mirror (or, if eye_mirrors is off,
  * the first surface), x2 the next, and so on to the light. */
-#ifndef SL_SCENE_TRANSPORT_H
-#define SL_SCENE_TRANSPORT_H
+#pragma once
 
 #include "base/choices.h"
 #include "softlux.h"
@@ -39,5 +38,3 @@ typedef struct sl_transport {
 
 /* "direct", "one-bounce", "full": true if known. */
 bool sl_transport_named(const char *name, sl_transport *transport);
-
-#endif

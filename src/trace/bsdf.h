@@ -5,8 +5,7 @@
  *
  * alpha between the light's direction and the viewer's mirror direction. Nothing passes through the surface:
  * directions must lie above the geometric and the shading plane. */
-#ifndef SL_TRACE_BSDF_H
-#define SL_TRACE_BSDF_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -42,5 +41,3 @@ sl_vec3 sl_direction_around(sl_vec3 axis, float cosine, float turn);
 sl_vec3 sl_surface_lift(const sl_scene *scene, uint32_t triangle, const sl_surface *surface);
 /* The same for a point on an edge or a corner, whatever meets there. */
 sl_vec3 sl_surface_lift_anywhere(const sl_scene *scene, sl_vec3 position, sl_vec3 geometric_normal);
-
-#endif

@@ -2,8 +2,7 @@
  * corner. The scene holds the triangles of each of them; the tracer's hierarchy is made of one of them alone,
  * and of the places of the others. Found by looking, so that they may come from anywhere: instances of a
  * builder, a file that repeats itself, objects that an edit has moved. */
-#ifndef SL_TRACE_COPIES_H
-#define SL_TRACE_COPIES_H
+#pragma once
 
 #include "scene/affine.h"
 #include "scene/scene.h"
@@ -37,5 +36,3 @@ sl_status sl_copies_find(const sl_scene *scene, size_t worth, sl_copies *copies,
 void sl_copies_release(sl_copies *copies);
 /* Reckons how many triangles copies save, by some corners of each: what memory is reckoned with. */
 size_t sl_copies_expected(const sl_scene *scene);
-
-#endif

@@ -1,7 +1,6 @@
 /* The one file that knows which Embree there is: 3 (contexts) or 4 (argument structures; the Makefile defines
  * SL_EMBREE4). A query carries a pointer of ours to the callbacks. */
-#ifndef SL_TRACE_EMBREE_H
-#define SL_TRACE_EMBREE_H
+#pragma once
 
 #ifdef SL_EMBREE4
 #include <embree4/rtcore.h>
@@ -99,7 +98,5 @@ static inline void sl_embree_occluded16(RTCScene scene, sl_embree_query *query, 
     query->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     rtcOccluded16(valid, scene, &query->context, rays);
 }
-
-#endif
 
 #endif

@@ -9,8 +9,7 @@
  * So what a light sends carries about the same power everywhere. Parallel light needs a cross-section to be
  * measured on: the scene's box as that light sees it, which fills little more than half of the disc of the
  * bounding sphere. */
-#ifndef SL_TRACE_EMISSION_H
-#define SL_TRACE_EMISSION_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -37,5 +36,3 @@ double sl_light_power(const sl_scene *scene, uint32_t entry);
 double sl_cone_pdf(const sl_light *light, float cosine);
 /* Area of the scene's box as parallel light of that direction sees it. */
 double sl_seen_area(const sl_scene *scene, sl_vec3 direction);
-
-#endif

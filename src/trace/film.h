@@ -1,6 +1,5 @@
 /* The film of the reference path tracers: where its rays leave, places of samples in its pixels, and sums. */
-#ifndef SL_TRACE_FILM_H
-#define SL_TRACE_FILM_H
+#pragma once
 
 #include "base/choices.h"
 #include "scene/scene.h"
@@ -59,5 +58,3 @@ static inline void sl_halves_add(const sl_halves *h, unsigned half, size_t pixel
 }
 /* R, G, B planes, each may be NULL; half -1: of all samples. */
 void sl_halves_mean(const sl_halves *halves, int half, float *r, float *g, float *b);
-
-#endif

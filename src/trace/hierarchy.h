@@ -1,7 +1,6 @@
 /* What the tracer is made of: Embree's hierarchy, and where the triangles are that it proposes. Objects that
  * are copies of one mesh share a hierarchy (copies.h); all other triangles lie in one of their own. */
-#ifndef SL_TRACE_HIERARCHY_H
-#define SL_TRACE_HIERARCHY_H
+#pragma once
 
 #include <stdatomic.h>
 
@@ -61,5 +60,3 @@ static inline void sl_scene_corners(const sl_scene *s, uint32_t triangle, sl_tri
         c->p[2][k] = p.z;
     }
 }
-
-#endif

@@ -4,8 +4,7 @@
  * with adaptive tree splitting", without the splitting). At a leaf the few emitters are weighed one by one.
  * The chance of the way taken is known, so samples stay unbiased; of stratified numbers every node sends each
  * side its share, so they stay stratified. */
-#ifndef SL_TRACE_LIGHT_TREE_H
-#define SL_TRACE_LIGHT_TREE_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -18,5 +17,3 @@ void sl_light_tree_destroy(sl_light_tree *tree);
  * way ends where no emitter can matter. */
 bool sl_light_tree_choose(const sl_light_tree *tree, sl_vec3 position, sl_vec3 normal, float u,
                           uint32_t *emitter, float *chance);
-
-#endif

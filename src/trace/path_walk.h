@@ -1,6 +1,5 @@
 /* Random walks from the eye, sixteen at a time, counting exactly the light paths of an sl_transport. */
-#ifndef SL_TRACE_PATH_WALK_H
-#define SL_TRACE_PATH_WALK_H
+#pragma once
 
 #include "trace/film.h"
 #include "trace/walker.h"
@@ -45,5 +44,3 @@ sl_path_lamps sl_path_lamps_of(const sl_path_walk *walk);
  * walks of that key. walk: of an sl_path_lamps, for lamps. */
 sl_path_lamp_view sl_path_see_lamps(const sl_path_walk *walk, const sl_path_lens *lens, int x, int y,
                                     float side, uint64_t key, uint32_t index, sl_counters *counters);
-
-#endif

@@ -1,8 +1,7 @@
 /* Rays made ready for Embree and for the triangle test, sixteen at a time. Nearly all rays are usual: their
  * numbers are finite, their directions of about unit length, their origins not far from the scene. tracer.c
  * makes usual rays of the others, one by one. */
-#ifndef SL_TRACE_RAY_SETUP_H
-#define SL_TRACE_RAY_SETUP_H
+#pragma once
 
 #include "trace/embree.h"
 #include "trace/triangle_test.h"
@@ -29,5 +28,3 @@ SL_KERNELS(unsigned, sl_rays_usual,
  * (sl_ray_frames). */
 SL_KERNELS(void, sl_rays_ready,
            (const sl_ray_setup *setup, const sl_ray16 *rays, sl_ray_state *state, struct RTCRay16 *ready));
-
-#endif

@@ -2,8 +2,7 @@
  * (Burley, "Practical Hash-based Owen Scrambling", 2020). Every decision of a path (pixel, light, direction
  * at each vertex) takes points of its own, padded together by independent scrambles. All is a function of
  * (key, set, index), there is no state. */
-#ifndef SL_TRACE_SEQUENCE_H
-#define SL_TRACE_SEQUENCE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -17,5 +16,3 @@ void sl_sequence_make(sl_sequence *sequence);
 /* Point `index` of the points (key, set): three numbers in [0,1); the first two are spread best together. */
 void sl_sequence_point(const sl_sequence *sequence, uint64_t key, uint32_t set, uint32_t index,
                        float point[3]);
-
-#endif

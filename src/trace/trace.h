@@ -1,8 +1,7 @@
 /* Rays. Embree (3 or 4, behind trace/embree.h) builds the hierarchy and walks it; our own test decides what
  * is hit: edge functions whose signs are exact (watertight), distances that stay inside the triangle, lower
  * triangle index on a tie. So hits are the same bits on every instruction set and in every packet shape. */
-#ifndef SL_TRACE_TRACE_H
-#define SL_TRACE_TRACE_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -138,5 +137,3 @@ sl_status sl_path_tracer_sample(sl_path_tracer *path, uint64_t sample, sl_counte
  * and odd samples alone, two independent pictures whose difference is the noise; -1: all. */
 void sl_path_tracer_mean(const sl_path_tracer *path, int half, float *r, float *g, float *b);
 size_t sl_path_tracer_memory_bytes(const sl_path_tracer *path);
-
-#endif

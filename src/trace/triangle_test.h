@@ -10,8 +10,7 @@
  * the hit lies in the triangle's own box however thin the sliver is.
  *
  * Embree only proposes candidates. The best hit is kept here, by ray number. */
-#ifndef SL_TRACE_TRIANGLE_TEST_H
-#define SL_TRACE_TRIANGLE_TEST_H
+#pragma once
 
 #include "base/isa.h"
 #include "trace/trace.h"
@@ -50,5 +49,3 @@ SL_KERNELS(uint32_t, sl_triangle_test,
 /* Sets origins, shears and dominant axes of sixteen rays, whose directions are finite and not 0. The dominant
  * component is what the others are divided by, so that a shear's entries are at most 1. */
 SL_KERNELS(void, sl_ray_frames, (sl_ray_state *state, const sl_ray16 *rays));
-
-#endif

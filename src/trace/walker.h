@@ -1,7 +1,6 @@
 /* A random walk under way, from the eye or from a light: its ray, what it carries, and the points of a
  * sequence that decide where it goes. Sixteen go in step, so that their rays go in packets. */
-#ifndef SL_TRACE_WALKER_H
-#define SL_TRACE_WALKER_H
+#pragma once
 
 #include "trace/sequence.h"
 #include "trace/trace.h"
@@ -47,5 +46,3 @@ void sl_walker_leave(sl_walker *walker, sl_vec3 origin, sl_vec3 direction, doubl
  * way. */
 void sl_walkers_trace(const sl_tracer *tracer, const sl_sequence *sequence, sl_walker *const *active,
                       unsigned count, bool coherent, sl_hit16 *hits, sl_counters *counters);
-
-#endif

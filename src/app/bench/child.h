@@ -1,7 +1,6 @@
 /* Work in a process of its own: it may crash, run out of memory or never end, and all that happens here is
  * that this is told. The memory that it took is its own, too, and its clock starts at zero. */
-#ifndef SL_APP_BENCH_CHILD_H
-#define SL_APP_BENCH_CHILD_H
+#pragma once
 
 #include "softlux.h"
 
@@ -36,5 +35,3 @@ sl_status sl_child_run(sl_child_work *work, void *context, const sl_child_limits
 
 /* Writes all of it: a disk that fills up takes a part, and says why at the next try. */
 bool sl_write_all(int file, const char *text, size_t bytes);
-
-#endif

@@ -1,8 +1,7 @@
 /* Measurements, one JSON object a line, appended as soon as it is known: whatever ends the program,
  * this is kept, and the next run goes on from here. An entry counts for the very same work only: its key
  * holds the scene's hash, the size, the threads, the arguments and the program's own fingerprint. */
-#ifndef SL_APP_BENCH_JOURNAL_H
-#define SL_APP_BENCH_JOURNAL_H
+#pragma once
 
 #include "softlux.h"
 
@@ -21,5 +20,3 @@ const cJSON *sl_journal_at(const sl_journal *journal, size_t index);
 sl_status sl_journal_add(sl_journal *journal, cJSON *entry, sl_error *error);
 /* Writes, of the program that runs, 16 hexadecimal digits of the content of its file. */
 void sl_program_fingerprint(char text[17]);
-
-#endif

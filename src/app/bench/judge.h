@@ -1,6 +1,5 @@
 /* The error of a picture against a reference that is itself a little noisy. */
-#ifndef SL_APP_BENCH_JUDGE_H
-#define SL_APP_BENCH_JUDGE_H
+#pragma once
 
 #include "app/bench/results.h"
 #include "softlux.h"
@@ -15,5 +14,3 @@ sl_status sl_judge_quickly(const sl_image *picture, const sl_image *reference, s
                            sl_error *error);
 /* Finds the reference's own noise, and its mean. */
 sl_status sl_judge_noise(const sl_image *reference, double *noise, double *mean, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Plots as SVG, for light and for dark paper: they stand alone as files, and inside a page. */
-#ifndef SL_APP_BENCH_PLOT_H
-#define SL_APP_BENCH_PLOT_H
+#pragma once
 
 #include "app/bench/results.h"
 
@@ -16,5 +15,3 @@ typedef struct sl_plot {
 bool sl_plot_is_there(const sl_plot *plot);
 /* Draws an sl_plot. */
 void sl_put_plot(FILE *out, const void *plot);
-
-#endif

@@ -3,8 +3,7 @@
  * samples are two independent halves (layers even.* and odd.*), whose difference tells the noise. Its name
  * holds what it depends on: the scene's content, the size, the light paths, the pixel filter and this
  * program's version. */
-#ifndef SL_APP_BENCH_REFERENCES_H
-#define SL_APP_BENCH_REFERENCES_H
+#pragma once
 
 #include "app/bench/schedule.h"
 
@@ -24,5 +23,3 @@ sl_status sl_reference_make(const sl_bench_options *options, const sl_bench_scen
  * smallest error that is told with them asks for, as far as the budget goes. What goes wrong with a reference
  * is told there, and is no failure here. */
 sl_status sl_evaluate(const sl_bench_options *options, sl_bench_scene *scene, sl_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* The results as files in a folder: results.csv, report.md, report.html, tables.md, and plots as
  * SVG. A file appears whole or not at all. */
-#ifndef SL_APP_BENCH_REPORT_H
-#define SL_APP_BENCH_REPORT_H
+#pragma once
 
 #include "app/bench/results.h"
 
@@ -48,5 +47,3 @@ bool sl_cell_is_text(const char *column);
  * did not run to its end says so instead of figures. */
 void sl_report_columns(FILE *out, const char *columns);
 void sl_report_rows(FILE *out, const sl_bench_scene *scene, int table, const char *columns);
-
-#endif

@@ -1,6 +1,5 @@
 /* The results of `softlux bench`: the trials fill it in, the reports read it. */
-#ifndef SL_APP_BENCH_RESULTS_H
-#define SL_APP_BENCH_RESULTS_H
+#pragma once
 
 #include "app/bench/trials.h"
 
@@ -115,5 +114,3 @@ typedef struct sl_lead {
     bool path_later;     /* it was not there after path_seconds, the longest that was tried */
 } sl_lead;
 sl_lead sl_lead_at(const sl_bench_scene *scene, sl_bench_truth truth, double error);
-
-#endif

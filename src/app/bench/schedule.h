@@ -1,6 +1,5 @@
 /* A scene's trials: in which order they run, and what of them has been measured already. */
-#ifndef SL_APP_BENCH_SCHEDULE_H
-#define SL_APP_BENCH_SCHEDULE_H
+#pragma once
 
 #include "app/bench/journal.h"
 #include "app/bench/results.h"
@@ -37,5 +36,3 @@ sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene 
 /* Makes the rows of the scene from what the journal holds of it. */
 sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal,
                            sl_error *error);
-
-#endif

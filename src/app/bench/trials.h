@@ -1,8 +1,7 @@
 /* The trials to be run: every method over its three qualities, and over finer and coarser settings that make
  * a curve of time against error (ladder.trials); or the trials of a file (bench/METHOD.trials), with the
  * tables that it asks for. */
-#ifndef SL_APP_BENCH_TRIALS_H
-#define SL_APP_BENCH_TRIALS_H
+#pragma once
 
 #include "app/bench/child.h"
 #include "cache/frame/settings.h"
@@ -72,5 +71,3 @@ sl_child_work sl_trial_work;
 #define SL_TRIAL_SECONDS "softlux.cpu_seconds"
 /* Finds the settings that the arguments mean; false: they are wrong, which has been told. */
 bool sl_trial_settings(const char *arguments, sl_settings *settings);
-
-#endif

@@ -1,6 +1,5 @@
 /* Rooms that are hard to render, and the pictures that must come out of them. */
-#ifndef SL_APP_NUMERICS_CASES_H
-#define SL_APP_NUMERICS_CASES_H
+#pragma once
 
 #include "softlux.h"
 
@@ -54,5 +53,3 @@ typedef struct sl_known_limit {
 extern const sl_hard_case sl_hard_cases[];
 extern const size_t sl_hard_case_count;
 extern const sl_known_limit sl_known_limits[]; /* ends with a NULL method */
-
-#endif

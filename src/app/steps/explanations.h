@@ -1,7 +1,6 @@
 /* The explanations of all pixels of a picture, packed for a page: what made each pixel, and how much of it.
  */
-#ifndef SL_APP_STEPS_EXPLANATIONS_H
-#define SL_APP_STEPS_EXPLANATIONS_H
+#pragma once
 
 #include "app/steps/marks.h"
 
@@ -14,5 +13,3 @@ sl_status sl_explanations_collect(sl_method *method, const sl_image *picture, co
                                   cJSON **explanations, sl_error *error);
 /* Orders the terms, largest first, and makes one of those beyond `most`, of layer "several". */
 void sl_explanation_fold(sl_explanation *explanation, size_t most);
-
-#endif

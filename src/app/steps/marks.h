@@ -1,6 +1,5 @@
 /* Marks that a pass leaves in the scene, drawn over the picture of the camera as SVG. */
-#ifndef SL_APP_STEPS_MARKS_H
-#define SL_APP_STEPS_MARKS_H
+#pragma once
 
 #include "scene/scene.h"
 #include "softlux.h"
@@ -29,5 +28,3 @@ typedef struct sl_marks {
 
 /* Prints SVG elements for the visible ones among at most `limit` of sl_marks, evenly chosen. */
 void sl_marks_put(FILE *out, const void *marks);
-
-#endif

@@ -1,8 +1,7 @@
 /* What is told of a method and its passes (narratives.json): its paper, and for each pass that the method
  * announces a title, two or three sentences, the equation, and the function that computes it; and how the
  * pass's buffer becomes a picture. */
-#ifndef SL_APP_STEPS_NARRATIVE_H
-#define SL_APP_STEPS_NARRATIVE_H
+#pragma once
 
 #include "softlux.h"
 
@@ -17,5 +16,3 @@ const cJSON *sl_narrative_pass(const cJSON *narrative, const char *pass, size_t 
  * told: the pass's entry, or NULL. */
 sl_status sl_pass_picture(const sl_image *buffer, const cJSON *told, sl_image **picture, bool *tone,
                           sl_error *error);
-
-#endif

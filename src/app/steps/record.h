@@ -1,6 +1,5 @@
 /* The observer behind a page: keeps what every pass of a method looked like at each snapshot. */
-#ifndef SL_APP_STEPS_RECORD_H
-#define SL_APP_STEPS_RECORD_H
+#pragma once
 
 #include "app/steps/marks.h"
 #include "app/steps/watched.h"
@@ -26,5 +25,3 @@ void sl_recording_snapshot(sl_recording *recording);
 /* Takes the steps, in the paper's order, those that it does not know last, as a JSON array. */
 cJSON *sl_recording_json(sl_recording *recording);
 void sl_recording_clear(sl_recording *recording);
-
-#endif

@@ -1,7 +1,6 @@
 /* One method on one scene under the observer: its passes, snapshots of the picture with their errors, and the
  * explanations of its pixels. */
-#ifndef SL_APP_STEPS_RUN_H
-#define SL_APP_STEPS_RUN_H
+#pragma once
 
 #include "cache/frame/settings.h"
 
@@ -22,5 +21,3 @@ sl_status sl_steps_run(const sl_scene *scene, const sl_steps_options *options, c
 /* Writes a page of runs, a JSON array of one method's or two's. */
 sl_status sl_steps_page(const char *path, const char *methods, const char *scene, const cJSON *runs,
                         sl_error *error);
-
-#endif

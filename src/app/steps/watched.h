@@ -1,7 +1,6 @@
 /* Keeps the passes that a method announces, each once: its cost, and the newest picture and marks that it
  * left. */
-#ifndef SL_APP_STEPS_WATCHED_H
-#define SL_APP_STEPS_WATCHED_H
+#pragma once
 
 #include "app/steps/narrative.h"
 
@@ -31,5 +30,3 @@ typedef struct sl_watched {
 void sl_watched_keep(void *watched, const sl_pass *told);
 /* Frees what was kept. */
 void sl_watched_clear(sl_watched *watched);
-
-#endif

@@ -1,7 +1,6 @@
 /* The error of a picture from values of single pixels, each known twice over: what a pixel tells, and what
  * some tell of all. */
-#ifndef SL_CACHE_AUDIT_AUDIT_H
-#define SL_CACHE_AUDIT_AUDIT_H
+#pragma once
 
 #include "softlux.h"
 
@@ -58,5 +57,3 @@ bool sl_audit_conclude_worse(sl_audit_pixel *pixels, size_t count, const sl_audi
                              sl_error_estimate *estimate);
 bool sl_audit_is_judged(const sl_audit_view *view, size_t pixel);
 bool sl_audit_is_masked(const sl_audit_view *view, size_t pixel); /* ... and of the mask */
-
-#endif

@@ -1,7 +1,6 @@
 /* Path traced values of pixels, for probes: twice over, with as many samples as are asked for, each pixel
  * traced once only. */
-#ifndef SL_CACHE_AUDIT_TRACE_PROBES_H
-#define SL_CACHE_AUDIT_TRACE_PROBES_H
+#pragma once
 
 #include "trace/path_walk.h"
 
@@ -56,5 +55,3 @@ void sl_probe_tracer_means(const sl_probe_tracer *t, uint32_t pixel, double p[3]
  * seen (a furnace), or the transport leaves out emission. The caller destroys it (surfaces.c). */
 sl_status sl_audit_surfaces(const sl_path_walk *walk, const sl_path_lens *lens, unsigned threads,
                             sl_image **surfaces, sl_error *error);
-
-#endif

@@ -20,8 +20,7 @@
  *   interreflection.c one bounce after the other
  *   renewal.c         records while objects and lights move
  *   bounces.c         all of it, and cameras that move */
-#ifndef SL_CACHE_BOUNCES_H
-#define SL_CACHE_BOUNCES_H
+#pragma once
 
 #include "cache/splatting/record.h"
 
@@ -73,5 +72,3 @@ typedef struct sl_second_report {
     float missed;       /* share of some other points that gathers will see which no record reaches */
 } sl_second_report;
 sl_second_report sl_second_cache_report(const sl_second_cache *cache);
-
-#endif

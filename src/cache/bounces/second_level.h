@@ -1,6 +1,5 @@
 /* Shared by the parts of the second-level cache. */
-#ifndef SL_CACHE_BOUNCES_SECOND_LEVEL_H
-#define SL_CACHE_BOUNCES_SECOND_LEVEL_H
+#pragma once
 
 #include "base/isa.h"
 #include "cache/bounces/bounces.h"
@@ -159,5 +158,3 @@ sl_status sl_cover_points(sl_second_cache *cache, const sl_probed *points, doubl
                           size_t most_records, sl_counters *counters, sl_error *error);
 /* Returns the sum of w at a point. */
 float sl_second_weight(const sl_second_cache *cache, const sl_gather_point *point);
-
-#endif

@@ -1,7 +1,6 @@
 /* Measures by a few thousand paths how much of a picture's light a method finds. Lamps and sky as they are
  * seen are left out, since they are the same whatever is counted. */
-#ifndef SL_FRAME_ALL_LIGHT_H
-#define SL_FRAME_ALL_LIGHT_H
+#pragma once
 
 #include "cache/frame/settings.h"
 #include "scene/scene.h"
@@ -27,5 +26,3 @@ typedef struct sl_light_paths {
  * numbers at any number of threads; of two sets of one method what both count is the same in both. */
 sl_status sl_measure_light(const sl_scene *scene, const sl_settings *settings, const sl_light_paths *paths,
                            size_t count, unsigned samples, double *light, sl_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* Tells observers of a method's passes: each with the picture that it made, and with what the counters have
  * grown by since the last one. Without an observer it costs nothing. */
-#ifndef SL_FRAME_ANNOUNCE_H
-#define SL_FRAME_ANNOUNCE_H
+#pragma once
 
 #include "raster/raster.h"
 
@@ -33,5 +32,3 @@ void sl_announce_planes(sl_announcer *announcer, const char *name, const char *s
                         const float *const planes[3]);
 /* Depth, positions, normals and albedo; the first picture pays for the pass. */
 void sl_announce_gbuffer(sl_announcer *announcer, const char *source, const sl_gbuffer *gbuffer);
-
-#endif

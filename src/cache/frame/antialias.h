@@ -2,8 +2,7 @@
  * many pictures. Where there is no time for that, a pixel at an edge that shows has four samples, which see
  * the nearest of the triangles that centres around show, and a sample has the colour of the nearest centre
  * that shows its surface, as multisampling shades a surface once a pixel. */
-#ifndef SL_FRAME_ANTIALIAS_H
-#define SL_FRAME_ANTIALIAS_H
+#pragma once
 
 #include "raster/raster.h"
 #include "scene/scene.h"
@@ -19,5 +18,3 @@ void sl_antialias_destroy(sl_antialias *antialias);
 sl_status sl_antialias_edges(sl_antialias *antialias, const sl_scene *scene, const sl_raster *raster,
                              const uint32_t *id, unsigned threads, sl_image *picture, sl_counters *counters,
                              sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Samples of pixels at edges, and the triangles that they may see. */
-#ifndef SL_FRAME_ANTIALIAS_KERNELS_H
-#define SL_FRAME_ANTIALIAS_KERNELS_H
+#pragma once
 
 #include "base/isa.h"
 #include "base/vec.h"
@@ -29,5 +28,3 @@ typedef struct sl_edge_places {
 SL_KERNELS(void, sl_edge_see,
            (size_t count, const sl_edge_cone *const *cones, const sl_edge_places *at,
             uint8_t seen[SL_EDGE_SAMPLES]));
-
-#endif

@@ -1,8 +1,7 @@
 /* Memory within bounds: what a picture would take is worked out from counts before anything is made, and
  * settings are lowered until that fits. Each method tells what it needs (in its folder); which settings may
  * be lowered, and the rule by which they are, is here. */
-#ifndef SL_FRAME_BUDGET_H
-#define SL_FRAME_BUDGET_H
+#pragma once
 
 #include "cache/frame/method.h"
 #include "raster/raster.h"
@@ -34,5 +33,3 @@ static inline double sl_need_of_pixels(const sl_settings *settings, double bytes
 static inline double sl_need_of_threads(const sl_settings *settings, double bytes_a_thread) {
     return (double)settings->threads * bytes_a_thread;
 }
-
-#endif

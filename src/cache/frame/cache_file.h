@@ -10,8 +10,7 @@
  *
  * Numbers are little endian, as those of every machine that softlux runs on. It appears whole or not at all,
  * and is read whole or not at all. */
-#ifndef SL_FRAME_CACHE_FILE_H
-#define SL_FRAME_CACHE_FILE_H
+#pragma once
 
 #include "softlux.h"
 
@@ -50,5 +49,3 @@ sl_status sl_cache_file_read(const char *path, const sl_cache_header *header, sl
 const void *sl_cache_next(sl_cache_content *content, size_t count, size_t size);
 /* "PATH: is damaged ...": its content is nonsense, whatever the checksum says. */
 sl_status sl_cache_damaged(const char *path, sl_error *error);
-
-#endif

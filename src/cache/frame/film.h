@@ -6,8 +6,7 @@
  * Others are drawn where they matter alone: at edges, which geometry tells (raster/views/outlines.h), and
  * where the pilot's samples differ. Behind four, how many samples a pixel gets is settled when the pilot is
  * there, in such a way that the mean stays unbiased. */
-#ifndef SL_FRAME_FILM_H
-#define SL_FRAME_FILM_H
+#pragma once
 
 #include "cache/frame/settings.h"
 #include "raster/raster.h"
@@ -53,5 +52,3 @@ sl_status sl_film_develop(const sl_film *film, sl_image **image, sl_error *error
 size_t sl_film_bytes(const sl_film *film);
 /* An upper estimate of that, and of what its making takes besides, before anything is there. */
 double sl_film_need(const sl_scene *scene, const sl_settings *settings);
-
-#endif

@@ -1,7 +1,6 @@
 /* What a show (sl_live, softlux.h) is beside its public functions: for a caller that has a scene of its own
  * to draw from, which it changes as it likes, and tells of every change. */
-#ifndef SL_FRAME_LIVE_H
-#define SL_FRAME_LIVE_H
+#pragma once
 
 #include "softlux.h"
 
@@ -56,5 +55,3 @@ void sl_live_leave(sl_live *live);     /* the same, without waiting */
 bool sl_live_has_ended(sl_live *live); /* the updates have */
 /* Lets updates rest, or go on. */
 void sl_live_rest(sl_live *live, bool rest);
-
-#endif

@@ -1,7 +1,6 @@
 /* The one interface that all methods and the reference tracers implement, so that the program, the step
  * pages, the benchmarks and the tests drive them all alike. */
-#ifndef SL_FRAME_METHOD_H
-#define SL_FRAME_METHOD_H
+#pragma once
 
 #include "cache/frame/all_light.h"
 #include "cache/frame/film.h"
@@ -190,5 +189,3 @@ sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_s
  * sl_method_explanation(). */
 sl_status sl_explanation_tell(const sl_method_class *method, void *state, const sl_image *picture, int x,
                               int y, sl_explanation **explanation, sl_error *error);
-
-#endif

@@ -9,8 +9,7 @@
  * quality, or what the method decides, as TOLD in words. USER: an option of the program, with a letter or
  * without. RESEARCH: by --set, for experiments with the paper. UNSTAMPED: as USER, but no bit of a pixel
  * depends on it. */
-#ifndef SL_FRAME_OPTIONS_H
-#define SL_FRAME_OPTIONS_H
+#pragma once
 
 /* every method */
 #define SL_OPTIONS_OF_COMMON(O)                                                                            \
@@ -209,5 +208,3 @@
       "after which a picture is done") \
     O(double, mean_level_radiance, "mean-level", "L", 1e-30, 1e30, TOLD("by the light in the scene"), \
       "Y_ref", RESEARCH, "radiance of a middle grey")
-
-#endif

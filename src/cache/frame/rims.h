@@ -3,8 +3,7 @@
  * pixels see of lamps and sky is taken from a close-up: the hardware draws the identifiers of a few pixels
  * with about a thousand samples each, on a grid that is turned, so that no edge along rows or columns falls
  * between its lines. */
-#ifndef SL_FRAME_RIMS_H
-#define SL_FRAME_RIMS_H
+#pragma once
 
 #include "raster/raster.h"
 #include "scene/scene.h"
@@ -14,5 +13,3 @@
  */
 sl_status sl_rims_look(const sl_scene *scene, const sl_raster *raster, int width, int height, uint8_t *wanted,
                        float *emission, sl_counters *counters, sl_error *error);
-
-#endif

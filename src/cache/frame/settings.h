@@ -1,6 +1,5 @@
 /* The settings of a method, field by field, and the table of options that sets, checks and tells them. */
-#ifndef SL_FRAME_SETTINGS_H
-#define SL_FRAME_SETTINGS_H
+#pragma once
 
 #include "base/choices.h"
 #include "cache/frame/options.h"
@@ -69,5 +68,3 @@ static inline double sl_filter_radius(const sl_settings *settings) {
     if (settings->filter != SL_FILTER_BLACKMAN_HARRIS) return 0.0;
     return settings->filter_radius > 0.0 ? settings->filter_radius : 1.5;
 }
-
-#endif

@@ -8,8 +8,7 @@
  * each with harmonic mean distance, rotational and translational gradients (Ward et al. 1988, Ward and
  * Heckbert 1992). What is seen is shaded with direct light (one diffuse bounce), and with what
  * sl_gather_settings.second has to say of light that arrives there by more bounces. */
-#ifndef SL_CACHE_GATHER_H
-#define SL_CACHE_GATHER_H
+#pragma once
 
 #include "raster/raster.h"
 #include "cache/hemisphere/known_colours.h"
@@ -154,5 +153,3 @@ typedef struct sl_gather_picture {
     const float *r, *g, *b, *distance;
 } sl_gather_picture;
 sl_gather_picture sl_gather_last_picture(const sl_gather_scratch *scratch);
-
-#endif

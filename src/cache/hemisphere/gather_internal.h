@@ -5,8 +5,7 @@
  *     sum      gather_kernels.c and gather.c: irradiance, gradients, mean distance
  *     project  projection.c: coefficients of radiance, where asked for
  */
-#ifndef SL_CACHE_GATHER_INTERNAL_H
-#define SL_CACHE_GATHER_INTERNAL_H
+#pragma once
 
 #include "cache/hemisphere/gather_kernels.h"
 #include "cache/hemisphere/gather_tables.h"
@@ -182,5 +181,3 @@ sl_rgb sl_gather_emission(const sl_gather_view *view, size_t k);
 /* Irradiance at every hit, then radiance, nearness and distance of every cell; *nearest and *back_weight as
  * in sl_irradiance. */
 void sl_gather_shade(const sl_gather_view *view, float *nearest, double *back_weight, sl_counters *counters);
-
-#endif

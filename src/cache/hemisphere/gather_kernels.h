@@ -1,6 +1,5 @@
 /* The loops over a gather's cells that are compiled for every instruction set. */
-#ifndef SL_CACHE_GATHER_KERNELS_H
-#define SL_CACHE_GATHER_KERNELS_H
+#pragma once
 
 #include "base/isa.h"
 #include "cache/hemisphere/gather_tables.h"
@@ -60,5 +59,3 @@ SL_KERNELS(void, sl_gather_sums,
 SL_KERNELS(void, sl_gather_curvature,
            (const sl_gather_tables *tables, const float *r, const float *g, const float *b,
             const float *nearness, float *mean, sl_gather_curvature *curvature));
-
-#endif

@@ -8,8 +8,7 @@
  *   rays      N x N cells of the concentric map (Shirley and Chiu 1997)
  * so that one loop sums any picture. Cell i's column wall lies between i - 1 and i, its row wall between i -
  * width and i; walls that do not exist have the vector 0. */
-#ifndef SL_CACHE_GATHER_TABLES_H
-#define SL_CACHE_GATHER_TABLES_H
+#pragma once
 
 #include <stdint.h>
 
@@ -87,5 +86,3 @@ typedef struct sl_curvature {
 /* The next order of the same motion: displacing the receiver by a tangential delta gives the cell on the
  * right g . delta + delta . K delta / 2, where the wall's ends move as points of the world at depth 1. */
 sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b);
-
-#endif

@@ -8,8 +8,7 @@
  * that go with cos(m phi), m = 0 .. l, band after band, n(n+1)/2 of them ("even"); then those that go with
  * sin(m phi), m = 1 .. l, n(n-1)/2 of them ("odd"). Even and odd ones never mix when a frame tilts. Vectors
  * of coefficients are padded with zeros to whole groups of sixteen floats. */
-#ifndef SL_CACHE_HARMONICS_H
-#define SL_CACHE_HARMONICS_H
+#pragma once
 
 #include "base/vec.h"
 #include "softlux.h"
@@ -82,5 +81,3 @@ size_t sl_moved_lobe_bytes(const sl_moved_lobe *lobe);
  * where r is below the horizon, e = n'_x X + n'_z Z - C    o = n'_y Y and, turned back to the azimuth phi of
  * r, H_lm has the coefficient cos(m phi) e - sin(m phi) o, H_l-m sin(m phi) e + cos(m phi) o. */
 sl_phong_rows sl_moved_lobe_at(const sl_moved_lobe *lobe, float cosine);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the ways to light a gather's hits by rays. */
-#ifndef SL_CACHE_GATHER_HIT_LIGHT_H
-#define SL_CACHE_GATHER_HIT_LIGHT_H
+#pragma once
 
 #include "cache/hemisphere/gather_internal.h"
 
@@ -88,5 +87,3 @@ void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q);
 sl_status sl_light_scratch_create(const sl_gather *gather, size_t slots, sl_light_scratch **scratch,
                                   sl_error *error);
 void sl_light_scratch_destroy(sl_light_scratch *scratch);
-
-#endif

@@ -5,8 +5,7 @@
  *   known_colours.c           one gather, and an environment that is a picture
  *   known_colours_kernels.c   a picture's pixels: colours between the vertices of a lattice, times weights
  */
-#ifndef SL_CACHE_KNOWN_COLOURS_H
-#define SL_CACHE_KNOWN_COLOURS_H
+#pragma once
 
 #include "base/isa.h"
 #include "raster/textures/textures.h"
@@ -66,5 +65,3 @@ SL_KERNELS(void, sl_colour_pixels_shade, (const sl_colour_pixels *pixels));
 sl_status sl_gather_sky_create(const sl_environment *environment, double pixel, sl_texture_image **sky,
                                sl_error *error);
 size_t sl_gather_sky_memory_bytes(const sl_texture_image *sky);
-
-#endif

@@ -18,8 +18,7 @@
  * after class, in groups of sixteen columns.
  *
  * projection.c makes the tables, projection_kernels.c the products. */
-#ifndef SL_CACHE_PROJECTION_H
-#define SL_CACHE_PROJECTION_H
+#pragma once
 
 #include "base/isa.h"
 #include "cache/hemisphere/gather_tables.h"
@@ -70,5 +69,3 @@ void sl_project(const sl_projection *projection, sl_isa isa, const float *const 
 
 SL_KERNELS(void, sl_projection_sums,
            (const sl_projection *projection, const float *const picture[4], sl_projection_sums *sums));
-
-#endif

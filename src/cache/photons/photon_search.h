@@ -1,8 +1,7 @@
 /* The search for the nearest photons, compiled for every instruction set. Photons lie sixteen to a bucket,
  * the leaves of the kd-tree from left to right; its nodes are boxes in depth-first order: the left child
  * follows its parent, and a subtree of n leaves has 2 n - 1 nodes. */
-#ifndef SL_CACHE_PHOTONS_PHOTON_SEARCH_H
-#define SL_CACHE_PHOTONS_PHOTON_SEARCH_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -46,5 +45,3 @@ typedef struct sl_photon_search {
 
 /* Leaves the k smallest keys, in no order. */
 SL_KERNELS(void, sl_photon_search, (const sl_photon_buckets *buckets, sl_photon_search *search));
-
-#endif

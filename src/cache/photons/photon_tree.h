@@ -2,8 +2,7 @@
  * ellipsoid: delta^2 = |p_t|^2 + (u / f)^2, u the distance from the plane and p_t the way along it, f the
  * flatness. Nodes are split at the median of the longest extent, by (coordinate, id), down to sixteen
  * photons; each has its box. */
-#ifndef SL_CACHE_PHOTONS_PHOTON_TREE_H
-#define SL_CACHE_PHOTONS_PHOTON_TREE_H
+#pragma once
 
 #include "cache/photons/photon_search.h"
 #include "cache/photons/photons.h"
@@ -45,5 +44,3 @@ typedef struct sl_gathered_photons {
 /* Ties of distance go to the lower id, exactly k are kept. Allocates nothing. */
 void sl_photon_tree_gather(const sl_photon_tree *tree, const sl_photon_query *query,
                            sl_gathered_photons *gathered);
-
-#endif

@@ -1,7 +1,6 @@
 /* Photon tracing: L (D|S)+ from every light of the scene (point, spot, directional, emissive triangles,
  * environment), by Embree; and the list of hits that it leaves. */
-#ifndef SL_CACHE_PHOTONS_PHOTONS_H
-#define SL_CACHE_PHOTONS_PHOTONS_H
+#pragma once
 
 #include "trace/trace.h"
 
@@ -69,5 +68,3 @@ sl_status sl_photons_trace(const sl_scene *scene, const sl_tracer *tracer, const
                            size_t chunks, sl_photon_list **list, bool *done, sl_counters *counters,
                            sl_error *error);
 void sl_photon_list_destroy(sl_photon_list *list);
-
-#endif

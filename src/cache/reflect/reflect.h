@@ -1,7 +1,6 @@
 /* Pixels that show a mirror show what it reflects: rays are followed from mirror to mirror, and what they
  * find takes the mirror's place in the G-buffer. And the picture that a G-buffer shows, mirrors included. */
-#ifndef SL_CACHE_REFLECT_H
-#define SL_CACHE_REFLECT_H
+#pragma once
 
 #include "raster/raster.h"
 #include "trace/trace.h"
@@ -68,5 +67,3 @@ void sl_compose_row(const sl_composition *composition, int row);
 void sl_compose_mirrors(const sl_composition *composition);
 /* All of it. */
 void sl_compose_picture(const sl_composition *composition, unsigned threads);
-
-#endif

@@ -7,8 +7,7 @@
  *     rotate      into the pixel's frame; that is, the pixel's lobe is moved into the record's
  *     reflect     L_o = sum of c_lm(omega_o) lambda_lm
  */
-#ifndef SL_CACHE_SPLATTING_GLOSSY_H
-#define SL_CACHE_SPLATTING_GLOSSY_H
+#pragma once
 
 #include "cache/hemisphere/harmonics.h"
 #include "cache/splatting/record.h"
@@ -55,5 +54,3 @@ struct sl_glossy {
     sl_moved_lobe **made;      /* each of them once */
     size_t made_count;
 };
-
-#endif

@@ -1,8 +1,7 @@
 /* Irradiance records: what is cached, how far it reaches, and with which weight it contributes to a pixel
  * (Gautron et al. 2005; Ward et al. 1988 for the split-sphere weight; Krivanek et al. 2006 for neighbour
  * clamping). */
-#ifndef SL_CACHE_SPLATTING_RECORD_H
-#define SL_CACHE_SPLATTING_RECORD_H
+#pragma once
 
 #include "base/isa.h"
 #include "cache/hemisphere/gather.h"
@@ -171,5 +170,3 @@ SL_KERNELS(uint64_t, sl_splat_record,
 SL_KERNELS(float, sl_splat_weight,
            (const sl_record *record, const sl_weight_rules *rules, const sl_splat_receivers *receivers,
             size_t pixel));
-
-#endif

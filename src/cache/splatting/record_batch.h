@@ -5,8 +5,7 @@
  * gathered in parallel and committed in order, setting aside those that an earlier one of the batch has
  * covered: the records are those of the sequential algorithm, whatever the batch and the number of threads.
  */
-#ifndef SL_CACHE_SPLATTING_RECORD_BATCH_H
-#define SL_CACHE_SPLATTING_RECORD_BATCH_H
+#pragma once
 
 #include "cache/splatting/record.h"
 
@@ -35,5 +34,3 @@ static inline size_t sl_record_batch_size(size_t size, size_t count, size_t comm
     if (wasted * 32 <= count) return 2 * size < SL_BATCH_MAX ? 2 * size : SL_BATCH_MAX;
     return wasted * 8 > count && size > SL_BATCH_MIN ? size / 2 : size;
 }
-
-#endif

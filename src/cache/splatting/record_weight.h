@@ -1,7 +1,6 @@
 /* Weight and value of a record at a point: (2), (3) and (8) of Gautron et al. 2005, as they are inlined into
  * the loops over a splat's pixels and over the records around a point. */
-#ifndef SL_CACHE_SPLATTING_RECORD_WEIGHT_H
-#define SL_CACHE_SPLATTING_RECORD_WEIGHT_H
+#pragma once
 
 #include "cache/splatting/record.h"
 
@@ -112,5 +111,3 @@ static inline float sl_record_extrapolate(const sl_record_terms *k, int c, const
     value = value < most ? value : most;
     return value > 0.0f ? value : 0.0f;
 }
-
-#endif

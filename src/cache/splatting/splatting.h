@@ -20,8 +20,7 @@
  *   fill.c           step 6: pixels that have no record yet in an unfinished picture
  *   explanation.c    what made a pixel
  */
-#ifndef SL_CACHE_SPLATTING_H
-#define SL_CACHE_SPLATTING_H
+#pragma once
 
 #include "cache/light/direct.h"
 #include "cache/hemisphere/gather.h"
@@ -137,5 +136,3 @@ extern const char *const sl_layer_names[SL_LAYERS_GLOSSY];
  * means, not sums. */
 sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r,
                             float *g, float *b, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* The state of radiance cache splatting between updates. */
-#ifndef SL_CACHE_SPLATTING_STATE_H
-#define SL_CACHE_SPLATTING_STATE_H
+#pragma once
 
 #include "cache/frame/announce.h"
 #include "cache/bounces/bounces.h"
@@ -200,5 +199,3 @@ void sl_splat_announce_records(sl_splat_state *state);
 static inline size_t sl_splat_pixels(const sl_splat_state *s) {
     return (size_t)s->settings.width * (size_t)s->settings.height;
 }
-
-#endif

@@ -7,8 +7,7 @@
  * This is the plain form, for one pixel at a time: sl_edge_lines_make(), then sl_weights_at(). The resolution
  * of whole pictures (resolve_kernels.c) runs the same lines in vector lanes, over triangles and then over
  * pixels. A weight depends on the view, the pixel and the triangle and on nothing else. */
-#ifndef SL_RASTER_BARYCENTRICS_H
-#define SL_RASTER_BARYCENTRICS_H
+#pragma once
 
 #include "raster/view.h"
 
@@ -117,5 +116,3 @@ static inline void sl_weights_at(const sl_edge_lines *l, double x, double y, flo
     *w1 = (float)b1;
     *w2 = (float)b2;
 }
-
-#endif

@@ -14,8 +14,7 @@
  * A run's lanes are written whole, over the first pixels of the next run, which is written after it; so short
  * runs need no masks and no scalar ends. Blocks and runs only say what is computed together: a pixel's values
  * depend on the view, the pixel and the triangle alone. */
-#ifndef SL_RASTER_RESOLVE_H
-#define SL_RASTER_RESOLVE_H
+#pragma once
 
 #include "raster/pipeline.h"
 #include "raster/textures/mip.h"
@@ -104,5 +103,3 @@ void sl_resolve_diffuse(const sl_raster *raster, const sl_pass_view *view, const
                         sl_vector_planes *diffuse);
 /* Pixels of a block that show a triangle. */
 uint64_t sl_resolve_shaded(const sl_resolve_block *block);
-
-#endif

@@ -1,7 +1,6 @@
 /* MIP maps: a texture's means over ever larger squares (Williams 1983), for what shows many texels at once.
  * Level 0 is the texture itself; the others are linear, since bytes in sRGB would shift the means. */
-#ifndef SL_RASTER_MIP_H
-#define SL_RASTER_MIP_H
+#pragma once
 
 #include "base/math.h"
 #include "scene/scene.h"
@@ -36,5 +35,3 @@ static inline int32_t sl_mip_level_for(float squared, int32_t count) {
  * might be, never more. */
 sl_rgb sl_scene_diffuse_within(const sl_scene *scene, const sl_mip *mips, uint32_t triangle, float w1,
                                float w2, float width);
-
-#endif

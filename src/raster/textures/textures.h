@@ -10,8 +10,7 @@
  * texture's size.
  *
  * Coordinates may be anything: infinite ones count as the nearest edge, NaN as the lower. */
-#ifndef SL_RASTER_TEXTURES_H
-#define SL_RASTER_TEXTURES_H
+#pragma once
 
 #include "raster/raster.h"
 
@@ -52,5 +51,3 @@ static inline int sl_half_size(int n) { return n > 1 ? n / 2 : 1; }
  * by two weighted by their share. So its mean is the picture's. Rows start `stride` texels apart. */
 void sl_mip_halve(const float *from, int width, int height, size_t from_stride, float *to, size_t to_stride,
                   unsigned threads);
-
-#endif

@@ -12,8 +12,7 @@
  *
  * The pyramid is conservative: every point of the light that is above the horizon and turned to the point
  * lies inside all planes, also after the float roundings of the transform. */
-#ifndef SL_RASTER_LIGHT_VIEW_H
-#define SL_RASTER_LIGHT_VIEW_H
+#pragma once
 
 #include "raster/raster.h"
 
@@ -45,5 +44,3 @@ typedef struct sl_light_view {
  * light itself is. The tightest rectangle around the light is taken among those along its edges. */
 sl_light_sight sl_view_light(sl_vec3 eye, sl_vec3 normal, const sl_light_shape *light, int width, int height,
                              float near, sl_light_view *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* Where one pixel may show more than one surface: the edges of triangles at which a picture may change, drawn
  * conservatively. An edge counts where a surface ends, bends or changes its material, and as a silhouette
  * where of two triangles of a smooth surface one faces the eye and the other does not. */
-#ifndef SL_RASTER_OUTLINES_H
-#define SL_RASTER_OUTLINES_H
+#pragma once
 
 #include "raster/raster.h"
 
@@ -19,5 +18,3 @@ sl_status sl_outlines_draw(const sl_outlines *outlines, const sl_view *view, con
 size_t sl_outlines_bytes(const sl_outlines *outlines);
 /* An upper estimate, with what their making takes. */
 double sl_outlines_need(double triangles);
-
-#endif

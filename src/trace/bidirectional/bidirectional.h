@@ -1,7 +1,6 @@
 /* The bidirectional path tracer: pairs of subpaths for the reference tracers' film (trace.h), and values at
  * surface points, which the shading cache asks for. */
-#ifndef SL_TRACE_BIDIRECTIONAL_H
-#define SL_TRACE_BIDIRECTIONAL_H
+#pragma once
 
 #include "base/batch.h"
 #include "trace/path_walk.h"
@@ -88,5 +87,3 @@ void sl_bidirectional_irradiance(const sl_bidirectional_points *points,
 void sl_bidirectional_radiance(const sl_bidirectional_points *points, const sl_bidirectional_request *request,
                                sl_vec3 eye, sl_bidirectional_scratch *scratch,
                                sl_bidirectional_value *radiance, sl_counters *counters);
-
-#endif

@@ -10,8 +10,7 @@
  * w_l the direction to the light; in terms of areas f (n_s . w_l) / (n_g . w_l) at every surface and
  * geometric cosines between them. So a light path is weighted by |n_s . w_i| |n_g . w_o| / (|n_g . w_i| |n_s
  * . w_o|) more than its mirror image would be (Veach 1997, section 5.3). */
-#ifndef SL_TRACE_BIDIRECTIONAL_SUBPATH_H
-#define SL_TRACE_BIDIRECTIONAL_SUBPATH_H
+#pragma once
 
 #include "trace/bsdf.h"
 #include "trace/sequence.h"
@@ -197,5 +196,3 @@ typedef struct sl_path_receiver {
 void sl_connect_all(const sl_path_maker *maker, unsigned count, sl_subpath *const *eye,
                     const sl_path_vertex *const *light, const unsigned *light_count, const uint64_t *key,
                     const uint32_t *index, const sl_path_receiver *receiver, sl_counters *counters);
-
-#endif
