@@ -3,7 +3,6 @@
 
 #include "softlux.h"
 
-#include <stdbool.h>
 
 double sl_seconds_now(void);      /* since some time in the past, whatever the calendar does */
 double sl_thread_seconds(void);   /* that this thread has had a processor */

@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "image/output_file.h"
 #include "image/tone.h"
-#include "softlux.h"
 
 #include <math.h>
 #include <stdio.h>

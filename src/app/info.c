@@ -4,7 +4,6 @@
 #include "app/options.h"
 #include "app/page.h"
 #include "scene/features.h"
-#include "softlux.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -2,7 +2,6 @@
 #include "app/commands.h"
 #include "app/manual.h"
 #include "base/values.h"
-#include "softlux.h"
 
 #include <errno.h>
 #include <fcntl.h>

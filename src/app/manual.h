@@ -5,7 +5,6 @@
 #include "app/commands.h"
 #include "app/options.h"
 
-#include <stddef.h>
 
 /* The page of one command, on stdout. */
 void sl_print_command_manual(const sl_command_line *line);

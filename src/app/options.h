@@ -2,7 +2,6 @@
  * `--help` and `--man` are printed from the same table, so that they cannot disagree. */
 #pragma once
 
-#include <stdbool.h>
 
 #include "cache/frame/settings.h"
 

@@ -4,7 +4,6 @@
 #include "image/formats.h"
 #include "image/output_file.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

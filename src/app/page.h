@@ -5,7 +5,6 @@
 #include "softlux.h"
 
 #include <cjson/cJSON.h>
-#include <stdbool.h>
 #include <stdio.h>
 
 /* Prints an error's line; returns its status, with which the command ends. */

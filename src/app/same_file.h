@@ -3,8 +3,6 @@
 
 #include "softlux.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 
 /* False, and a line on stderr, if the option's file is one of the others. NULL is none. */
 bool sl_is_file_of_its_own(const char *option, const char *file, const char *const others[], int count);

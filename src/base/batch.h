@@ -3,7 +3,6 @@
  * same bits at any number of workers, wherever they work. */
 #pragma once
 
-#include <stdbool.h>
 
 #include "base/counters.h"
 

@@ -3,7 +3,6 @@
 #include "base/math.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 /* ---- unevaluated sums of two doubles ---------------------------------------------------------- */
 

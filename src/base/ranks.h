@@ -5,9 +5,6 @@
  * ranks_alone.c is a process by itself, without MPI; ../mpi/ranks.c those that mpirun starts (make MPI=1). */
 #pragma once
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 #include "base/batch.h"
 

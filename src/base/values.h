@@ -2,8 +2,6 @@
  * otherwise is told in *error, for the caller to put the option's name before it. */
 #pragma once
 
-#include <stddef.h>
-#include <stdint.h>
 
 #include "softlux.h"
 

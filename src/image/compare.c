@@ -1,6 +1,5 @@
 /* Comparing a picture with a reference. The definitions are at sl_comparison in softlux.h; here is the
  * arithmetic. All sums run pixel by pixel, R G B within a pixel, in double. */
-#include "softlux.h"
 
 #include "base/error.h"
 #include "base/grow.h"

@@ -1,12 +1,10 @@
 /* The image itself: planes of floats with names, and strings that say where they came from. */
-#include "softlux.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "image/formats.h"
 #include "image/unset.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

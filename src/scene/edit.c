@@ -1,7 +1,6 @@
 /* Edits of a scene in memory. They are collected beside the scene, checked by the rules for scenes that are
  * built (scene/parts.h), and take place together, or not at all. */
 #include <math.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -1,8 +1,6 @@
 /* Small things that all readers need: paths and names. */
 #pragma once
 
-#include <stddef.h>
-#include <stdint.h>
 
 #include "softlux.h"
 

@@ -2,8 +2,6 @@
  * and a library has to live on. */
 #pragma once
 
-#include <stddef.h>
-#include <stdint.h>
 
 #include "scene/affine.h"
 #include "softlux.h"

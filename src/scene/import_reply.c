@@ -1,6 +1,5 @@
 #include "scene/import_reply.h"
 
-#include <stddef.h>
 #include <string.h>
 
 #include "base/error.h"

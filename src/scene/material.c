@@ -2,7 +2,6 @@
  * be. */
 #include <float.h>
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #include "base/error.h"

@@ -5,7 +5,6 @@
  * half of the vertices lie elsewhere. */
 #include <float.h>
 #include <math.h>
-#include <stdint.h>
 
 #include "base/math.h"
 #include "scene/derive.h"

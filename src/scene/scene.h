@@ -7,7 +7,6 @@
 
 #include "base/vec.h"
 #include "scene/transport.h"
-#include "softlux.h"
 
 #define SL_NO_INDEX UINT32_MAX
 

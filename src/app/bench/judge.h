@@ -2,7 +2,6 @@
 #pragma once
 
 #include "app/bench/results.h"
-#include "softlux.h"
 
 /* Relative RMSE over all pixels, without the reference's noise: with A and B its independent halves,
  * E[(x-A)(x-B)] = (x-truth)^2. difference (may be NULL) receives false colours, which the caller destroys.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "scene/scene.h"
-#include "softlux.h"
 #include "trace/trace.h"
 
 #include <stdio.h>

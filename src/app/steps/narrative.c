@@ -3,7 +3,6 @@
 #include "image/color.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <string.h>
 
 /* ---- the text ---- */

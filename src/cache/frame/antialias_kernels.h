@@ -4,8 +4,6 @@
 #include "base/isa.h"
 #include "base/vec.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 enum { SL_EDGE_SAMPLES = 4 };

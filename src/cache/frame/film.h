@@ -11,7 +11,6 @@
 #include "cache/frame/settings.h"
 #include "raster/raster.h"
 #include "scene/scene.h"
-#include "softlux.h"
 
 typedef struct sl_film sl_film;
 

@@ -7,7 +7,6 @@
 #include "cache/frame/settings.h"
 #include "scene/features.h"
 #include "scene/scene.h"
-#include "softlux.h"
 
 typedef struct sl_plan_writer sl_plan_writer;
 /* One line of the plan: a pass that runs or does not, and why. */
