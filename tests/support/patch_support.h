@@ -46,7 +46,8 @@ static inline uint32_t want_root(hierarchy *h, uint32_t root) {
 }
 
 static inline void split(hierarchy *h, uint32_t patch) {
-    assert_int_equal(sl_patch_split(h->patches, patch, NULL), SL_OK);
+    sl_patch_place place = sl_patch_place_of(h->patches, patch);
+    assert_int_equal(sl_patch_split(h->patches, &place, NULL), SL_OK);
 }
 
 static inline void split_levels(hierarchy *h, uint32_t patch, int levels) {

@@ -115,7 +115,7 @@ static sl_rgb light_vertex(const sl_irradiance_settings *c, sl_root_place place,
     for (uint32_t i = first; i < NUDGES; i++) {
         sl_mesh_point at = point_of(c, place, nudge[i]);
         if (!light_point(c, &(asked_place){&at.lit, quick, i, kept}, w, counters) &&
-            sl_point_in_solid(c->primitives, c->tracer, NULL, &at.lit, counters))
+            sl_solids_hold(c->primitives->solids, c->tracer, &at.lit, NULL, counters))
             continue;
         return sl_direct_diffuse(c->lights, w->share);
     }

@@ -174,8 +174,9 @@ void sl_multi_mesh_announce_gather(sl_multi_mesh_state *s) {
     size_t widest = 0;
     for (size_t f = 1; f < pixels->face_count; f++)
         widest = pixels->face[f].count > pixels->face[widest].count ? f : widest;
-    sl_root_place middle = sl_mesh_face_middle(pixels->face[widest].face);
-    sl_mesh_point point = sl_mesh_point_at(s->primitives, middle);
+    const uint16_t third = SL_PATCH_DYADIC / 3;
+    sl_mesh_point point =
+        sl_mesh_point_at(s->primitives, (sl_root_place){pixels->face[widest].face, third, third});
     sl_counters nobodys = {{0}}; /* no sample of the picture's */
     sl_coarse_gather(s->scene, eye->gather, &point, eye->scratch[0], &nobodys);
     sl_gather_picture picture = sl_gather_last_picture(eye->scratch[0]);

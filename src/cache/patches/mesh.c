@@ -19,7 +19,7 @@ void sl_mesh_hand_down_edges(sl_patches *mesh, uint32_t patch) {
 }
 
 sl_status sl_mesh_split(sl_patches *mesh, const sl_patch_place *place, sl_error *error) {
-    sl_status status = sl_patch_split_at(mesh, place, error);
+    sl_status status = sl_patch_split(mesh, place, error);
     if (status == SL_OK && !sl_patch_is_leaf(mesh, place->patch))
         sl_mesh_hand_down_edges(mesh, place->patch);
     return status;

@@ -108,9 +108,6 @@ sl_mesh_point sl_mesh_point_at(const sl_primitives *primitives, sl_root_place pl
 static inline sl_mesh_point sl_mesh_point_of(const sl_patches *mesh, uint32_t vertex) {
     return sl_mesh_point_at(mesh->primitives, mesh->vertex[vertex].place);
 }
-static inline sl_root_place sl_mesh_face_middle(uint32_t face) {
-    return (sl_root_place){face, SL_PATCH_DYADIC / 3, SL_PATCH_DYADIC / 3};
-}
 /* Moves a point on an edge into its face, at least `inwards` from all its edges unless the face is too small.
  */
 void sl_step_inside(const sl_scene *scene, double inwards, sl_mesh_point *at);

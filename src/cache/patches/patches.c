@@ -352,7 +352,7 @@ uint32_t sl_patch_edge_middle(sl_patches *p, const sl_patch_place *place, int ed
     return vertex;
 }
 
-sl_status sl_patch_split_at(sl_patches *p, const sl_patch_place *place, sl_error *error) {
+sl_status sl_patch_split(sl_patches *p, const sl_patch_place *place, sl_error *error) {
     uint32_t patch = place->patch;
     if (!sl_patch_is_leaf(p, patch) || !can_be_split(p, place)) return SL_OK;
     sl_status status = sl_vertices_reserve(p, MIDDLES, error);
@@ -373,11 +373,6 @@ sl_status sl_patch_split_at(sl_patches *p, const sl_patch_place *place, sl_error
     p->patches_alive += 4;
     p->leaves_alive += 3;
     return SL_OK;
-}
-
-sl_status sl_patch_split(sl_patches *p, uint32_t patch, sl_error *error) {
-    sl_patch_place place = sl_patch_place_of(p, patch);
-    return sl_patch_split_at(p, &place, error);
 }
 
 static void gather_pixels(sl_patches *p, uint32_t patch) {

@@ -32,7 +32,7 @@
 
 #include "cache/patches/fan.h"
 #include "cache/patches/primitives.h"
-#include "cache/patches/screen_size.h"
+#include "raster/raster.h"
 
 /* Flags of a patch. Those below SL_PATCH_TRIANGLE and above SL_PATCH_ALIVE are multi-mesh's (mesh.h). */
 enum {
@@ -225,8 +225,7 @@ static inline void sl_patch_local(const sl_patch_place *place, double u, double 
 
 /* Cuts a leaf in four (SL_OK and nothing at max_depth, or where a child would be degenerate: it stays a
  * leaf). Vertices that are new are not evaluated. Without memory nothing changes. */
-sl_status sl_patch_split_at(sl_patches *patches, const sl_patch_place *place, sl_error *error);
-sl_status sl_patch_split(sl_patches *patches, uint32_t patch, sl_error *error);
+sl_status sl_patch_split(sl_patches *patches, const sl_patch_place *place, sl_error *error);
 /* Removes all below it. Its pixels become those of what was below. */
 void sl_patch_drop_children(sl_patches *patches, uint32_t patch);
 
@@ -272,7 +271,20 @@ void sl_patches_visit_around(sl_patches *patches, sl_root_place place, sl_leaf_v
  * value has changed. */
 void sl_patches_touch(sl_patches *patches, sl_root_place place);
 
-/* Returns the size of what the camera sees of a patch. */
+/* ---- screen_size.c ---- */
+
+/* Homogeneous: x, y, distance from the near plane, w. Linear along a straight edge. */
+typedef struct sl_clip_point {
+    float at[4];
+} sl_clip_point;
+sl_clip_point sl_clip_point_of(const sl_view *view, sl_vec3 point);
+
+/* The size of the part in the picture and beyond the near plane: pixels squared, and pixels of the longest
+ * side. Both 0: nothing is left. */
+typedef struct sl_screen_size {
+    float area, edge;
+} sl_screen_size;
+/* Returns that of what the camera sees of a patch. */
 sl_screen_size sl_patch_projected(const sl_patches *patches, const sl_patch_place *place,
                                   const sl_view *view);
 
@@ -281,12 +293,6 @@ sl_screen_size sl_patch_projected(const sl_patches *patches, const sl_patch_plac
 /* Gives where a vertex is shaded: on its root's border it is moved inwards by 1/256 of the way to the middle,
  * as in the crease between two walls it would see half of what is behind the other. */
 void sl_vertex_sample_point(const sl_patches *patches, uint32_t vertex, sl_lit_point *at);
-/* Tells whether a point lies inside a solid; eye: as in sl_solids_hold(). */
-static inline bool sl_point_in_solid(const sl_primitives *primitives, const sl_tracer *tracer,
-                                     const sl_vec3 *eye, const sl_lit_point *at, sl_counters *counters) {
-    return sl_solids_hold(primitives->solids, tracer, at->position, at->geometric_normal, at->triangle, eye,
-                          counters);
-}
 /* Nudges the point of a vertex that lies inside a solid until it does not: by 1, by 5 and by 20 % of the
  * largest patches that have the vertex for a corner. False: it still does, and no light there is anybody's.
  */

@@ -35,11 +35,11 @@ void sl_vertex_sample_point(const sl_patches *p, uint32_t vertex, sl_lit_point *
 
 bool sl_leave_solid(const sl_patches *p, const sl_tracer *tracer, const sl_vec3 *eye, uint32_t vertex,
                     sl_lit_point *at, bool *moved, sl_counters *counters) {
-    bool inside = sl_point_in_solid(p->primitives, tracer, eye, at, counters);
+    bool inside = sl_solids_hold(p->primitives->solids, tracer, at, eye, counters);
     *moved = false;
     for (int nudge = 1; nudge <= NUDGES && inside; nudge++) {
         nudge_to(p, vertex, nudge, at);
-        inside = sl_point_in_solid(p->primitives, tracer, eye, at, counters);
+        inside = sl_solids_hold(p->primitives->solids, tracer, at, eye, counters);
         *moved = !inside;
     }
     return !inside;

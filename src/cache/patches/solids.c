@@ -215,11 +215,11 @@ bool sl_solids_hide_back(const sl_solids *solids, uint32_t triangle) {
     return b->kind == CLOSED_SOLID && b->sealed;
 }
 
-bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, sl_vec3 position, sl_vec3 normal,
-                    uint32_t triangle, const sl_vec3 *eye, sl_counters *counters) {
+bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, const sl_lit_point *at,
+                    const sl_vec3 *eye, sl_counters *counters) {
     const sl_scene *s = solids->scene;
-    sl_vec3 p = sl_mad(position, 1e-5f * s->scale, normal);
-    uint32_t own = triangle != SL_NO_INDEX ? solids->body_of[triangle] : SL_NO_INDEX;
+    sl_vec3 p = sl_mad(at->position, 1e-5f * s->scale, at->geometric_normal);
+    uint32_t own = at->triangle != SL_NO_INDEX ? solids->body_of[at->triangle] : SL_NO_INDEX;
     bool near = false;
     for (size_t i = 0; i < solids->solid_count && !near; i++) {
         const body *b = &solids->bodies[solids->solid[i]];
@@ -228,7 +228,7 @@ bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, sl_vec3 po
     if (!near) return false;
     sl_ray16 rays;
     sl_hit16 hits;
-    probe_rays(p, normal, &rays);
+    probe_rays(p, at->geometric_normal, &rays);
     sl_trace(tracer, &rays, PROBES, false, &hits, counters);
     int closed = 0, open = 0;
     for (int i = 0; i < PROBES; i++) {

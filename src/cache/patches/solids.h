@@ -15,8 +15,7 @@
 #ifndef SL_PATCHES_SOLIDS_H
 #define SL_PATCHES_SOLIDS_H
 
-#include "scene/scene.h"
-#include "trace/trace.h"
+#include "cache/light/light_sample.h"
 
 typedef struct sl_solids sl_solids;
 
@@ -25,11 +24,10 @@ sl_status sl_solids_find(const sl_scene *scene, sl_solids **solids, sl_error *er
 void sl_solids_destroy(sl_solids *solids);
 /* Finds them anew after objects or lights have moved. */
 void sl_solids_edit(sl_solids *solids);
-/* Tells whether a point of a surface lies inside a solid other than that of its triangle (SL_NO_INDEX:
- * several meet there). normal: geometric, on the side that is lit. eye: NULL where light is kept for all
- * eyes; then nothing that is open or has light inside is a solid. */
-bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, sl_vec3 position, sl_vec3 normal,
-                    uint32_t triangle, const sl_vec3 *eye, sl_counters *counters);
+/* Tells whether a point lies inside a solid other than that of its triangle (SL_NO_INDEX: several meet there).
+ * eye: NULL where light is kept for all eyes; then nothing that is open or has light inside is a solid. */
+bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, const sl_lit_point *at,
+                    const sl_vec3 *eye, sl_counters *counters);
 /* Tells whether an eye that moves goes into a lit solid, or out of one: points within are others then. */
 bool sl_solids_eye_matters(const sl_solids *solids, sl_vec3 before, sl_vec3 now);
 /* Tells whether a triangle's back is the inner side of a sealed solid without light: nobody sees it. */

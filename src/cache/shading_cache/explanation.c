@@ -1,10 +1,15 @@
 /* The explanation of a pixel: the display's sum (section on display) told vertex by vertex. A pixel lies in a
  * leaf; what the leaf's corners hold, and what hangs on its edges where it is a fan, adds weight x E x kd /
  * pi, and where there is a lobe weight x L_s. */
-#include "cache/shading_cache/explanation.h"
+#include "cache/shading_cache/state.h"
 
 #include "base/math.h"
 #include "base/memory.h"
+#include "cache/patches/display/leaf_lookup.h"
+
+static const sl_display_copy *shown_copy(const sl_shading_state *s) {
+    return &s->display->copy[s->display->copies.shown];
+}
 
 /* Those of sl_leaf_value(). */
 static sl_vertex_shares shares_of(const sl_display_copy *copy, const sl_leaf *leaf) {
@@ -27,7 +32,7 @@ static void tell_colour(sl_explanation_writer *writer, const char *layer, const 
 
 static const double whole[3] = {1.0, 1.0, 1.0};
 
-static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint32_t vertex, double weight,
+static void tell_vertex(const sl_shading_state *s, const sl_shown_root *p, uint32_t vertex, double weight,
                         const double reflectance[3], sl_explanation_writer *writer) {
     float value[6] = {0};
     const sl_patch_vertex *v = &s->patches->vertex[vertex];
@@ -35,7 +40,7 @@ static void tell_vertex(const sl_shading_state *s, const sl_shown_pixel *p, uint
                        : v->extrapolated ? "vertex inside something, with light from around it"
                                          : "vertex with samples";
     sl_vec3 at = sl_vertex_position(s->patches, vertex);
-    sl_display_value(p->copy, p->lobe ? 2 : 1, vertex, value);
+    sl_display_value(shown_copy(s), p->lobe ? 2 : 1, vertex, value);
     sl_explanation_add_light(writer, "irradiance", kind, vertex, &at, weight, value, reflectance);
     if (p->lobe) sl_explanation_add_light(writer, "radiance", kind, vertex, &at, weight, value + 3, whole);
 }
@@ -44,7 +49,7 @@ sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_write
     (void)error;
     const sl_shading_state *s = state;
     const double per_pi = (double)(float)(1.0 / SL_PI);
-    sl_shown_pixel p;
+    sl_shown_root p;
     sl_display_pixel(s->display, (size_t)y * (size_t)s->settings.width + (size_t)x, &p);
     tell_colour(writer, "emission", p.root == SL_NO_INDEX ? "environment" : "emitted light", p.emission,
                 whole);
@@ -52,10 +57,11 @@ sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_write
     const double reflectance[3] = {(double)p.diffuse.r * per_pi, (double)p.diffuse.g * per_pi,
                                    (double)p.diffuse.b * per_pi};
     if (!p.wanted) {
-        tell_colour(writer, "irradiance", "guess before any sample: the scene's mean", p.guess, reflectance);
+        tell_colour(writer, "irradiance", "guess before any sample: the scene's mean", shown_copy(s)->guess,
+                    reflectance);
         return SL_OK;
     }
-    sl_vertex_shares all = shares_of(p.copy, &p.leaf);
+    sl_vertex_shares all = shares_of(shown_copy(s), &p.leaf);
     for (size_t k = 0; k < all.count; k++)
         tell_vertex(s, &p, all.vertex[k], all.weight[k], reflectance, writer);
     return SL_OK;

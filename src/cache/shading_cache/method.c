@@ -7,7 +7,6 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/shading_cache/state.h"
-#include "cache/shading_cache/explanation.h"
 #include "scene/ambient.h"
 
 /* ---- life ---- */
@@ -106,7 +105,7 @@ static sl_status make_cache(sl_shading_state *s, sl_error *error) {
         status = sl_patches_create(s->primitives, &kept, &s->patches, error);
     if (status == SL_OK) status = make_renderers(s, error);
     if (status == SL_OK) status = sl_display_create(s->scene, s->primitives, &display, &s->display, error);
-    if (status == SL_OK) s->raster = sl_display_raster(s->display);
+    if (status == SL_OK) s->raster = s->display->own.raster;
     if (status == SL_OK) status = sl_object_places_take(s->scene, &s->places, error);
     return status == SL_OK ? sl_light_places_take(s->scene, &s->lights, error) : status;
 }
@@ -185,8 +184,7 @@ static sl_status shading_resolve(void *state, sl_image **image, sl_error *error)
     if (!memory) return sl_fail_memory(error, "the picture");
     for (size_t k = 0; k < 6; k++) planes[k] = memory + k * pixels;
     sl_status status = take_view(s, error);
-    if (status == SL_OK)
-        status = sl_display_draw(s->display, s->settings.threads, planes, &s->counters, error);
+    if (status == SL_OK) status = sl_window_draw(&s->display->own, planes, &s->counters, error);
     if (status == SL_OK)
         status = sl_image_create(s->settings.width, s->settings.height, 6, names, image, error);
     sl_count(&s->counters, SL_COUNT_FRAMES_DISPLAYED, status == SL_OK);
@@ -304,7 +302,7 @@ static sl_status shading_edit(void *state, unsigned changes, sl_error *error) {
     changes = as_light(changes);
     const bool light = changes & (SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS);
     if (light) judge_by_light_of_now(s);
-    if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_display_move(s->display, error);
+    if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = sl_window_move(&s->display->own, error);
     if (status == SL_OK && (changes & SL_CHANGED_OBJECTS)) status = make_tracer(s, error);
     if (light) sl_solids_edit(s->primitives->solids);
     for (int i = 0; i < s->renderer_count && light && status == SL_OK; i++)

@@ -11,8 +11,7 @@
 /* ---- choices ---- */
 
 static uint32_t most_of(const sl_selection *s, uint32_t leaf) {
-    uint32_t most = s->settings->per_patch > 0 ? (uint32_t)s->settings->per_patch : 0;
-    most = most < UINT16_MAX ? most : UINT16_MAX;
+    uint32_t most = s->per_patch < UINT16_MAX ? s->per_patch : UINT16_MAX;
     return most < s->leaves[leaf].pixels ? most : s->leaves[leaf].pixels;
 }
 
@@ -47,13 +46,12 @@ static int highest_first(const void *a, const void *b) {
 /* One pixel of each leaf, from the highest priority down; where there are fewer leaves than choices, one more
  * of each, and so on. share: by leaf. */
 static void share_out(const sl_selection *s, const ranked *leaves, uint32_t *share) {
-    size_t left = (size_t)s->settings->points;
+    size_t left = (size_t)s->points;
     for (bool more = true; more && left > 0;) {
         more = false;
         for (size_t i = 0; i < s->leaf_count && left > 0; i++) {
             const uint32_t leaf = leaves[i].leaf;
-            if (share[leaf] >= s->leaves[leaf].pixels || share[leaf] >= (uint32_t)s->settings->per_patch)
-                continue;
+            if (share[leaf] >= s->leaves[leaf].pixels || share[leaf] >= s->per_patch) continue;
             share[leaf]++;
             left--;
             more = true;
@@ -79,10 +77,8 @@ static sl_status select_sorted(sl_selection *s, sl_error *error) {
         float priority = s->leaves[i].priority; /* never evaluated: before all others */
         leaves[i] = (ranked){s->leaves[i].normal, priority >= 0.0f ? priority : HUGE_VALF, i};
     }
-    if (s->settings->per_patch > 0) {
-        qsort(leaves, s->leaf_count, sizeof *leaves, highest_first);
-        share_out(s, leaves, share);
-    }
+    qsort(leaves, s->leaf_count, sizeof *leaves, highest_first);
+    share_out(s, leaves, share);
     for (uint32_t pixel = 0; pixel < s->pixel_count; pixel++) {
         uint32_t leaf = s->leaf[pixel];
         if (leaf == SL_NO_INDEX) continue;
@@ -97,28 +93,21 @@ static sl_status select_sorted(sl_selection *s, sl_error *error) {
 /* ---- all ---- */
 
 static sl_status select_pixels(sl_selection *s, sl_error *error) {
-    if (s->settings->how == SL_PIXELS_SORTED) return select_sorted(s, error);
+    if (s->how == SL_PIXELS_SORTED) return select_sorted(s, error);
     sl_hit_and_test(s);
-    return s->settings->flood_threshold > 1.0f ? SL_OK : sl_flood_fill(s, error);
+    return s->flood_threshold > 1.0f ? SL_OK : sl_flood_fill(s, error);
 }
 
-sl_status sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf,
-                           size_t leaf_count,
-                           const sl_leaf_priority *leaves, sl_choice *choice, size_t *choice_count,
-                           sl_counters *counters, sl_error *error) {
-    *choice_count = 0;
-    if (width <= 0 || height <= 0 || leaf_count == 0 || settings->points <= 0) return SL_OK;
-    size_t pixels = (size_t)width * (size_t)height;
-    sl_selection s = {.settings = settings, .width = width, .height = height, .pixel_count = pixels,
-                      .leaf_count = leaf_count, .leaf = leaf,
-                      .leaves = leaves, .choice = choice, .counters = counters};
-    s.visited = sl_allocate((pixels + 7) / 8, 1);
-    s.taken = sl_allocate(leaf_count, sizeof *s.taken);
-    for (uint32_t i = 0; i < leaf_count; i++) s.open += most_of(&s, i) > 0;
-    sl_status status = s.visited && s.taken ? select_pixels(&s, error) : sl_fail_memory(error, "selection");
-    sl_free(s.visited);
-    sl_free(s.taken);
-    *choice_count = status == SL_OK ? s.count : 0;
+sl_status sl_select_pixels(sl_selection *s, sl_error *error) {
+    s->count = s->open = 0;
+    if (s->width <= 0 || s->height <= 0 || s->leaf_count == 0 || s->points <= 0) return SL_OK;
+    s->pixel_count = (size_t)s->width * (size_t)s->height;
+    s->visited = sl_allocate((s->pixel_count + 7) / 8, 1);
+    s->taken = sl_allocate(s->leaf_count, sizeof *s->taken);
+    for (uint32_t i = 0; i < s->leaf_count; i++) s->open += most_of(s, i) > 0;
+    sl_status status = s->visited && s->taken ? select_pixels(s, error) : sl_fail_memory(error, "selection");
+    SL_FREE_ALL(s->visited, s->taken);
+    if (status != SL_OK) s->count = 0;
     return status;
 }
 

@@ -14,42 +14,37 @@ typedef struct sl_choice {
     sl_choice_kind kind;
 } sl_choice;
 
-typedef struct sl_selection_settings {
+/* One update's choices. */
+typedef struct sl_selection {
     sl_pixel_selection how;
     int points;                /* M: so many choices by tests, and at most as many by floods */
     float random_share;        /* epsilon; 0: none */
     float flood_threshold;     /* tau_f; above 1: no floods */
-    int per_patch;             /* choices in one patch at most: 16 */
+    uint32_t per_patch;        /* choices in one patch at most: 16 */
     uint64_t seed, update;     /* what draws are a function of */
-} sl_selection_settings;
-
-/* leaf: by pixel, index into leaves, or SL_NO_INDEX. Each pixel is chosen at most once, and of leaves whose
- * `pixels` are 0 none. At most 8 points / epsilon tests (epsilon 0: as if it were 0.03). choice has room for
- * 2 * points. */
-sl_status sl_select_pixels(const sl_selection_settings *settings, int width, int height, const uint32_t *leaf,
-                           size_t leaf_count,
-                           const sl_leaf_priority *leaves, sl_choice *choice, size_t *choice_count,
-                           sl_counters *counters, sl_error *error);
-
-/* One update's choices as they are made. */
-typedef struct sl_selection {
-    const sl_selection_settings *settings;
     int width, height;
-    size_t pixel_count, leaf_count;
-    const uint32_t *leaf;            /* by pixel */
+    const uint32_t *leaf;      /* by pixel: index into leaves, or SL_NO_INDEX */
     const sl_leaf_priority *leaves;
-    uint8_t *visited;                /* one bit a pixel: chosen, or a flood has come by */
-    uint16_t *taken;                 /* by leaf: choices in it */
-    size_t open;                     /* leaves that may still be chosen */
-    sl_choice *choice;
-    size_t count;
+    size_t leaf_count;
     sl_counters *counters;
+    sl_choice *choice;         /* room for 2 * points */
+    size_t count;              /* of choices; from here on as they are made */
+    size_t pixel_count;
+    uint8_t *visited;          /* one bit a pixel: chosen, or a flood has come by */
+    uint16_t *taken;           /* by leaf: choices in it */
+    size_t open;               /* leaves that may still be chosen */
 } sl_selection;
 
-static inline bool sl_selection_visited(const sl_selection *s,
-                                        uint32_t pixel) { return s->visited[pixel / 8] >> pixel % 8 & 1; }
-static inline void sl_selection_visit(sl_selection *s,
-                                      uint32_t pixel) { s->visited[pixel / 8] |= (uint8_t)(1u << pixel % 8); }
+/* Each pixel is chosen at most once, and of leaves whose `pixels` are 0 none. At most 8 points / epsilon
+ * tests (epsilon 0: as if it were 0.03). After a failure there are no choices. */
+sl_status sl_select_pixels(sl_selection *selection, sl_error *error);
+
+static inline bool sl_selection_visited(const sl_selection *s, uint32_t pixel) {
+    return s->visited[pixel / 8] >> pixel % 8 & 1;
+}
+static inline void sl_selection_visit(sl_selection *s, uint32_t pixel) {
+    s->visited[pixel / 8] |= (uint8_t)(1u << pixel % 8);
+}
 
 /* Chooses a pixel of a leaf, unless it has been chosen, or its patch has enough. */
 bool sl_selection_take(sl_selection *s, uint32_t pixel, sl_choice_kind kind);

@@ -29,9 +29,8 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/shading_cache/state.h"
-#include "cache/shading_cache/explanation.h"
 
-enum { LEVELS_AN_UPDATE = 3, CROWD = 4, CHOICES_A_PATCH = 16 };
+enum { CHOICES_A_PATCH = 16 };
 
 /* A patch is split above 1.2 stop sizes, and dropped by ageing below 0.8: in between nothing swings to and
  * fro. */
@@ -40,7 +39,7 @@ static const float split_slack = 1.2f, drop_slack = 0.8f;
 /* ---- id map ---- */
 
 static sl_status draw_id_map(sl_shading_state *s, sl_error *error) {
-    sl_status status = sl_display_id_map(s->display, s->settings.threads, &s->ids, &s->counters, error);
+    sl_status status = sl_display_id_map(s->display, &s->ids, &s->counters, error);
     if (status == SL_OK) status = sl_shading_find_leaves(s, error);
     if (status == SL_OK)
         sl_announce_ids(&s->announcer, "id map", "patch hierarchy", s->settings.width, s->settings.height,
@@ -78,12 +77,8 @@ static void settle_work(sl_shading_state *s) {
                                  .moves = s->moves,
                                  .curve = &s->curve,
                                  .split_above = split_slack * (float)c->stop_size,
-                                 .levels = LEVELS_AN_UPDATE,
-                                 .crowd = CROWD,
-                                 .variance_aware = c->variance_aware,
                                  .sharp = s->plan.radiance,
                                  .dense = s->scene->emitter_count > 0 && !c->variance_aware,
-                                 .now = s->now,
                                  .changes = &s->changes,
                                  .coarsest = sl_shading_coarsest(s)};
 }
@@ -105,9 +100,9 @@ static void make_priority_map(sl_shading_state *s) {
  * twice: below epsilon the pixel is a random one, which finds what the corners of its patch do not show, and
  * (u - epsilon) / (1 - epsilon) < p_norm is the test. */
 void sl_hit_and_test(sl_selection *s) {
-    float e = s->settings->random_share;
-    uint64_t key = sl_random_key(s->settings->seed, s->settings->update), test = 0;
-    size_t points = (size_t)s->settings->points;
+    float e = s->random_share;
+    uint64_t key = sl_random_key(s->seed, s->update), test = 0;
+    size_t points = (size_t)s->points;
     double most = 8.0 * (double)points / (e > 0.0f ? (double)e : 0.03);
     for (; s->count < points && s->open > 0 && (double)test < most; test++) {
         uint32_t pixel = (uint32_t)((uint64_t)sl_random_bits(key, 2 * test) * s->pixel_count >> 32);
@@ -162,11 +157,11 @@ static void run_flood(sl_selection *s, flood *f) {
 /* Seeds are the hits with p_norm >= tau_f. Each pixel is in the queue at most once: seeds are visited. */
 sl_status sl_flood_fill(sl_selection *s, sl_error *error) {
     flood f = {.queue = sl_allocate_unset(s->pixel_count, sizeof *f.queue),
-               .most = (size_t)s->settings->points};
+               .most = (size_t)s->points};
     if (!f.queue) return sl_fail_memory(error, "flood fill");
     for (size_t i = 0; i < s->count; i++) {
         float normal = s->leaves[s->choice[i].leaf].normal;
-        if (s->choice[i].kind != SL_CHOICE_HIT || !(normal >= s->settings->flood_threshold)) continue;
+        if (s->choice[i].kind != SL_CHOICE_HIT || !(normal >= s->flood_threshold)) continue;
         f.queue[f.end++] = (flooded_pixel){s->choice[i].pixel, normal};
     }
     run_flood(s, &f);
@@ -176,17 +171,23 @@ sl_status sl_flood_fill(sl_selection *s, sl_error *error) {
 
 static sl_status select_pixels(sl_shading_state *s, size_t *choices, sl_error *error) {
     const sl_shading_cache_settings *c = &s->settings.shading_cache;
-    sl_selection_settings selection = {.how = c->selection,
-                                       .points = c->points,
-                                       .random_share = c->no_random ? 0.0f : (float)c->random_share,
-                                       .flood_threshold = c->no_flood ? 2.0f : (float)c->flood_threshold,
-                                       .per_patch = CHOICES_A_PATCH,
-                                       .seed = s->settings.seed,
-                                       .update = s->now};
-    sl_status status = sl_select_pixels(&selection, s->settings.width, s->settings.height, s->leaf_of_pixel,
-                                        s->leaf_count, s->leaf,
-                                        s->choice, choices, &s->counters, error);
-    sl_shading_announce_choices(s, status == SL_OK ? *choices : 0);
+    sl_selection selection = {.how = c->selection,
+                              .points = c->points,
+                              .random_share = c->no_random ? 0.0f : (float)c->random_share,
+                              .flood_threshold = c->no_flood ? 2.0f : (float)c->flood_threshold,
+                              .per_patch = CHOICES_A_PATCH,
+                              .seed = s->settings.seed,
+                              .update = s->now,
+                              .width = s->settings.width,
+                              .height = s->settings.height,
+                              .leaf = s->leaf_of_pixel,
+                              .leaves = s->leaf,
+                              .leaf_count = s->leaf_count,
+                              .counters = &s->counters,
+                              .choice = s->choice};
+    sl_status status = sl_select_pixels(&selection, error);
+    *choices = selection.count;
+    sl_shading_announce_choices(s, *choices);
     return status;
 }
 

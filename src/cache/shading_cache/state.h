@@ -118,4 +118,16 @@ void sl_shading_note_latency(sl_shading_state *s);
  */
 float sl_shading_coarsest(const sl_shading_state *s);
 
+/* explanation.c: the terms of a pixel; and patches, samples and chosen pixels as marks, for those who look
+ * on. */
+/* See sl_method_explanation(). */
+sl_status sl_shading_explanation(void *state, int x, int y, sl_explanation_writer *writer, sl_error *error);
+
+/* Nothing without an observer. Chosen pixels: hits green, random ones blue, floods red. */
+void sl_shading_announce_choices(sl_shading_state *state, size_t choices);
+void sl_shading_announce_priorities(sl_shading_state *state);
+/* Leaves that were seen in the last update, by their edges; vertices with samples, in the colour of their
+ * irradiance. */
+void sl_shading_announce_patches(sl_shading_state *state);
+
 #endif

@@ -12,6 +12,9 @@
 #include "base/memory.h"
 #include "cache/shading_cache/renderers.h"
 
+/* Places in a child that make it be processed, too; splits one in another in one update. */
+enum { CROWD = 4, LEVELS = 3 };
+
 typedef struct worker {
     sl_patches *patches;
     const sl_work_settings *settings;
@@ -100,7 +103,7 @@ static double level_noise(const worker *w, uint32_t root, uint32_t vertex) {
                   (double)sl_curve_level_of(w->settings->curve, luminance - off));
 }
 
-/* p_err < 2 s, s of the darkest and of the brightest corner. */
+/* p_err < 2 s, s of the darkest and of the brightest corner: more samples instead of a split. */
 static bool is_noise(const worker *w, uint32_t patch) {
     uint32_t root = sl_patch_root(w->patches, patch), low = 0, high = 0;
     float least = HUGE_VALF, most = -1.0f;
@@ -170,7 +173,7 @@ static sl_status process_children(worker *w, const sl_patch_place *place, uint32
         size_t here = begin[c + 1] - begin[c];
         if (here == 0) continue;
         sl_patch_place child = sl_patch_child_place(w->patches, place, c);
-        bool crowd = here >= (size_t)w->settings->crowd && level < w->settings->levels;
+        bool crowd = here >= CROWD && level < LEVELS;
         if (always || crowd) status = process(w, &child, index + begin[c], here, level);
         else ask_for_missing(w, &child);
     }
@@ -183,10 +186,10 @@ static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index
     if (!sl_patch_is_leaf(w->patches, patch)) return process_children(w, place, index, count, level, true);
     if (level == 0 && ask_for_missing(w, place)) return SL_OK;
     sl_screen_size size = sl_patch_projected(w->patches, place, w->settings->view);
-    bool noise = level == 0 && w->settings->variance_aware && w->patches->sets && is_noise(w, patch);
+    bool noise = level == 0 && w->patches->sets && is_noise(w, patch);
     if (!noise && is_large(w->patches, w->settings, place, size)) {
         if (is_full_size(w, 0.25f * size.area) && ask_for_dense(w, place)) return SL_OK;
-        sl_status status = sl_patch_split(w->patches, patch, w->error);
+        sl_status status = sl_patch_split(w->patches, place, w->error);
         if (status != SL_OK) return status;
         if (!sl_patch_is_leaf(w->patches, patch)) {
             sl_count(w->counters, SL_COUNT_SPLITS, 1);
@@ -194,7 +197,7 @@ static sl_status process(worker *w, const sl_patch_place *place, uint32_t *index
         }
     }
     if (level > 0) ask_for_missing(w, place);
-    else if (w->settings->variance_aware) ask_for_all(w, patch); /* one more set of samples */
+    else if (w->patches->sets) ask_for_all(w, patch); /* one more set of samples */
     return SL_OK;
 }
 

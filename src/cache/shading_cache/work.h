@@ -17,10 +17,6 @@ typedef struct sl_work_settings {
     /* pixels: projected area that a patch needs for a split: 1.2 stop sizes; and its root for its longest
      * edge */
     float split_above;
-    int levels;                /* splits one in another in one update: 3 */
-    int crowd;                 /* places in a child that make it be processed, too: 4 */
-    bool variance_aware;       /* p_err < 2 s: more samples instead of a split */
-    uint32_t now;
     bool moves;                /* values of few points on lights will do */
     const sl_changes *changes; /* which vertices are stale, which objects change */
     /* leaves of one pixel have dense points on lights: their parent's corners get them before the split */

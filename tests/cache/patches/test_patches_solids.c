@@ -95,6 +95,11 @@ static void a_box_with_light_inside_hides_nothing(void **state) {
 
 /* ---- which points they hold ---- */
 
+static bool holds(const world *w, const sl_tracer *tracer, sl_vec3 at, sl_vec3 normal, const sl_vec3 *eye,
+                  sl_counters *counters) {
+    return sl_solids_hold(w->solids, tracer, &(sl_lit_point){at, normal, normal, SL_NO_INDEX}, eye, counters);
+}
+
 /* A sealed box with a lamp in it stands on a floor. */
 static void a_lit_box_is_solid_to_eyes_outside_only(void **state) {
     trace_mesh parts = begin();
@@ -105,9 +110,9 @@ static void a_lit_box_is_solid_to_eyes_outside_only(void **state) {
     sl_tracer *tracer = tracer_of(w.scene);
     sl_counters counters = {0};
     const sl_vec3 at = {0.2f, 0, 0.3f}, up = {0, 1, 0}, outside = {3, 3, 3}, inside = {0.5f, 0.5f, 0.5f};
-    assert_true(sl_solids_hold(w.solids, tracer, at, up, SL_NO_INDEX, &outside, &counters));
-    assert_false(sl_solids_hold(w.solids, tracer, at, up, SL_NO_INDEX, &inside, &counters));
-    assert_false(sl_solids_hold(w.solids, tracer, at, up, SL_NO_INDEX, NULL, &counters));
+    assert_true(holds(&w, tracer, at, up, &outside, &counters));
+    assert_false(holds(&w, tracer, at, up, &inside, &counters));
+    assert_false(holds(&w, tracer, at, up, NULL, &counters));
     assert_true(sl_solids_eye_matters(w.solids, inside, outside) &&
                 !sl_solids_eye_matters(w.solids, outside, outside));
     sl_tracer_destroy(tracer);
@@ -157,8 +162,7 @@ static void points_inside_of_solids_are_known_from_those_outside(void **state) {
         float nearest;
         bool wanted = depth_in_boxes(p, &nearest) < 0.0f;
         if (nearest < 0.001f) continue;
-        assert_int_equal(sl_solids_hold(w.solids, tracer, p, sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters),
-                         wanted);
+        assert_int_equal(holds(&w, tracer, p, sl_v3(0, 1, 0), NULL, &counters), wanted);
         inside += wanted;
     }
     assert_true(inside > 600);
@@ -178,16 +182,12 @@ static void a_floor_is_inside_where_a_leg_stands_on_it_and_a_leg_is_not(void **s
             for (int b = 0; b < BOXES; b++)
                 wanted |= boxes[b][1] == 0.0f && p.x > boxes[b][0] && p.x < boxes[b][3] &&
                           p.z > boxes[b][2] && p.z < boxes[b][5];
-            assert_int_equal(
-                sl_solids_hold(w.solids, tracer, p, sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters), wanted);
+            assert_int_equal(holds(&w, tracer, p, sl_v3(0, 1, 0), NULL, &counters), wanted);
         }
     /* The first box's own side, top, and top where the second one stands. */
-    assert_false(sl_solids_hold(w.solids, tracer, sl_v3(0, 0.3f, 0.3f), sl_v3(-1, 0, 0), SL_NO_INDEX, NULL,
-                                &counters));
-    assert_false(
-        sl_solids_hold(w.solids, tracer, sl_v3(0.9f, 1, 0.1f), sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters));
-    assert_true(
-        sl_solids_hold(w.solids, tracer, sl_v3(0.5f, 1, 0.5f), sl_v3(0, 1, 0), SL_NO_INDEX, NULL, &counters));
+    assert_false(holds(&w, tracer, sl_v3(0, 0.3f, 0.3f), sl_v3(-1, 0, 0), NULL, &counters));
+    assert_false(holds(&w, tracer, sl_v3(0.9f, 1, 0.1f), sl_v3(0, 1, 0), NULL, &counters));
+    assert_true(holds(&w, tracer, sl_v3(0.5f, 1, 0.5f), sl_v3(0, 1, 0), NULL, &counters));
     sl_tracer_destroy(tracer);
     discard(&w);
 }

@@ -102,17 +102,23 @@ static void a_light_that_moved_is_found_within_the_tests_that_epsilon_needs(void
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
         world w = world_of(1);
         sl_changes_edit(&w.changes, SL_CHANGED_LIGHTS, NULL, 2);
-        sl_selection_settings s = {.points = POINTS,
-                                   .random_share = 0.03f,
-                                   .flood_threshold = 0.5f,
-                                   .per_patch = 16,
-                                   .seed = trial,
-                                   .update = 2};
         sl_counters counters = {0};
-        size_t count, first = 0;
-        assert_int_equal(sl_select_pixels(&s, SIDE, SIDE, leaf, 256, leaves, choice, &count, &counters, NULL),
-                         SL_OK);
-        for (; first < count && !w.changes.object[0].changing; first++) {
+        sl_selection s = {.points = POINTS,
+                          .random_share = 0.03f,
+                          .flood_threshold = 0.5f,
+                          .per_patch = 16,
+                          .seed = trial,
+                          .update = 2,
+                          .width = SIDE,
+                          .height = SIDE,
+                          .leaf = leaf,
+                          .leaves = leaves,
+                          .leaf_count = 256,
+                          .counters = &counters,
+                          .choice = choice};
+        size_t first = 0;
+        assert_int_equal(sl_select_pixels(&s, NULL), SL_OK);
+        for (; first < s.count && !w.changes.object[0].changing; first++) {
             bool lit = choice[first].pixel / SIDE < SIDE / 4;
             sl_changes_compare(&w.changes, 0, lit ? 30.0f : 0.0f, 2);
         }

@@ -151,7 +151,7 @@ static void pixels_of_patches_are_the_pictures_and_the_next_id_map_names_childre
         assert_int_equal(sum, covered);
         sl_display_ids ids = {.patch = patch};
         sl_counters counters = {0};
-        assert_int_equal(sl_display_id_map(s->display, 1, &ids, &counters, NULL), SL_OK);
+        assert_int_equal(sl_display_id_map(s->display, &ids, &counters, NULL), SL_OK);
         for (int k = 0; k < PIXELS; k++) {
             assert_int_equal(patch[k] == SL_NO_INDEX, s->ids.patch[k] == SL_NO_INDEX);
             if (patch[k] == SL_NO_INDEX) continue;

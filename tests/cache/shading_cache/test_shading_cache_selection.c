@@ -40,24 +40,27 @@ static void paint(picture *p, int x, int y, uint32_t leaf, float normal) {
     p->leaves[leaf].priority = 100.0f * normal;
 }
 
-static sl_selection_settings usual(int points) {
-    return (sl_selection_settings){.how = SL_PIXELS_HIT_AND_TEST,
-                                   .points = points,
-                                   .random_share = 0.03f,
-                                   .flood_threshold = 2.0f,
-                                   .per_patch = 10000,
-                                   .seed = 1};
+static sl_selection usual(int points) {
+    return (sl_selection){.how = SL_PIXELS_HIT_AND_TEST,
+                          .points = points,
+                          .random_share = 0.03f,
+                          .flood_threshold = 2.0f,
+                          .per_patch = 10000,
+                          .seed = 1};
 }
 
 /* Whatever the settings: no more choices than there may be, of pixels that show a leaf, each once, of no
  * patch more than its share. */
-static void choose(picture *p, const sl_selection_settings *s) {
+static void choose(picture *p, const sl_selection *s) {
     sl_counters zero = {0};
     size_t pixels = (size_t)p->width * (size_t)p->height;
     p->counters = zero;
-    assert_int_equal(sl_select_pixels(s, p->width, p->height, p->leaf, p->leaf_count, p->leaves, p->choice,
-                                      &p->count, &p->counters, NULL),
-                     SL_OK);
+    sl_selection made = *s;
+    made.width = p->width, made.height = p->height;
+    made.leaf = p->leaf, made.leaves = p->leaves, made.leaf_count = p->leaf_count;
+    made.choice = p->choice, made.counters = &p->counters;
+    assert_int_equal(sl_select_pixels(&made, NULL), SL_OK);
+    p->count = made.count;
     assert_true(p->count <= 2 * (size_t)s->points);
     uint8_t *chosen = calloc(pixels, 1);
     int *in_leaf = calloc(p->leaf_count + 1, sizeof *in_leaf);
@@ -68,7 +71,7 @@ static void choose(picture *p, const sl_selection_settings *s) {
         assert_true(c->pixel < pixels && c->leaf != SL_NO_INDEX);
         assert_int_equal(c->leaf, p->leaf[c->pixel]);
         assert_int_equal(chosen[c->pixel]++, 0);
-        assert_true(++in_leaf[c->leaf] <= s->per_patch);
+        assert_true(++in_leaf[c->leaf] <= (int)s->per_patch);
         kinds[c->kind]++;
     }
     assert_int_equal(p->counters.value[SL_COUNT_PIXELS_HIT], kinds[SL_CHOICE_HIT]);
@@ -91,7 +94,7 @@ static void patches_are_chosen_as_often_as_their_pixels_and_priorities_say(void 
             if (leaf < LEAVES) paint(&p, x, y, leaf, normal[leaf]);
         }
     }
-    sl_selection_settings s = usual(1);
+    sl_selection s = usual(1);
     double wanted[LEAVES], sum = 0.0, found[LEAVES] = {0}, chi = 0.0;
     for (int i = 0; i < LEAVES; i++)
         sum += wanted[i] = (double)p.leaves[i].pixels * (0.03 + 0.97 * (double)normal[i]);
@@ -117,7 +120,7 @@ static void tests_for_one_choice_are_the_inverse_of_the_mean_chance(void **state
         mean += (0.03 + 0.97 * (double)normal) / 320.0;
     }
     assert_true(fabs(1.0 / mean - 3.700) < 5e-3);
-    sl_selection_settings s = usual(64);
+    sl_selection s = usual(64);
     double tests = 0.0, choices = 0.0, random = 0.0;
     for (s.update = 0; s.update < 1500; s.update++) {
         choose(&p, &s);
@@ -133,7 +136,7 @@ static void tests_for_one_choice_are_the_inverse_of_the_mean_chance(void **state
 static void a_patch_without_any_priority_is_found_in_the_long_run_and_only_by_chance(void **state) {
     picture p = picture_of(64, 64, 2);
     for (int i = 0; i < 64 * 64; i++) paint(&p, i % 64, i / 64, i == 2000, i == 2000 ? 0.0f : 0.5f);
-    sl_selection_settings s = usual(64), none = usual(64);
+    sl_selection s = usual(64), none = usual(64);
     none.random_share = 0.0f;
     int found = 0;
     for (s.update = 0; s.update < 2000; s.update++) {
@@ -153,7 +156,7 @@ static void a_patch_without_any_priority_is_found_in_the_long_run_and_only_by_ch
 
 static void tests_come_to_an_end_where_nothing_is_to_be_hit(void **state) {
     picture p = picture_of(200, 100, 1);
-    sl_selection_settings s = usual(64);
+    sl_selection s = usual(64);
     choose(&p, &s); /* no visible patch */
     assert_int_equal(p.count, 0);
     paint(&p, 7, 7, 0, 1.0f); /* one pixel of 20,000 */
@@ -194,7 +197,7 @@ static void no_patch_gets_more_than_its_share_and_the_others_get_theirs(void **s
         picture p = picture_of(60, 40, 3);
         for (int i = 0; i < 2400; i++)
             paint(&p, i % 60, i / 60, i < 2000 ? 0 : i < 2390 ? 1 : 2, i < 2000 ? 1.0f : 0.5f);
-        sl_selection_settings s = usual(64);
+        sl_selection s = usual(64);
         s.how = (sl_pixel_selection)how;
         s.per_patch = 16;
         s.flood_threshold = 0.5f;
@@ -231,7 +234,7 @@ static picture shadow_line(void) {
 
 static void one_hit_on_a_shadow_line_spreads_along_it(void **state) {
     picture p = shadow_line();
-    sl_selection_settings s = usual(64);
+    sl_selection s = usual(64);
     s.flood_threshold = 0.5f;
     s.random_share = 0.0f;
     for (s.update = 0; s.update < 20; s.update++) {
@@ -258,7 +261,7 @@ static void floods_take_nothing_below_their_seed_or_the_threshold(void **state) 
     for (int y = 0; y < 10; y++) {
         for (int x = 0; x < 50; x++) paint(&p, x, y, (uint32_t)(x / 10), normal[x / 10]);
     }
-    sl_selection_settings s = usual(1); /* one seed, one more */
+    sl_selection s = usual(1); /* one seed, one more */
     s.flood_threshold = 0.5f;
     int floods = 0, within = 0, upwards = 0;
     for (s.update = 0; s.update < 5000; s.update++) {
@@ -285,7 +288,7 @@ static void sorted_choices_are_those_of_highest_priority_and_one_of_each_patch_b
     for (int i = 0; i < 1200; i++)
         paint(&p, i % 40, i / 40, (uint32_t)(i % 40 / 4 + i / 40 / 3 * 10),
               0.0f + (float)((i % 40 / 4 * 37 + i / 40 / 3 * 11) % 101) / 100.0f);
-    sl_selection_settings s = usual(30);
+    sl_selection s = usual(30);
     s.how = SL_PIXELS_SORTED;
     p.leaves[50].priority = -1.0f; /* never evaluated */
     p.leaves[50].normal = 1.0f;

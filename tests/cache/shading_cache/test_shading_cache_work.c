@@ -25,9 +25,6 @@ static sl_work_settings usual(void) {
     return (sl_work_settings){.view = &view,
                               .curve = &curve,
                               .split_above = 1.2f,
-                              .levels = 3,
-                              .crowd = 4,
-                              .now = 2,
                               .changes = &changes};
 }
 
@@ -184,20 +181,19 @@ static void nothing_is_split_at_the_stop_size_and_patches_become_as_many_as_pixe
 
 static void patches_of_one_pixel_ask_for_nothing_unless_noise_is_to_go_down(void **state) {
     static sl_chosen_place places[64];
-    hierarchy h = hierarchy_of(square_scene(), 0);
-    sl_camera camera = camera_above(0.5f); /* the whole root is one pixel */
-    sl_work_settings settings = usual();
-    uint32_t patch = want_root(&h, 0);
-    evaluate_all(&h, 1.0f, 1);
-    size_t count = grid_of_places(patch, 8, places);
-    work(&h, &settings, &camera, count, places);
-    assert_int_equal(out.count + out.splits, 0);
-    assert_true(sl_patch_is_finished(h.patches, &settings, patch));
-    settings.variance_aware = true;
-    work(&h, &settings, &camera, count, places);
-    assert_int_equal(out.count, 4);
-    assert_int_equal(out.splits, 0);
-    hierarchy_discard(&h);
+    for (int sets = 0; sets < 2; sets++) {
+        hierarchy h = hierarchy_of(square_scene(), sets ? KEEP_SETS : 0);
+        sl_camera camera = camera_above(0.5f); /* the whole root is one pixel */
+        sl_work_settings settings = usual();
+        uint32_t patch = want_root(&h, 0);
+        evaluate_all(&h, 1.0f, 1);
+        size_t count = grid_of_places(patch, 8, places);
+        work(&h, &settings, &camera, count, places);
+        assert_int_equal(out.count, sets ? 4 : 0);
+        assert_int_equal(out.splits, 0);
+        assert_true(sl_patch_is_finished(h.patches, &settings, patch));
+        hierarchy_discard(&h);
+    }
 }
 
 /* A corner that meets a lamp in a mirror would colour all of its pixel. */
@@ -236,7 +232,6 @@ static void noise_is_answered_by_more_samples_and_contrast_by_splits(void **stat
     hierarchy h = hierarchy_of(square_scene(), KEEP_SETS);
     sl_camera camera = camera_above(30);
     sl_work_settings settings = usual();
-    settings.variance_aware = true;
     uint32_t patch = want_root(&h, 0);
     sl_chosen_place place = {patch, 0.3f, 0.3f};
     evaluate_all(&h, 4.0f, 1);

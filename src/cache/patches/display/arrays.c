@@ -7,7 +7,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "cache/frame/picture_value.h"
-#include "cache/patches/display/display_parts.h"
+#include "cache/patches/display/display.h"
 
 /* Grows a list to `wanted` entries; what was in it stays, what is new is zero. `list` as in sl_regrow(). */
 static bool grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes) {
@@ -180,7 +180,7 @@ static bool update_copy(sl_display *d, sl_display_copy *copy, sl_patches *p) {
 sl_status sl_display_build(sl_display *d, sl_patches *p, sl_error *error) {
     sl_display_copy *copy = &d->copy[sl_copies_hidden(&d->copies, true)];
     sl_status status = update_copy(d, copy, p) ? SL_OK : sl_fail_memory(error, "the display");
-    if (status == SL_OK && d->curved) status = sl_tessellate(d, &d->own, error);
+    if (status == SL_OK && d->curved) status = sl_tessellate(&d->own, error);
     copy->complete = status == SL_OK; /* flags are left as they are: the other copy misses nothing */
     if (status != SL_OK) return status;
     for (size_t i = 0; i < p->patch_count; i++)
@@ -201,5 +201,3 @@ bool sl_display_guess(sl_display *d, sl_rgb guess) {
     d->copy[0].complete = d->copy[1].complete = false;
     return true;
 }
-
-sl_status sl_display_move(sl_display *d, sl_error *error) { return sl_window_move(&d->own, error); }

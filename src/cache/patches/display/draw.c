@@ -4,7 +4,6 @@
 
 #include "base/counters.h"
 #include "base/math.h"
-#include "base/parallel.h"
 #include "cache/frame/picture_value.h"
 #include "cache/patches/display/leaf_lookup.h"
 #include "scene/surface_rules.h"
@@ -13,16 +12,16 @@
 
 /* The scene without its curved surfaces, and those as they are tessellated for the view; each pixel keeps the
  * nearer one. */
-static sl_status draw_ids(const sl_display *d, const sl_window *w, const sl_view *view, unsigned threads,
-                          sl_counters *counters, sl_error *error) {
+static sl_status draw_ids(const sl_window *w, const sl_view *view, sl_counters *counters, sl_error *error) {
+    const sl_display *d = w->display;
     const sl_frame_planes *frame = &w->frame;
     sl_view planar = *view;
     planar.left_out = d->left_out;
     sl_target target = {view->width, view->height, frame->id, frame->depth};
-    sl_status status = sl_raster_id(w->raster, &planar, threads, &target, counters, error);
+    sl_status status = sl_raster_id(w->raster, &planar, w->threads, &target, counters, error);
     if (status != SL_OK || !d->curved) return status;
     target = (sl_target){view->width, view->height, frame->curved_id, frame->curved_depth};
-    status = sl_raster_id(w->tessellation.raster, view, threads, &target, counters, error);
+    status = sl_raster_id(w->tessellation.raster, view, w->threads, &target, counters, error);
     if (status != SL_OK) return status;
     for (size_t i = 0, pixels = (size_t)view->width * (size_t)view->height; i < pixels; i++) {
         bool curved = frame->curved_id[i] != SL_NO_INDEX &&
@@ -40,23 +39,11 @@ typedef struct frame_job {
     const sl_display_copy *copy;
     const sl_window *window;
     sl_view view;
-    /* one of these: a picture (sl_display_draw()), an id map, one pixel */
+    /* one of these: a picture (sl_window_draw()), an id map, one pixel */
     float *const *out;
     const sl_display_ids *ids;
-    sl_shown_pixel *shown;
+    sl_shown_root *shown;
 } frame_job;
-
-/* All that they have in common. */
-typedef struct triangle_run {
-    uint32_t root;             /* SL_NO_INDEX: the background */
-    const sl_display_root *wanted; /* NULL: not wanted yet */
-    bool curved;
-    bool lobe;                 /* L_s, too */
-    sl_rgb emission, diffuse;
-    const sl_texture *texture; /* NULL: diffuse is all */
-    sl_leaf leaf;              /* that the last pixel was in */
-    sl_leaf_field field;
-} triangle_run;
 
 /* The Gouraud pass interpolates a place (u, v) in the root, of a triangle that is drawn as it stands ... */
 static void scene_places(const void *context, uint32_t triangle, float *value) {
@@ -65,10 +52,10 @@ static void scene_places(const void *context, uint32_t triangle, float *value) {
 
 /* ... or of a tessellated one. */
 static void curved_places(const void *context, uint32_t triangle, float *value) {
-    const sl_tessellation *t = &((const frame_job *)context)->window->tessellation;
+    const sl_scene *t = ((const frame_job *)context)->window->tessellation.scene;
     for (int c = 0; c < 3; c++) {
-        value[2 * c] = t->u[t->vertex[c][triangle]];
-        value[2 * c + 1] = t->v[t->vertex[c][triangle]];
+        value[2 * c] = t->texture_u[t->vertex[c][triangle]];
+        value[2 * c + 1] = t->texture_v[t->vertex[c][triangle]];
     }
 }
 
@@ -76,15 +63,12 @@ static void curved_places(const void *context, uint32_t triangle, float *value) 
 static uint32_t curved_root(const frame_job *job, uint32_t id) {
     const sl_tessellation *t = &job->window->tessellation;
     sl_vec3 corner[3];
-    for (int c = 0; c < 3; c++) {
-        uint32_t v = t->vertex[c][id];
-        corner[c] = sl_v3(t->x[v], t->y[v], t->z[v]);
-    }
+    for (int c = 0; c < 3; c++) corner[c] = sl_scene_position(t->scene, t->scene->vertex[c][id]);
     sl_vec3 geometric = sl_cross(sl_sub(corner[1], corner[0]), sl_sub(corner[2], corner[0]));
     return 2 * t->primitive[id] + (sl_side_seen(geometric, sl_sub(job->view.origin, corner[0])) < 0.0f);
 }
 
-static void begin_run(const frame_job *job, uint32_t id, bool curved, triangle_run *run) {
+static void begin_run(const frame_job *job, uint32_t id, bool curved, sl_shown_root *run) {
     const sl_scene *s = job->window->scene;
     const sl_primitives *p = job->display->primitives;
     run->root = SL_NO_INDEX;
@@ -102,7 +86,8 @@ static void begin_run(const frame_job *job, uint32_t id, bool curved, triangle_r
 }
 
 /* The leaf of a place, if its root has any; returns whether it is another one than before. */
-static bool find_leaf(const frame_job *job, triangle_run *run, const float place[2], int32_t *u, int32_t *v) {
+static bool find_leaf(const frame_job *job, sl_shown_root *run, const float place[2], int32_t *u,
+                      int32_t *v) {
     *u = sl_place_of(place[0]);
     *v = sl_place_of(place[1]);
     return run->wanted && !sl_leaf_find(job->copy, &run->leaf, *u, *v);
@@ -119,19 +104,19 @@ static sl_rgb background(const frame_job *job, size_t pixel) {
 
 /* Tessellated surfaces are not the scene's triangles: the texture is looked up where the same (u, v) lies on
  * those. */
-static sl_rgb curved_diffuse(const frame_job *job, const triangle_run *run, int32_t u, int32_t v) {
+static sl_rgb curved_diffuse(const frame_job *job, const sl_shown_root *run, int32_t u, int32_t v) {
     float w1, w2;
     uint32_t triangle = sl_root_triangle_at(job->display->primitives, run->root, (double)as_parameter(u),
                                             (double)as_parameter(v), &w1, &w2);
     return sl_scene_diffuse(job->window->scene, triangle, w1, w2);
 }
 
-static sl_rgb diffuse_of(const frame_job *job, const triangle_run *run, int32_t u, int32_t v,
+static sl_rgb diffuse_of(const frame_job *job, const sl_shown_root *run, int32_t u, int32_t v,
                          const sl_rgb *textured) {
     return !run->texture ? run->diffuse : run->curved ? curved_diffuse(job, run, u, v) : *textured;
 }
 
-static sl_rgb shade(const frame_job *job, triangle_run *run, const float place[2], const sl_rgb *textured) {
+static sl_rgb shade(const frame_job *job, sl_shown_root *run, const float place[2], const sl_rgb *textured) {
     const sl_rgb guess = job->copy->guess;
     float e[6] = {guess.r, guess.g, guess.b, 0, 0, 0};
     int32_t u, v;
@@ -179,7 +164,7 @@ static void do_background(const frame_job *job, size_t pixel) {
     else put_pixel(job, pixel, seen, seen);
 }
 
-static void do_pixel(const frame_job *job, size_t pixel, triangle_run *run, const float place[2],
+static void do_pixel(const frame_job *job, size_t pixel, sl_shown_root *run, const float place[2],
                      const sl_rgb *textured) {
     int32_t u, v;
     if (job->out) {
@@ -187,17 +172,12 @@ static void do_pixel(const frame_job *job, size_t pixel, triangle_run *run, cons
         return;
     }
     find_leaf(job, run, place, &u, &v);
-    if (job->ids)
+    if (job->ids) {
         name_pixel(job->ids, pixel, run->wanted ? sl_leaf_patch(&run->leaf) : SL_NO_INDEX, run->root, u, v);
-    else
-        *job->shown = (sl_shown_pixel){.copy = job->copy,
-                                       .root = run->root,
-                                       .wanted = run->wanted != NULL,
-                                       .lobe = run->lobe,
-                                       .leaf = run->leaf,
-                                       .emission = run->emission,
-                                       .diffuse = diffuse_of(job, run, u, v, textured),
-                                       .guess = job->copy->guess};
+        return;
+    }
+    *job->shown = *run;
+    job->shown->diffuse = diffuse_of(job, run, u, v, textured);
 }
 
 static bool is_background(const frame_job *job, size_t pixel) {
@@ -207,7 +187,7 @@ static bool is_background(const frame_job *job, size_t pixel) {
 /* Does for the Gouraud pass what is asked of the pixels of one of the two rasterizers; the background is
  * the first one's. */
 static void do_pixels(const frame_job *job, const sl_gouraud_pixels *p, bool curved) {
-    triangle_run run = {.root = SL_NO_INDEX};
+    sl_shown_root run = {.root = SL_NO_INDEX};
     for (size_t i = 0; i < p->count; i++) {
         if (p->id[i] == SL_NO_INDEX) {
             if (!curved && is_background(job, p->first + i)) do_background(job, p->first + i);
@@ -225,7 +205,8 @@ static void do_curved(void *context, const sl_gouraud_pixels *pixels) { do_pixel
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-static frame_job job_of(const sl_display *d, const sl_window *window, int copy) {
+static frame_job job_of(const sl_window *window, int copy) {
+    const sl_display *d = window->display;
     return (frame_job){.display = d,
                        .copy = &d->copy[copy],
                        .window = window,
@@ -233,8 +214,7 @@ static frame_job job_of(const sl_display *d, const sl_window *window, int copy) 
 }
 
 /* count: pixels from `first` on; 0: all. */
-static void draw_gouraud(frame_job *job, unsigned threads, size_t first, size_t count,
-                         sl_counters *counters) {
+static void draw_gouraud(frame_job *job, size_t first, size_t count, sl_counters *counters) {
     const sl_window *w = job->window;
     sl_gouraud_pass pass = {.channels = 2,
                             .corners = scene_places,
@@ -243,49 +223,39 @@ static void draw_gouraud(frame_job *job, unsigned threads, size_t first, size_t 
                             .context = job,
                             .first = first,
                             .count = count};
-    sl_raster_gouraud(w->raster, &job->view, threads, w->frame.id, &pass, counters);
+    sl_raster_gouraud(w->raster, &job->view, w->threads, w->frame.id, &pass, counters);
     if (!job->display->curved) return;
     pass.corners = curved_places;
     pass.textured = false;
     pass.shade = do_curved;
-    sl_raster_gouraud(w->tessellation.raster, &job->view, threads, w->frame.curved_id, &pass, counters);
+    sl_raster_gouraud(w->tessellation.raster, &job->view, w->threads, w->frame.curved_id, &pass, counters);
 }
 
 /* The display's own window is seen to by builds. */
-sl_status sl_window_draw(sl_display *d, sl_window *window, unsigned threads, float *const planes[6],
-                         sl_counters *counters, sl_error *error) {
+sl_status sl_window_draw(sl_window *window, float *const planes[6], sl_counters *counters, sl_error *error) {
+    sl_display *d = window->display;
     uint64_t builds;
     const int copy = sl_copies_take(&d->copies, &builds);
     sl_status status = SL_OK;
-    threads = sl_thread_count(threads);
-    if (d->curved && window != &d->own && window->builds != builds)
-        status = sl_tessellate(d, window, error);
-    frame_job job = job_of(d, window, copy);
+    if (d->curved && window != &d->own && window->builds != builds) status = sl_tessellate(window, error);
+    frame_job job = job_of(window, copy);
     job.out = planes;
-    if (status == SL_OK) status = draw_ids(d, window, &job.view, threads, counters, error);
+    if (status == SL_OK) status = draw_ids(window, &job.view, counters, error);
     if (status == SL_OK) {
-        draw_gouraud(&job, threads, 0, 0, counters);
+        draw_gouraud(&job, 0, 0, counters);
         window->builds = builds;
     }
     sl_copies_give_back(&d->copies, copy);
     return status;
 }
 
-sl_status sl_display_draw(sl_display *d, unsigned threads, float *const planes[6], sl_counters *counters,
-                          sl_error *error) {
-    return sl_window_draw(d, &d->own, threads, planes, counters, error);
-}
-
-const sl_raster *sl_display_raster(const sl_display *d) { return d->own.raster; }
-
-sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_ids *ids, sl_counters *counters,
+sl_status sl_display_id_map(sl_display *d, const sl_display_ids *ids, sl_counters *counters,
                             sl_error *error) {
-    frame_job job = job_of(d, &d->own, d->copies.shown);
+    frame_job job = job_of(&d->own, d->copies.shown);
     job.ids = ids;
-    threads = sl_thread_count(threads);
-    sl_status status = draw_ids(d, &d->own, &job.view, threads, counters, error);
-    if (status == SL_OK) draw_gouraud(&job, threads, 0, 0, counters);
+    sl_status status = draw_ids(&d->own, &job.view, counters, error);
     if (status != SL_OK) return status;
+    draw_gouraud(&job, 0, 0, counters);
     size_t planes = 0;
     const void *const wanted[4] = {ids->patch, ids->root, ids->u, ids->v};
     for (int k = 0; k < 4; k++) planes += wanted[k] != NULL;
@@ -294,10 +264,10 @@ sl_status sl_display_id_map(sl_display *d, unsigned threads, const sl_display_id
     return SL_OK;
 }
 
-void sl_display_pixel(sl_display *d, size_t pixel, sl_shown_pixel *shown) {
-    frame_job job = job_of(d, &d->own, d->copies.shown);
+void sl_display_pixel(sl_display *d, size_t pixel, sl_shown_root *shown) {
+    frame_job job = job_of(&d->own, d->copies.shown);
     sl_counters none = {{0}};
-    *shown = (sl_shown_pixel){.copy = job.copy, .root = SL_NO_INDEX, .guess = job.copy->guess};
+    *shown = (sl_shown_root){.root = SL_NO_INDEX};
     job.shown = shown;
-    draw_gouraud(&job, 1, pixel, 1, &none);
+    draw_gouraud(&job, pixel, 1, &none);
 }

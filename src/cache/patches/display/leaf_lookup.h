@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "cache/patches/display/display_parts.h"
+#include "cache/patches/display/display.h"
 
 /* Places in a root count in 2^-24: so many digits has a float below 1, and no leaf is smaller than 2^-14. All
  * is exact. */
@@ -194,16 +194,19 @@ static inline void sl_leaf_value(const sl_display_copy *copy, size_t colours, co
 
 /* ---- a pixel, told ------------------------------------------------------------------------------ */
 
-/* A pixel of the last frame in the display's own window: L_e + kd E / pi + L_s, in parts. */
-typedef struct sl_shown_pixel {
-    const sl_display_copy *copy;
+/* What the pixels of one triangle have in common, and the leaf of the last one. */
+typedef struct sl_shown_root {
     uint32_t root;             /* SL_NO_INDEX: the background; emission is that */
-    bool wanted;               /* false: it shows the guess */
+    const sl_display_root *wanted; /* NULL: not wanted yet, it shows the guess */
+    bool curved;
     bool lobe;                 /* L_s, too */
+    sl_rgb emission, diffuse;
+    const sl_texture *texture; /* NULL: diffuse is all */
     sl_leaf leaf;
-    sl_rgb emission, diffuse, guess;
-} sl_shown_pixel;
-/* draw.c: by the functions that draw it. pixel: bottom row first. */
-void sl_display_pixel(sl_display *display, size_t pixel, sl_shown_pixel *shown);
+    sl_leaf_field field;
+} sl_shown_root;
+/* draw.c: tells of a pixel of the last frame in the display's own window what it shows, L_e + kd E / pi +
+ * L_s, in parts, by the functions that draw it; diffuse with its texture. pixel: bottom row first. */
+void sl_display_pixel(sl_display *display, size_t pixel, sl_shown_root *shown);
 
 #endif

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
-#include "cache/patches/display/display_parts.h"
+#include "cache/patches/display/display.h"
 #include "scene/bicubic.h"
 
 /* Pieces along a side. */
@@ -87,6 +87,7 @@ static int find_rate(const sl_display *d, const sl_scene *scene) {
 /* ---- vertices -------------------------------------------------------------------------------- */
 
 static void put_vertices(const sl_display *d, const sl_scene *scene, sl_tessellation *t) {
+    sl_scene *m = t->scene;
     size_t at = 0, row = (size_t)t->rate + 1;
     for (size_t s = 0; s < d->curved_count; s++) {
         const sl_bicubic *b = surface_of(d, scene, s);
@@ -94,9 +95,9 @@ static void put_vertices(const sl_display *d, const sl_scene *scene, sl_tessella
             double u = (double)(k % row) / t->rate, v = (double)(k / row) / t->rate;
             sl_vec3 p;
             sl_bicubic_at(b, u, v, &p, NULL);
-            t->x[at] = p.x, t->y[at] = p.y, t->z[at] = p.z;
-            t->u[at] = (float)u;
-            t->v[at] = (float)v;
+            sl_put(m->position_x, m->position_y, m->position_z, at, p);
+            m->texture_u[at] = (float)u;
+            m->texture_v[at] = (float)v;
         }
         memcpy(t->point + 16 * s, b->point, sizeof b->point);
     }
@@ -104,28 +105,32 @@ static void put_vertices(const sl_display *d, const sl_scene *scene, sl_tessella
 
 /* ---- triangles ------------------------------------------------------------------------------- */
 
-static bool same_place(const sl_tessellation *t, uint32_t a, uint32_t b) {
-    return t->x[a] == t->x[b] && t->y[a] == t->y[b] && t->z[a] == t->z[b];
+static bool same_place(const sl_scene *m, uint32_t a, uint32_t b) {
+    sl_vec3 p = sl_scene_position(m, a), q = sl_scene_position(m, b);
+    return p.x == q.x && p.y == q.y && p.z == q.z;
 }
 
 /* Where an edge is one point, triangles that have two corners there are none. */
-static void put_triangle(sl_tessellation *t, uint32_t primitive, size_t a, size_t b, size_t c) {
+static void put_triangle(sl_tessellation *t, uint32_t primitive, uint32_t material, size_t a, size_t b,
+                         size_t c) {
+    sl_scene *m = t->scene;
     const uint32_t corner[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
-    if (same_place(t, corner[0], corner[1]) || same_place(t, corner[1], corner[2]) ||
-        same_place(t, corner[2], corner[0]))
+    if (same_place(m, corner[0], corner[1]) || same_place(m, corner[1], corner[2]) ||
+        same_place(m, corner[2], corner[0]))
         return;
-    for (int k = 0; k < 3; k++) t->vertex[k][t->triangle_count] = corner[k];
-    t->primitive[t->triangle_count++] = primitive;
+    for (int k = 0; k < 3; k++) m->vertex[k][m->triangle_count] = corner[k];
+    m->material_index[m->triangle_count] = material;
+    t->primitive[m->triangle_count++] = primitive;
 }
 
-static void put_triangles(const sl_display *d, sl_tessellation *t) {
+static void put_triangles(const sl_display *d, const sl_scene *scene, sl_tessellation *t) {
     size_t row = (size_t)t->rate + 1;
-    t->triangle_count = 0;
     for (size_t s = 0; s < d->curved_count; s++) {
+        uint32_t material = scene->material_index[d->primitives->first_triangle[d->curved[s]]];
         for (size_t k = 0; k < (row - 1) * (row - 1); k++) {
             size_t at = s * row * row + k / (row - 1) * row + k % (row - 1);
-            put_triangle(t, d->curved[s], at, at + 1, at + row + 1);
-            put_triangle(t, d->curved[s], at, at + row + 1, at + row);
+            put_triangle(t, d->curved[s], material, at, at + 1, at + row + 1);
+            put_triangle(t, d->curved[s], material, at, at + row + 1, at + row);
         }
     }
 }
@@ -133,10 +138,11 @@ static void put_triangles(const sl_display *d, sl_tessellation *t) {
 /* ---- the whole ------------------------------------------------------------------------------- */
 
 void sl_tessellation_release(sl_tessellation *t) {
-    if (t->scene) sl_free(t->scene->material_index);
-    sl_free(t->scene);
-    SL_FREE_ALL(t->x, t->y, t->z, t->u, t->v, t->vertex[0], t->vertex[1], t->vertex[2], t->primitive,
-                t->point);
+    sl_scene *m = t->scene;
+    if (m)
+        SL_FREE_ALL(m->position_x, m->position_y, m->position_z, m->texture_u, m->texture_v, m->vertex[0],
+                    m->vertex[1], m->vertex[2], m->material_index);
+    SL_FREE_ALL(m, t->primitive, t->point);
     sl_raster_destroy(t->raster);
     memset(t, 0, sizeof *t);
 }
@@ -150,54 +156,43 @@ static bool has_moved(const sl_display *d, const sl_scene *scene, const sl_tesse
 }
 
 static bool allocate(sl_tessellation *t, size_t vertices, size_t triangles, size_t surfaces) {
-    float **by_vertex[5] = {&t->x, &t->y, &t->z, &t->u, &t->v};
-    uint32_t **by_triangle[4] = {&t->vertex[0], &t->vertex[1], &t->vertex[2], &t->primitive};
+    sl_scene *m = t->scene = sl_allocate(1, sizeof *m);
+    if (!m) return false;
+    float **by_vertex[5] = {&m->position_x, &m->position_y, &m->position_z, &m->texture_u, &m->texture_v};
+    uint32_t **by_triangle[5] = {&m->vertex[0], &m->vertex[1], &m->vertex[2], &m->material_index,
+                                 &t->primitive};
     bool ok = (t->point = sl_allocate(16 * surfaces, sizeof *t->point)) != NULL;
-    for (int k = 0; k < 5; k++) ok = (*by_vertex[k] = sl_allocate(vertices, sizeof(float))) && ok;
-    for (int k = 0; k < 4; k++) ok = (*by_triangle[k] = sl_allocate(triangles, sizeof(uint32_t))) && ok;
+    for (int k = 0; k < 5; k++) {
+        ok = (*by_vertex[k] = sl_allocate(vertices, sizeof(float))) && ok;
+        ok = (*by_triangle[k] = sl_allocate(triangles, sizeof(uint32_t))) && ok;
+    }
     return ok;
 }
 
-/* The hardware tests alpha masks by a scene's materials and texture coordinates, and those of a surface are
- * its (u, v). */
-static sl_status make_raster(const sl_display *d, const sl_scene *scene, unsigned threads, sl_tessellation *t,
-                             sl_error *error) {
-    const sl_primitives *p = d->primitives;
-    sl_scene *m = t->scene = sl_allocate(1, sizeof *m);
-    if (!m || !(m->material_index = sl_allocate(t->triangle_count, sizeof *m->material_index)))
-        return sl_fail_memory(error, "curved surfaces");
-    m->vertex_count = t->vertex_count;
-    m->position_x = t->x, m->position_y = t->y, m->position_z = t->z;
-    m->texture_u = t->u, m->texture_v = t->v;
-    m->triangle_count = t->triangle_count;
-    for (int c = 0; c < 3; c++) m->vertex[c] = t->vertex[c];
-    for (size_t i = 0; i < t->triangle_count; i++)
-        m->material_index[i] = scene->material_index[p->first_triangle[t->primitive[i]]];
-    m->material_count = scene->material_count, m->materials = scene->materials;
-    m->texture_count = scene->texture_count, m->textures = scene->textures;
-    m->observer = scene->observer;
-    return sl_raster_create(m, threads, &t->raster, error);
-}
-
-static sl_status make(const sl_display *d, const sl_scene *scene, unsigned threads, sl_tessellation *t,
-                      sl_error *error) {
+static sl_status make(const sl_display *d, const sl_window *w, sl_tessellation *t, sl_error *error) {
+    const sl_scene *scene = w->scene;
     t->rate = find_rate(d, scene);
     size_t rate = (size_t)t->rate, vertices = d->curved_count * (rate + 1) * (rate + 1);
     if (!allocate(t, vertices, 2 * d->curved_count * rate * rate, d->curved_count))
         return sl_fail_memory(error, "curved surfaces");
+    sl_scene *m = t->scene;
+    m->vertex_count = vertices;
+    m->material_count = scene->material_count, m->materials = scene->materials;
+    m->texture_count = scene->texture_count, m->textures = scene->textures;
+    m->observer = scene->observer;
     put_vertices(d, scene, t);
-    put_triangles(d, t);
-    t->vertex_count = vertices;
+    put_triangles(d, scene, t);
     t->camera = scene->camera;
-    return make_raster(d, scene, threads, t, error);
+    return sl_raster_create(m, w->threads, &t->raster, error);
 }
 
-sl_status sl_tessellate(const sl_display *d, sl_window *w, sl_error *error) {
+sl_status sl_tessellate(sl_window *w, sl_error *error) {
+    const sl_display *d = w->display;
     sl_tessellation *t = &w->tessellation, fresh = {.raster = NULL};
     if (t->raster && memcmp(&t->camera, &w->scene->camera, sizeof t->camera) == 0 &&
         !has_moved(d, w->scene, t))
         return SL_OK;
-    sl_status status = make(d, w->scene, w->threads, &fresh, error);
+    sl_status status = make(d, w, &fresh, error);
     if (status != SL_OK) {
         sl_tessellation_release(&fresh);
         return status;
@@ -207,9 +202,9 @@ sl_status sl_tessellate(const sl_display *d, sl_window *w, sl_error *error) {
     return SL_OK;
 }
 
-sl_status sl_tessellation_move(const sl_display *d, sl_window *w, sl_error *error) {
+sl_status sl_tessellation_move(sl_window *w, sl_error *error) {
     sl_tessellation *t = &w->tessellation;
-    if (!has_moved(d, w->scene, t)) return SL_OK;
-    put_vertices(d, w->scene, t);
+    if (!has_moved(w->display, w->scene, t)) return SL_OK;
+    put_vertices(w->display, w->scene, t);
     return sl_raster_move(t->raster, w->threads, error);
 }

@@ -3,7 +3,8 @@
  * in; the two meet in the copies of the arrays alone (copies.h). */
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/patches/display/display_parts.h"
+#include "base/parallel.h"
+#include "cache/patches/display/display.h"
 
 static size_t pixels_of(const sl_display *d) {
     return (size_t)d->settings.width * (size_t)d->settings.height;
@@ -20,11 +21,11 @@ static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
 
 sl_status sl_window_open(sl_display *d, const sl_scene *scene, unsigned threads, sl_window *w,
                          sl_error *error) {
-    *w = (sl_window){.display = d, .scene = scene, .threads = threads};
+    *w = (sl_window){.display = d, .scene = scene, .threads = sl_thread_count(threads)};
     if (!allocate_frame(&w->frame, pixels_of(d), d->curved != NULL))
         return sl_fail_memory(error, "the display");
-    sl_status status = sl_raster_create(scene, threads, &w->raster, error);
-    if (status == SL_OK && d->curved) status = sl_tessellate(d, w, error);
+    sl_status status = sl_raster_create(scene, w->threads, &w->raster, error);
+    if (status == SL_OK && d->curved) status = sl_tessellate(w, error);
     return status;
 }
 
@@ -55,7 +56,7 @@ void sl_window_destroy(void *window) {
 sl_status sl_window_move(void *window, sl_error *error) {
     sl_window *w = window;
     sl_status status = sl_raster_move(w->raster, w->threads, error);
-    return status == SL_OK && w->display->curved ? sl_tessellation_move(w->display, w, error) : status;
+    return status == SL_OK && w->display->curved ? sl_tessellation_move(w, error) : status;
 }
 
 const uint32_t *sl_window_ids(const void *window) { return ((const sl_window *)window)->frame.id; }
@@ -65,7 +66,7 @@ sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_
     sl_window *w = window;
     size_t pixels = pixels_of(w->display);
     float *const planes[6] = {w->picture, w->picture + pixels, w->picture + 2 * pixels};
-    sl_status status = sl_window_draw(w->display, w, w->threads, planes, counters, error);
+    sl_status status = sl_window_draw(w, planes, counters, error);
     for (size_t k = 0; k < 3 && status == SL_OK; k++)
         sl_raster_flip(planes[k], image->width, image->height, image->planes + k * pixels);
     *builds = w->builds;

@@ -26,13 +26,15 @@ static const sl_rgb guess = {0.25f, 0.5f, 0.75f};
 static void draw(sl_display *display, unsigned threads, picture *out) {
     sl_counters counters = {0};
     float *planes[6] = {out->plane[0], out->plane[1], out->plane[2]};
-    assert_int_equal(sl_display_draw(display, threads, planes, &counters, NULL), SL_OK);
+    display->own.threads = threads;
+    assert_int_equal(sl_window_draw(&display->own, planes, &counters, NULL), SL_OK);
 }
 
 static void map_ids(sl_display *display, unsigned threads, id_picture *out) {
     sl_counters counters = {0};
     sl_display_ids ids = {out->patch, out->root, out->u, out->v};
-    assert_int_equal(sl_display_id_map(display, threads, &ids, &counters, NULL), SL_OK);
+    display->own.threads = threads;
+    assert_int_equal(sl_display_id_map(display, &ids, &counters, NULL), SL_OK);
 }
 
 static uint32_t below(uint64_t key, uint64_t index, size_t count) {

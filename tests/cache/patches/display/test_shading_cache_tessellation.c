@@ -7,7 +7,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "cache/patches/display/display_parts.h"
+#include "cache/patches/display/display.h"
 #include "scene/bicubic.h"
 
 enum { W = 160, H = 160, PIXELS = W * H };
@@ -37,7 +37,7 @@ static void look_from(sl_scene *scene, int view) {
     assert_true(sl_camera_look_at(&scene->camera, eye, sl_v3(260, 150, 270), sl_v3(0, 1, 0), 0.8f));
 }
 
-static sl_vec3 vertex_at(const sl_tessellation *t, uint32_t v) { return sl_v3(t->x[v], t->y[v], t->z[v]); }
+static sl_vec3 vertex_at(const sl_tessellation *t, uint32_t v) { return sl_scene_position(t->scene, v); }
 
 /* ---- close to the surface -------------------------------------------------------------------- */
 
@@ -65,17 +65,17 @@ static void no_triangle_is_further_than_half_a_pixel_from_its_surface(void **sta
         const sl_tessellation *t = shown(display);
         sl_view view = sl_view_scene(h.scene, W, H);
         uint64_t key = sl_random_key(11, (uint64_t)k);
-        for (uint32_t i = 0; i < t->triangle_count; i++) {
+        for (uint32_t i = 0; i < t->scene->triangle_count; i++) {
             double w1 = (double)sl_random_unit(key, 2 * i), w2 = (double)sl_random_unit(key, 2 * i + 1), w[3],
                    u = 0, v = 0, flat[2], round[2];
             if (w1 + w2 > 1.0) w1 = 1.0 - w1, w2 = 1.0 - w2;
             w[0] = 1.0 - w1 - w2, w[1] = w1, w[2] = w2;
             sl_vec3d p = {0, 0, 0};
             for (int c = 0; c < 3; c++) {
-                uint32_t corner = t->vertex[c][i];
+                uint32_t corner = t->scene->vertex[c][i];
                 p = sl_addd(p, sl_scaled(sl_to_double(vertex_at(t, corner)), w[c]));
-                u += w[c] * (double)t->u[corner];
-                v += w[c] * (double)t->v[corner];
+                u += w[c] * (double)t->scene->texture_u[corner];
+                v += w[c] * (double)t->scene->texture_v[corner];
             }
             sl_vec3 surface;
             sl_bicubic_at(&h.scene->bicubics[h.primitives->bicubic[t->primitive[i]]], u, v, &surface, NULL);
@@ -99,13 +99,13 @@ static void nearer_surfaces_are_cut_finer_and_what_is_out_of_sight_is_not(void *
         assert_true(sl_camera_look_at(&h.scene->camera, sl_v3(260, 150, 270 - distance[k]),
                                       sl_v3(260, 150, 270), sl_v3(0, 1, 0), 0.8f));
         build_display(display, &h);
-        count[k] = shown(display)->triangle_count;
+        count[k] = shown(display)->scene->triangle_count;
     }
     assert_true(count[0] < count[1] && count[1] < count[2]);
     assert_true(sl_camera_look_at(&h.scene->camera, sl_v3(260, 150, -60), sl_v3(260, 150, -900),
                                   sl_v3(0, 1, 0), 0.8f));
     build_display(display, &h);
-    assert_true(shown(display)->triangle_count < count[2]);
+    assert_true(shown(display)->scene->triangle_count < count[2]);
     display_discard(display, &h);
 }
 
@@ -127,17 +127,17 @@ static void triangles_meet_along_whole_edges(void **state) {
         look_from(h.scene, k);
         build_display(display, &h);
         const sl_tessellation *t = shown(display);
-        directed_edge *edge = calloc(3 * t->triangle_count, sizeof *edge);
+        directed_edge *edge = calloc(3 * t->scene->triangle_count, sizeof *edge);
         size_t alone = 0;
-        for (size_t i = 0; i < 3 * t->triangle_count; i++) {
-            sl_vec3 a = vertex_at(t, t->vertex[i % 3][i / 3]),
-                    b = vertex_at(t, t->vertex[(i + 1) % 3][i / 3]);
+        for (size_t i = 0; i < 3 * t->scene->triangle_count; i++) {
+            sl_vec3 a = vertex_at(t, t->scene->vertex[i % 3][i / 3]),
+                    b = vertex_at(t, t->scene->vertex[(i + 1) % 3][i / 3]);
             bool forth = memcmp(&a, &b, sizeof a) < 0;
             edge[i] = (directed_edge){{forth ? a : b, forth ? b : a}, forth};
         }
-        qsort(edge, 3 * t->triangle_count, sizeof *edge, compare_ends);
-        for (size_t i = 0; i < 3 * t->triangle_count;) {
-            bool pair = i + 1 < 3 * t->triangle_count && compare_ends(&edge[i], &edge[i + 1]) == 0;
+        qsort(edge, 3 * t->scene->triangle_count, sizeof *edge, compare_ends);
+        for (size_t i = 0; i < 3 * t->scene->triangle_count;) {
+            bool pair = i + 1 < 3 * t->scene->triangle_count && compare_ends(&edge[i], &edge[i + 1]) == 0;
             if (pair) {
                 assert_int_not_equal(edge[i].forth, edge[i + 1].forth);
             } else {
@@ -194,13 +194,14 @@ static void holes_in_surfaces_are_holes_in_what_they_are_cut_into(void **state) 
         const sl_tessellation *t = shown(display);
         sl_raster *whole; /* the same triangles, without holes: whether the vase is here at all */
         sl_raster_mesh mesh = {
-            t->vertex_count, t->triangle_count, t->x, t->y, t->z, {t->vertex[0], t->vertex[1], t->vertex[2]}};
+            t->scene->vertex_count, t->scene->triangle_count, t->scene->position_x, t->scene->position_y,
+            t->scene->position_z, {t->scene->vertex[0], t->scene->vertex[1], t->scene->vertex[2]}};
         assert_int_equal(sl_raster_create_mesh(&mesh, 1, &whole, NULL), SL_OK);
         assert_int_equal(sl_raster_id(whole, &own, 1, &cut, &counters, NULL), SL_OK);
         static bool covered[PIXELS];
         for (int i = 0; i < PIXELS; i++) covered[i] = root[i] != SL_NO_INDEX;
         sl_display_ids ids = {.root = root};
-        assert_int_equal(sl_display_id_map(display, 1, &ids, &counters, NULL), SL_OK);
+        assert_int_equal(sl_display_id_map(display, &ids, &counters, NULL), SL_OK);
         for (int i = 0; i < PIXELS; i++) {
             on_it[i] = id[i] != SL_NO_INDEX &&
                        h.primitives->kind[h.primitives->of_triangle[id[i]]] == SL_PRIMITIVE_BICUBIC;
@@ -244,8 +245,8 @@ static void tessellated_pixels_show_the_cache_at_their_parameters_and_ask_for_no
         build_display(display, &h);
         sl_counters counters = {0};
         sl_display_ids ids = {.root = root, .u = u, .v = v};
-        assert_int_equal(sl_display_id_map(display, 1, &ids, &counters, NULL), SL_OK);
-        assert_int_equal(sl_display_draw(display, 1, planes, &counters, NULL), SL_OK);
+        assert_int_equal(sl_display_id_map(display, &ids, &counters, NULL), SL_OK);
+        assert_int_equal(sl_window_draw(&display->own, planes, &counters, NULL), SL_OK);
         for (int i = 0; i < PIXELS; i++) {
             if (root[i] == SL_NO_INDEX || h.primitives->kind[root[i] / 2] != SL_PRIMITIVE_BICUBIC) continue;
             sl_patch_place leaf = sl_patch_locate(h.patches, root[i], (double)u[i], (double)v[i]);
@@ -278,9 +279,9 @@ static void an_eye_within_or_on_a_surface_is_no_trouble(void **state) {
     for (int k = 0; k < 3; k++) {
         assert_true(sl_camera_look_at(&h.scene->camera, eye[k], sl_v3(100, 200, 300), sl_v3(0, 1, 0), 1.2f));
         build_display(display, &h);
-        assert_true(shown(display)->triangle_count <= 2 * 64 * 64 * h.primitives->curved);
+        assert_true(shown(display)->scene->triangle_count <= 2 * 64 * 64 * h.primitives->curved);
         sl_counters counters = {0};
-        assert_int_equal(sl_display_draw(display, 1, planes, &counters, NULL), SL_OK);
+        assert_int_equal(sl_window_draw(&display->own, planes, &counters, NULL), SL_OK);
         for (int c = 0; c < 3; c++) {
             for (int i = 0; i < PIXELS; i++) assert_true(isfinite(plane[c][i]) && plane[c][i] >= 0.0f);
         }

@@ -8,7 +8,7 @@
 #include "base/math.h"
 #include "base/random.h"
 #include "base/thread.h"
-#include "cache/patches/display/display_parts.h"
+#include "cache/patches/display/display.h"
 #include "rendering.h"
 #include "scene/copy.h"
 
@@ -23,13 +23,13 @@ static const sl_rgb guess = {0.25f, 0.25f, 0.25f};
 static void draw(sl_display *display, picture *out) {
     sl_counters counters = {0};
     float *planes[6] = {out->plane[0], out->plane[1], out->plane[2]};
-    assert_int_equal(sl_display_draw(display, 1, planes, &counters, NULL), SL_OK);
+    assert_int_equal(sl_window_draw(&display->own, planes, &counters, NULL), SL_OK);
 }
 
 static void draw_window(sl_display *display, sl_window *window, picture *out) {
     sl_counters counters = {0};
     float *planes[6] = {out->plane[0], out->plane[1], out->plane[2]};
-    assert_int_equal(sl_window_draw(display, window, 1, planes, &counters, NULL), SL_OK);
+    assert_int_equal(sl_window_draw(window, planes, &counters, NULL), SL_OK);
 }
 
 static void look(sl_scene *scene, sl_vec3 eye, sl_vec3 target) {
@@ -84,7 +84,7 @@ static void draw_on_and_on(void *context) {
     while (!atomic_load(&b->stop)) {
         sl_counters counters = {0};
         float *planes[6] = {frame.plane[0], frame.plane[1], frame.plane[2]};
-        bool ok = sl_window_draw(b->display, b->window, 1, planes, &counters, NULL) == SL_OK;
+        bool ok = sl_window_draw(b->window, planes, &counters, NULL) == SL_OK;
         uint64_t builds = b->window->builds;
         for (int i = 0; i < PIXELS; i++) {
             for (int c = 0; c < 3; c++)
