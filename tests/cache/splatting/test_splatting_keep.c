@@ -8,7 +8,6 @@
 
 #include "unit_test.h"
 #include "base/random.h"
-#include "cache/frame/cache_file.h"
 #include "image_support.h"
 #include "rendering.h"
 
