@@ -35,7 +35,6 @@ sl_features sl_scene_features(const sl_scene *scene) {
 
 bool sl_scene_is_in_view(const sl_scene *scene) {
     sl_sight sight;
-    sl_sight_view(&sight, &scene->camera, (double)scene->film_width / (double)scene->film_height);
-    sl_sight_cast(&sight, scene);
+    sl_sight_view(&sight, scene, &scene->camera);
     return sl_sight_counted(&sight, scene).hit > 0;
 }

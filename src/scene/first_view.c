@@ -26,7 +26,6 @@ static const double few_backs = 0.25, many_backs = 0.5;
 enum { MORE_MATERIALS = 2 };
 static const double inside_hits = 0.92, inside_fronts = 0.75;
 
-static double aspect_of(const sl_scene *s) { return (double)s->film_width / (double)s->film_height; }
 static sl_vec3d centre_of(const sl_scene *s) {
     return sl_scaled(sl_addd(sl_to_double(s->box_min), sl_to_double(s->box_max)), 0.5);
 }
@@ -41,7 +40,8 @@ static sl_vec3d outwards(view_angle a) {
 /* Returns how far from the centre along `back` every vertex is within the picture, with a twentieth to
  * spare. */
 static double fitting_distance(const sl_scene *s, sl_vec3d right, sl_vec3d up, sl_vec3d back) {
-    const double high = sl_tan(0.5 * outside_fov), wide = high * aspect_of(s);
+    const double high = sl_tan(0.5 * outside_fov),
+                 wide = high * ((double)s->film_width / (double)s->film_height);
     const sl_vec3d centre = centre_of(s);
     double distance = 0.0;
     for (size_t v = 0; v < s->vertex_count; v++) {
@@ -65,8 +65,7 @@ static sl_camera from_outside(const sl_scene *s, view_angle angle) {
 
 static double backs_seen(const sl_scene *s, const sl_camera *camera, int *materials) {
     sl_sight sight;
-    sl_sight_view(&sight, camera, aspect_of(s));
-    sl_sight_cast(&sight, s);
+    sl_sight_view(&sight, s, camera);
     sl_sight_count count = sl_sight_counted(&sight, s);
     *materials = count.materials;
     return count.hit ? 1.0 - (double)count.front / count.hit : 0.0;
@@ -114,8 +113,7 @@ static bool lamps_are_shut_in(const sl_scene *s, sl_vec3 *place) {
         if (i > 0 && some[i] == some[i - 1]) continue;
         sl_sight sight;
         if (!lamp_at(s, some[i], place)) return false;
-        sl_sight_sphere(&sight, *place);
-        sl_sight_cast(&sight, s);
+        sl_sight_sphere(&sight, s, *place);
         bool leaves = false;
         for (int k = 0; k < SL_SIGHT_RAYS; k++) {
             bool shines =
@@ -133,8 +131,7 @@ static bool lamps_are_shut_in(const sl_scene *s, sl_vec3 *place) {
  * there. */
 static double room_around(const sl_scene *s, sl_vec3 point, int materials) {
     sl_sight sight;
-    sl_sight_sphere(&sight, point);
-    sl_sight_cast(&sight, s);
+    sl_sight_sphere(&sight, s, point);
     sl_sight_count count = sl_sight_counted(&sight, s);
     bool inside = count.hit >= inside_hits * SL_SIGHT_RAYS && count.front >= inside_fronts * count.hit;
     return inside && count.materials >= materials ? count.mean_distance : 0.0;
@@ -188,8 +185,7 @@ static bool look_along(const sl_sight *horizon, int ray, sl_camera *camera) {
 static double worth_of_view(const sl_scene *s, const sl_camera *camera, double span) {
     sl_sight sight;
     double sum = 0.0;
-    sl_sight_view(&sight, camera, aspect_of(s));
-    sl_sight_cast(&sight, s);
+    sl_sight_view(&sight, s, camera);
     for (int i = 0; i < SL_SIGHT_RAYS; i++) {
         double share = fmin((double)sight.distance[i] / span, 1.0);
         bool good = share > 0.1 && isfinite(sight.distance[i]) && sight.facing[i] > 0.0f;
@@ -232,8 +228,7 @@ static bool from_inside(const sl_scene *s, const sl_vec3 *lamp, int materials, s
     int ray[VIEWS];
     double best = -INFINITY;
     if (!find_room(s, lamp, materials, &middle)) return false;
-    sl_sight_horizon(&horizon, middle);
-    sl_sight_cast(&horizon, s);
+    sl_sight_horizon(&horizon, s, middle);
     if (has_open_side(&horizon)) return false;
     longest_lines(&horizon, ray);
     for (int i = 0; i < VIEWS; i++) {

@@ -92,8 +92,7 @@ static sl_vec3 below_ceiling(const sl_scene *s, const sl_sight *from_eye) {
 static bool add_lamp(sl_scene *s, const sl_sight *from_eye) {
     sl_sight around;
     sl_vec3 place = below_ceiling(s, from_eye);
-    sl_sight_sphere(&around, place);
-    sl_sight_cast(&around, s);
+    sl_sight_sphere(&around, s, place);
     float reach = (float)sl_sight_counted(&around, s).mean_distance;
     float intensity = lamp_irradiance * reach * reach;
     if (!(intensity > 0.0f) || !isfinite(intensity) || !sl_is_finite(place)) return false;
@@ -112,8 +111,7 @@ sl_status sl_scene_light_by_default(sl_scene *scene, sl_error *error) {
     const bool dark = !scene->emitter_count && !sl_scene_has_lit_light(scene);
     if (!sl_regrow(&scene->lights, scene->light_count, scene->light_count + MOST, sizeof *scene->lights))
         return sl_fail_memory(error, "the scene's lights");
-    sl_sight_sphere(&sight, scene->camera.eye);
-    sl_sight_cast(&sight, scene);
+    sl_sight_sphere(&sight, scene, scene->camera.eye);
     int leave = SL_SIGHT_RAYS - sl_sight_counted(&sight, scene).hit;
     const bool has_lamp = dark && leave <= FEW_LEAVE && add_lamp(scene, &sight);
     if (leave > 0 || (dark && !has_lamp))

@@ -12,24 +12,27 @@ void sl_sight_set(sl_sight *s, int ray, sl_vec3 direction) {
 }
 
 /* A spiral from pole to pole, each turn further by the golden angle. */
-void sl_sight_sphere(sl_sight *s, sl_vec3 origin) {
+void sl_sight_sphere(sl_sight *s, const sl_scene *scene, sl_vec3 origin) {
     const double golden_angle = 2.3999632297286533;
     s->origin = origin;
     for (int i = 0; i < SL_SIGHT_RAYS; i++) {
         double y = 1.0 - (2.0 * i + 1.0) / SL_SIGHT_RAYS, radius = sqrt(1.0 - y * y), turn = golden_angle * i;
         sl_sight_set(s, i, sl_to_float(sl_v3d(radius * sl_cos(turn), y, radius * sl_sin(turn))));
     }
+    sl_sight_cast(s, scene);
 }
 
-void sl_sight_horizon(sl_sight *s, sl_vec3 origin) {
+void sl_sight_horizon(sl_sight *s, const sl_scene *scene, sl_vec3 origin) {
     s->origin = origin;
     for (int i = 0; i < SL_SIGHT_RAYS; i++) {
         double turn = 2.0 * SL_PI * i / SL_SIGHT_RAYS;
         sl_sight_set(s, i, sl_to_float(sl_v3d(sl_cos(turn), 0.0, sl_sin(turn))));
     }
+    sl_sight_cast(s, scene);
 }
 
-void sl_sight_view(sl_sight *s, const sl_camera *c, double aspect) {
+void sl_sight_view(sl_sight *s, const sl_scene *scene, const sl_camera *c) {
+    const double aspect = (double)scene->film_width / (double)scene->film_height;
     double high = sl_tan(0.5 * (double)c->vertical_fov), wide = high * aspect;
     s->origin = c->eye;
     for (int i = 0; i < SL_SIGHT_RAYS; i++) {
@@ -39,6 +42,7 @@ void sl_sight_view(sl_sight *s, const sl_camera *c, double aspect) {
         sl_vec3d d = sl_subd(across, sl_to_double(c->back));
         sl_sight_set(s, i, sl_to_float(sl_scaled(d, 1.0 / sl_lengthd(d))));
     }
+    sl_sight_cast(s, scene);
 }
 
 /* Möller and Trumbore 1997, every ray against one triangle; from is its first corner as the origin sees

@@ -21,13 +21,12 @@ static inline sl_vec3 sl_sight_direction(const sl_sight *s, int ray) {
     return sl_v3(s->x[ray], s->y[ray], s->z[ray]);
 }
 
-/* Directions spread evenly over the sphere; over the picture of a camera, a grid of 8 x 8; around a point at
- * its height. */
-void sl_sight_sphere(sl_sight *sight, sl_vec3 origin);
-void sl_sight_view(sl_sight *sight, const sl_camera *camera, double aspect);
-void sl_sight_horizon(sl_sight *sight, sl_vec3 origin);
-
 void sl_sight_cast(sl_sight *sight, const sl_scene *scene);
+/* Casts rays spread evenly over the sphere; over the picture of a camera, a grid of 8 x 8; around a point at
+ * its height. */
+void sl_sight_sphere(sl_sight *sight, const sl_scene *scene, sl_vec3 origin);
+void sl_sight_view(sl_sight *sight, const sl_scene *scene, const sl_camera *camera);
+void sl_sight_horizon(sl_sight *sight, const sl_scene *scene, sl_vec3 origin);
 
 /* Of the rays that were cast: how many hit something, and how many of these a front. */
 typedef struct sl_sight_count {
