@@ -152,14 +152,13 @@ static void tell_apart(sl_bench_results *r) {
     if (same) snprintf(last->name + length, sizeof last->name - length, "-%zu", same + 1);
 }
 
-static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_results *r,
-                         sl_journal *journal, sl_error *error) {
+static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_results *r, sl_error *error) {
     sl_bench_scene *s = &r->scenes[r->scene_count++];
     sl_status status = sl_bench_scene_read(o, path, s, error);
     tell_apart(r);
     if (status != SL_OK || s->trouble[0]) return status;
-    status = sl_schedule_run(o, s, journal, error);
-    if (status == SL_OK) status = sl_schedule_rows(o, s, journal, error);
+    status = sl_schedule_run(o, s, error);
+    if (status == SL_OK) status = sl_schedule_rows(o, s, error);
     if (status == SL_OK && !o->trials_only && sl_evaluate(o, s, error) != SL_OK) {
         fprintf(stderr, "softlux: %s: no errors: %s\n", s->name, error->message);
         if (error->status == SL_ERROR_OUTPUT) status = SL_ERROR_OUTPUT;
@@ -170,9 +169,9 @@ static sl_status measure(const sl_bench_options *o, const char *path, sl_bench_r
 /* ---- the report ---- */
 
 /* Lets what measured last stand in for this program where nothing is to be measured. */
-static void take_program(sl_bench_options *o, const sl_journal *journal) {
+static void take_program(sl_bench_options *o) {
     const cJSON *entry;
-    for (size_t i = 0; o->report_only && (entry = sl_journal_at(journal, i)); i++) {
+    for (size_t i = 0; o->report_only && (entry = sl_journal_at(o->journal, i)); i++) {
         const cJSON *program = cJSON_GetObjectItem(entry, "program");
         if (cJSON_IsString(program)) snprintf(o->program, sizeof o->program, "%s", program->valuestring);
     }
@@ -204,10 +203,10 @@ static sl_status check_files(const sl_bench_options *o, sl_error *error) {
 }
 
 /* Writes the report after every scene, so that the last one that failed takes nothing away. */
-static sl_status measure_all(const request *q, sl_journal *journal, sl_bench_results *r, sl_error *error) {
+static sl_status measure_all(const request *q, sl_bench_results *r, sl_error *error) {
     sl_status status = SL_OK;
     for (int i = 0; i < q->scene_count && status == SL_OK && !sl_interrupted(); i++) {
-        status = measure(&q->options, q->scenes[i], r, journal, error);
+        status = measure(&q->options, q->scenes[i], r, error);
         r->interrupted = sl_interrupted();
         sl_bench_find_unrest(r);
         if (status == SL_OK && !q->options.trials_only)
@@ -230,27 +229,26 @@ static int conclude(const sl_bench_options *o, const sl_bench_results *r, sl_sta
     return measured ? 0 : SL_ERROR_INPUT;
 }
 
-static sl_status measure_with_journal(request *q, sl_bench_results *r, sl_journal **journal,
-                                      sl_error *error) {
+static sl_status measure_with_journal(request *q, sl_bench_results *r, sl_error *error) {
     char path[SL_BENCH_PATH];
     snprintf(path, sizeof path, "%s/journal.jsonl", q->options.folder);
     r->scenes = calloc((size_t)q->scene_count + 1, sizeof *r->scenes);
     if (!r->scenes) return sl_fail_memory(error, "scenes of a report");
-    sl_status status = sl_journal_open(path, journal, error);
-    if (status == SL_OK) take_program(&q->options, *journal);
-    return status == SL_OK ? measure_all(q, *journal, r, error) : status;
+    sl_status status = sl_journal_open(path, &q->options.journal, error);
+    if (status == SL_OK) take_program(&q->options);
+    return status == SL_OK ? measure_all(q, r, error) : status;
 }
 
 /* Has each of several ranks measure its trials. Then the first one finds them all in the journal. */
 static sl_status measure_by_ranks(request *q, sl_error *error) {
     const bool trials_only = q->options.trials_only;
     sl_bench_results own = {0};
-    sl_journal *journal = NULL;
     sl_counters none = {{0}};
     q->options.trials_only = true;
-    sl_status status = measure_with_journal(q, &own, &journal, error);
+    sl_status status = measure_with_journal(q, &own, error);
     sl_bench_results_free(&own);
-    sl_journal_close(journal);
+    sl_journal_close(q->options.journal);
+    q->options.journal = NULL;
     if (status == SL_OK) sl_ranks_exchange(NULL, 0, 0, &none); /* all have come here */
     q->options.trials_only = trials_only || sl_ranks_here().rank > 0;
     return status;
@@ -259,7 +257,6 @@ static sl_status measure_by_ranks(request *q, sl_error *error) {
 int sl_command_bench(int argc, char **argv) {
     static request q;
     sl_bench_results results = {0};
-    sl_journal *journal = NULL;
     sl_error error;
     int exit_status;
     if (!parse(argc, argv, &q, &exit_status)) return exit_status;
@@ -273,9 +270,9 @@ int sl_command_bench(int argc, char **argv) {
     results.trials = &q.trials;
     if (status == SL_OK) status = check_files(&q.options, &error);
     if (status == SL_OK && sl_ranks_here().count > 1) status = measure_by_ranks(&q, &error);
-    if (status == SL_OK) status = measure_with_journal(&q, &results, &journal, &error);
+    if (status == SL_OK) status = measure_with_journal(&q, &results, &error);
     exit_status = conclude(&q.options, &results, status, &error);
-    sl_journal_close(journal);
+    sl_journal_close(q.options.journal);
     sl_bench_results_free(&results);
     sl_trials_free(&q.trials);
     return exit_status;

@@ -35,8 +35,7 @@ static int64_t source_size(exr_const_context_t context, void *user) {
 static int64_t source_read(exr_const_context_t context, void *user, void *to, uint64_t count, uint64_t offset,
                            exr_stream_error_func_ptr_t report) {
     const sl_bytes *bytes = ((exr_source *)user)->bytes;
-    (void)context;
-    (void)report;
+    (void)context, (void)report;
     if (offset >= bytes->size) return 0;
     if (count > bytes->size - offset) count = bytes->size - offset;
     memcpy(to, bytes->data + offset, count);

@@ -18,9 +18,7 @@ typedef struct exr_sink {
 /* It may hold its own lock while it complains, and a handler that asked it for anything would wait for ever:
  * so its result codes have to do, and it must not print. */
 static void on_error(exr_const_context_t context, exr_result_t code, const char *message) {
-    (void)context;
-    (void)code;
-    (void)message;
+    (void)context, (void)code, (void)message;
 }
 
 static int64_t sink_write(exr_const_context_t context, void *user, const void *from, uint64_t count,

@@ -15,10 +15,7 @@ static size_t read_file(struct aiFile *file, char *to, size_t size, size_t count
 }
 
 static size_t write_file(struct aiFile *file, const char *from, size_t size, size_t count) {
-    (void)file;
-    (void)from;
-    (void)size;
-    (void)count;
+    (void)file, (void)from, (void)size, (void)count;
     return 0;
 }
 

@@ -205,11 +205,8 @@ static void mould(sl_surfaces *to, const sl_moulding *m, sl_vec3d *sum) {
     sl_scene *s = &to->scene;
     walk places = {.scene = s, .object = m->object}, normals = places;
     uint32_t v;
-    for (size_t i = 0; step(&places, &v); i++) {
-        s->position_x[v] = m->positions[3 * i];
-        s->position_y[v] = m->positions[3 * i + 1];
-        s->position_z[v] = m->positions[3 * i + 2];
-    }
+    for (size_t i = 0; step(&places, &v); i++)
+        sl_put(s->position_x, s->position_y, s->position_z, v, sl_v3_of(m->positions + 3 * i));
     if (!m->normals) add_normals(s, m->object, sum);
     for (size_t i = 0; step(&normals, &v); i++) {
         const double length = sl_lengthd(sum[v]);

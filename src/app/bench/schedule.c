@@ -82,11 +82,11 @@ static double memory_bytes(const sl_bench_options *o) { return 0x1p20 * (double)
 
 /* Finds the entry of a run; what was stopped, or ran out of memory, is no answer where more is allowed now.
  */
-static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal,
-                               const sl_trial *t, int run) {
+static const cJSON *find_entry(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t,
+                               int run) {
     char key[KEY];
     key_of(o, s, t, run, key);
-    const cJSON *entry = sl_journal_find(journal, key);
+    const cJSON *entry = sl_journal_find(o->journal, key);
     if (!entry || end_of(entry) == SL_CHILD_DONE) return entry;
     double limit = sl_bench_number(entry, "limit"), memory = sl_bench_number(entry, "memory");
     bool more_time = limit > 0.0 && (o->limit <= 0.0 || o->limit > limit);
@@ -101,10 +101,10 @@ static double seconds_of(const cJSON *entry) {
 /* Returns a cheaper setting of the same curve that the limit stopped, or that left too little of it for this
  * one; NULL: none. */
 static const sl_trial *stopped_before(const sl_bench_options *o, const sl_bench_scene *s,
-                                      const sl_journal *journal, const sl_trial *trial) {
+                                      const sl_trial *trial) {
     for (const sl_trial *t = o->trials->trial; trial->ordered && t != trial; t++) {
         bool cheaper = t->ordered && t->table == trial->table && strcmp(t->curve, trial->curve) == 0;
-        const cJSON *entry = cheaper ? find_entry(o, s, journal, t, 0) : NULL;
+        const cJSON *entry = cheaper ? find_entry(o, s, t, 0) : NULL;
         if (entry && (end_of(entry) == SL_CHILD_STOPPED ||
                       (o->limit > 0.0 && seconds_of(entry) > most_of_limit * o->limit)))
             return t;
@@ -125,14 +125,13 @@ static void picture_path(const sl_bench_options *o, const sl_bench_scene *s, con
 }
 
 /* Tells whether a run still makes sense after what the first one, and cheaper settings, were like. */
-static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal,
-                   const sl_trial *t, int run) {
+static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t, int run) {
     char picture[SL_BENCH_PATH];
-    const cJSON *entry = find_entry(o, s, journal, t, run);
+    const cJSON *entry = find_entry(o, s, t, run);
     picture_path(o, s, t, picture);
     if (entry) return run == 0 && end_of(entry) == SL_CHILD_DONE && access(picture, R_OK) != 0;
-    if (run == 0) return !stopped_before(o, s, journal, t);
-    entry = find_entry(o, s, journal, t, 0);
+    if (run == 0) return !stopped_before(o, s, t);
+    entry = find_entry(o, s, t, 0);
     if (!entry || end_of(entry) != SL_CHILD_DONE) return false;
     if (run == LOOK && t->table >= 0) return true; /* its table asks for it */
     const double seconds = sl_bench_number(cJSON_GetObjectItem(entry, "result"), "cpu_seconds");
@@ -141,8 +140,8 @@ static bool is_due(const sl_bench_options *o, const sl_bench_scene *s, const sl_
 
 /* ---- running ---- */
 
-static sl_status measure(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal,
-                         const sl_trial *t, int run, sl_error *error) {
+static sl_status measure(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t, int run,
+                         sl_error *error) {
     char key[KEY], picture[SL_BENCH_PATH];
     const sl_child_limits limits = {o->limit, o->memory_megabytes << 20, sl_interrupted};
     sl_child_end end;
@@ -156,13 +155,13 @@ static sl_status measure(const sl_bench_options *o, const sl_bench_scene *s, sl_
         cJSON *entry = make_entry(o, s, key, end.outcome, end.why, result);
         cJSON_AddNumberToObject(entry, "limit", o->limit);
         cJSON_AddNumberToObject(entry, "memory", memory_bytes(o));
-        status = sl_journal_add(journal, entry, error);
+        status = sl_journal_add(o->journal, entry, error);
     }
     free(end.text);
     return status;
 }
 /* Runs every trial of a rank that is wanted; looks come after the first round. */
-static sl_status run_rank(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal, int round,
+static sl_status run_rank(const sl_bench_options *o, const sl_bench_scene *s, int round,
                           int rank, double from, sl_error *error) {
     int run = round == 0 ? 0 : round == 1 ? LOOK : round - 1;
     sl_status status = SL_OK;
@@ -170,17 +169,16 @@ static sl_status run_rank(const sl_bench_options *o, const sl_bench_scene *s, sl
         const sl_trial *t = &o->trials->trial[i];
         double spent = sl_seconds_now() - from;
         if (t->rank != rank || (run == LOOK && !t->look) ||
-            !is_wanted(o, s, t) || !is_own(s, t) || !is_due(o, s, journal, t, run))
+            !is_wanted(o, s, t) || !is_own(s, t) || !is_due(o, s, t, run))
             continue;
         sl_progress_show(o->quiet, (double)round / (double)(o->repeats + 1), "%s, %.0f s: %s, %s", s->name,
                          spent, t->curve, t->name);
-        status = measure(o, s, journal, t, run, error);
+        status = measure(o, s, t, run, error);
     }
     return status;
 }
 
-sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl_journal *journal,
-                          sl_error *error) {
+sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl_error *error) {
     sl_status status = SL_OK;
     double from = sl_seconds_now();
     int ranks = 0;
@@ -188,7 +186,7 @@ sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl
         ranks = o->trials->trial[i].rank >= ranks ? o->trials->trial[i].rank + 1 : ranks;
     for (int round = 0; round <= (int)o->repeats && status == SL_OK; round++) {
         for (int rank = 0; rank < ranks && status == SL_OK; rank++)
-            status = run_rank(o, s, journal, round, rank, from, error);
+            status = run_rank(o, s, round, rank, from, error);
     }
     sl_progress_clear(o->quiet);
     return status;
@@ -196,21 +194,21 @@ sl_status sl_schedule_run(const sl_bench_options *o, const sl_bench_scene *s, sl
 
 /* ---- rows ---- */
 
-static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const sl_journal *journal,
-                     const sl_trial *t, sl_bench_row *row) {
+static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const sl_trial *t,
+                     sl_bench_row *row) {
     enum { MOST = 64 };
     double cpu[MOST], wall[MOST];
     int runs = 0;
     *row = (sl_bench_row){.trial = t, .end = SL_CHILD_LEFT_OUT};
-    const sl_trial *cheaper = stopped_before(o, s, journal, t);
+    const sl_trial *cheaper = stopped_before(o, s, t);
     if (cheaper)
         snprintf(row->why, sizeof row->why, "'%s' took most of the limit of seconds, and this takes longer",
                  cheaper->name);
     else snprintf(row->why, sizeof row->why, "it was interrupted");
     picture_path(o, s, t, row->picture);
-    row->look = cJSON_GetObjectItem(find_entry(o, s, journal, t, LOOK), "result");
+    row->look = cJSON_GetObjectItem(find_entry(o, s, t, LOOK), "result");
     for (int run = 0; run < (int)o->repeats && run < MOST; run++) {
-        const cJSON *entry = find_entry(o, s, journal, t, run),
+        const cJSON *entry = find_entry(o, s, t, run),
                     *result = cJSON_GetObjectItem(entry, "result");
         if (entry && run == 0) {
             const char *why = cJSON_GetStringValue(cJSON_GetObjectItem(entry, "why"));
@@ -226,8 +224,7 @@ static void make_row(const sl_bench_options *o, const sl_bench_scene *s, const s
     row->wall = sl_bench_spread_of(wall, runs);
 }
 
-sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const sl_journal *journal,
-                           sl_error *error) {
+sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, sl_error *error) {
     s->rows = calloc(o->trials->count + 1, sizeof *s->rows);
     s->row_count = 0;
     if (!s->rows) return sl_fail_memory(error, "the rows of a report");
@@ -235,8 +232,8 @@ sl_status sl_schedule_rows(const sl_bench_options *o, sl_bench_scene *s, const s
         const sl_trial *t = &o->trials->trial[i];
         sl_bench_row *row = &s->rows[s->row_count];
         if (!is_wanted(o, s, t)) continue;
-        make_row(o, s, journal, t, row);
-        bool tried = row->end != SL_CHILD_LEFT_OUT || stopped_before(o, s, journal, t);
+        make_row(o, s, t, row);
+        bool tried = row->end != SL_CHILD_LEFT_OUT || stopped_before(o, s, t);
         if (tried || !o->report_only) s->row_count++;
     }
     return SL_OK;

@@ -10,6 +10,7 @@
 typedef struct sl_bench_options {
     const sl_trials *trials;          /* that are to be run */
     const char *folder;               /* of the report */
+    sl_journal *journal;              /* what was measured */
     const char *references;           /* folder */
     const char *methods, *qualities;  /* lists with commas between, or NULL: all */
     bool own_scenes;                  /* not those of the trials' file */
@@ -31,8 +32,6 @@ typedef struct sl_bench_options {
 sl_status sl_bench_scene_read(const sl_bench_options *options, const char *path, sl_bench_scene *scene,
                               sl_error *error);
 /* Runs what the journal does not hold yet. Returns when all is done, or somebody interrupts. */
-sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_journal *journal,
-                          sl_error *error);
+sl_status sl_schedule_run(const sl_bench_options *options, const sl_bench_scene *scene, sl_error *error);
 /* Makes the rows of the scene from what the journal holds of it. */
-sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, const sl_journal *journal,
-                           sl_error *error);
+sl_status sl_schedule_rows(const sl_bench_options *options, sl_bench_scene *scene, sl_error *error);

@@ -581,11 +581,17 @@ sl_status sl_live_rate(sl_live *l, double samples_a_second, sl_error *error) {
     return SL_OK;
 }
 
+/* Gives the first `room` things of a list, and returns how many there are. */
+static size_t give(void *to, size_t room, const void *list, size_t count, size_t size) {
+    const size_t given = count < room ? count : room;
+    if (to && given) memcpy(to, list, given * size);
+    return count;
+}
+
 size_t sl_live_log(sl_live *l, sl_live_event *events, size_t room) {
     if (!l) return 0;
     sl_monitor_enter(&l->meeting);
-    size_t count = l->events, given = count < room ? count : room;
-    if (events && given) memcpy(events, l->log, given * sizeof *events);
+    const size_t count = give(events, room, l->log, l->events, sizeof *events);
     sl_monitor_leave(&l->meeting);
     return count;
 }
@@ -630,8 +636,7 @@ uint64_t sl_live_shows(const sl_live *l) { return l->seen; }
 size_t sl_live_turns(sl_live *l, sl_live_turn *turns, size_t room, uint64_t *updates) {
     sl_monitor_enter(&l->meeting);
     if (updates) *updates = l->progress.batches;
-    size_t count = l->turn_count, given = count < room ? count : room;
-    if (given) memcpy(turns, l->turns, given * sizeof *turns);
+    const size_t count = give(turns, room, l->turns, l->turn_count, sizeof *turns);
     sl_monitor_leave(&l->meeting);
     return count;
 }

@@ -194,12 +194,11 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
     m->scene = scene;
     m->seen = *scene;
     m->settings = chosen;
-    snprintf(m->name, sizeof m->name, "%s", class->name);
     snprintf(m->transport_name, sizeof m->transport_name, "%s",
              settings->transport ? settings->transport : "");
     if (!settings->transport)
         snprintf(m->transport_name, sizeof m->transport_name, "matched:%s", class->name);
-    m->settings.method = m->name;
+    m->settings.method = class->name;
     m->settings.transport = m->transport_name;
     m->memory_bytes = settings->memory_bytes;
     m->transport = transport;

@@ -125,7 +125,7 @@ struct sl_method {
     bool looks_elsewhere; /* seen has another sub-frame than the class has been told of */
     bool batch_by_batch;  /* somebody looks between updates: none stands for several */
     sl_settings settings; /* complete */
-    char name[32], transport_name[64];
+    char transport_name[64];
     uint64_t memory_bytes; /* as asked for */
     char reduced[512], reduction[640]; /* before the start; with what was found on the way */
     uint64_t light_hash; /* of the scene */
