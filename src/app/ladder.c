@@ -13,15 +13,7 @@
 #define NORMAL SL_QUALITY_NORMAL
 #define HIGH SL_QUALITY_HIGH
 
-typedef struct step {
-    const char *method;
-    sl_quality quality;
-    bool own; /* where the quality stands */
-    double cost;
-    const char *settings; /* for what was left open */
-} step;
-
-static const step steps[] = {
+static const sl_ladder_step steps[] = {
     {"splatting", DRAFT, true, 1.0, "accuracy=0.5 glossy-accuracy=0.3 gather-size=20 spp=8"},
     {"splatting", DRAFT, false, 2.0, "accuracy=0.35 glossy-accuracy=0.25 gather-size=26 spp=12"},
     {"splatting", NORMAL, true, 4.0, "accuracy=0.25 glossy-accuracy=0.2 gather-size=32 spp=16"},
@@ -66,24 +58,13 @@ static const step steps[] = {
 };
 enum { STEPS = sizeof steps / sizeof steps[0] };
 
-/* Returns the method's first step; NULL where it has none. */
-static const step *first_of(const char *method) {
-    for (size_t i = 0; method && i < STEPS; i++)
-        if (strcmp(steps[i].method, method) == 0) return &steps[i];
-    return NULL;
-}
-
-unsigned sl_ladder_steps(const char *method) {
-    const step *first = first_of(method), *s = first;
-    while (s && s < steps + STEPS && strcmp(s->method, method) == 0) s++;
-    return first ? (unsigned)(s - first) : 0;
-}
-
-unsigned sl_ladder_step_of(const char *method, sl_quality quality) {
-    unsigned count = sl_ladder_steps(method);
-    for (unsigned i = 0; i < count; i++)
-        if (first_of(method)[i].own && first_of(method)[i].quality == quality) return i;
-    return 0;
+sl_ladder sl_ladder_of(const char *method) {
+    sl_ladder ladder = {steps, 0};
+    while (ladder.step < steps + STEPS && strcmp(ladder.step->method, method) != 0) ladder.step++;
+    const sl_ladder_step *end = ladder.step;
+    while (end < steps + STEPS && strcmp(end->method, method) == 0) end++;
+    ladder.count = (unsigned)(end - ladder.step);
+    return ladder;
 }
 
 /* Takes so many updates that points come to that share of the pixels. */
@@ -103,11 +84,9 @@ static void take(sl_settings *s, char *word) {
         (void)sl_settings_set(s, word, value, NULL);
 }
 
-sl_settings sl_ladder_settings(const sl_settings *asked, unsigned index) {
+sl_settings sl_ladder_settings(const sl_settings *asked, const sl_ladder_step *of) {
     sl_settings s = *asked;
     char text[128], *rest = NULL;
-    if (index >= sl_ladder_steps(asked->method)) return s;
-    const step *of = first_of(asked->method) + index;
     s.quality = of->quality;
     snprintf(text, sizeof text, "%s", of->settings);
     for (char *w = strtok_r(text, " ", &rest); w; w = strtok_r(NULL, " ", &rest)) take(&s, w);
@@ -130,8 +109,4 @@ double sl_effort_in_rays(const sl_counters *c) {
     for (size_t i = 0; i < sizeof weights / sizeof weights[0]; i++)
         rays += weights[i].rays * (double)c->value[weights[i].counter];
     return rays;
-}
-
-double sl_ladder_cost(const char *method, unsigned index) {
-    return index < sl_ladder_steps(method) ? first_of(method)[index].cost : 1.0;
 }

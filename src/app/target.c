@@ -43,7 +43,8 @@ typedef struct climb {
     const sl_render_options *o;
     const sl_scene *scene;
     sl_settings asked;     /* o's, with the film's size */
-    unsigned steps;        /* 0: one picture, refined for as long as it takes */
+    sl_ladder ladder;
+    unsigned steps;        /* of it; 0: one picture, refined for as long as it takes */
     sl_error_probe *probe; /* NULL without --error */
     double start;
     candidate best;
@@ -79,6 +80,7 @@ bool sl_parse_error_share(const char *text, double *share) {
 }
 
 static bool is_tracer(const climb *c) { return c->steps == 0; }
+static double cost_of(const climb *c, unsigned step) { return c->steps ? c->ladder.step[step].cost : 1.0; }
 
 /* ---- what a picture's error is --------------------------------------------------------------- */
 
@@ -237,7 +239,7 @@ static sl_status climb_step(climb *c, unsigned step, sl_error *error) {
     sl_method *method = NULL;
     sl_progress progress = {0};
     double begun = sl_seconds_now();
-    o.settings = sl_ladder_settings(&c->asked, step);
+    o.settings = c->steps ? sl_ladder_settings(&c->asked, &c->ladder.step[step]) : c->asked;
     sl_status status = sl_method_create(c->scene, &o.settings, &method, error);
     while (status == SL_OK && !c->reached) {
         o.batches = o.error > 0.0 && refines(c) ? next_look(c, progress.batches) : 0;
@@ -253,7 +255,7 @@ static sl_status climb_step(climb *c, unsigned step, sl_error *error) {
     c->step_seconds[0] = c->step_seconds[1];
     c->step_cost[0] = c->step_cost[1];
     c->step_seconds[1] = sl_seconds_now() - begun;
-    c->step_cost[1] = sl_ladder_cost(c->asked.method, step);
+    c->step_cost[1] = cost_of(c, step);
     c->finished++;
     return SL_OK;
 }
@@ -263,7 +265,7 @@ static sl_status climb_step(climb *c, unsigned step, sl_error *error) {
 /* From one step: as the ladder's costs grow, which is too much, since part of a picture's time is the same on
  * every step. From two: the line through them. */
 static double foretold_seconds(const climb *c, unsigned step) {
-    double cost = sl_ladder_cost(c->asked.method, step), last = c->step_seconds[1],
+    double cost = cost_of(c, step), last = c->step_seconds[1],
            by_cost = last * cost / c->step_cost[1];
     if (c->finished < 2 || c->step_cost[1] <= c->step_cost[0]) return by_cost;
     double slope = (last - c->step_seconds[0]) / (c->step_cost[1] - c->step_cost[0]);
@@ -275,10 +277,10 @@ static double foretold_seconds(const climb *c, unsigned step) {
 static unsigned next_step(const climb *c, unsigned step) {
     unsigned next = step + 1;
     if (c->o->error > 0.0) {
-        const double most = cost_of_a_jump * sl_ladder_cost(c->asked.method, step);
+        const double most = cost_of_a_jump * cost_of(c, step);
         double ratio = c->judged.rel_rmse / c->o->error;
         for (; ratio > error_a_step * error_a_step && next + 1 < c->steps &&
-               sl_ladder_cost(c->asked.method, next + 1) <= most;
+               cost_of(c, next + 1) <= most;
              next++)
             ratio /= error_a_step;
     } else {
@@ -302,7 +304,7 @@ static double probe_rays(const climb *c) {
  * the root of their number. Pictures that take less than the probes go on all the same. */
 static bool bound_cannot_follow(const climb *c, unsigned step) {
     double next =
-        c->effort * sl_ladder_cost(c->asked.method, step + 1) / sl_ladder_cost(c->asked.method, step);
+        c->effort * cost_of(c, step + 1) / cost_of(c, step);
     double pictures = c->effort_before + c->effort, probes = probe_rays(c),
            ratio = c->judged.resolution / (hardly_promised * c->o->error);
     bool may_do = c->judged.least <= too_near * c->o->error, cheap = pictures + next < probes;
@@ -330,13 +332,21 @@ static bool is_in_vain(climb *c, unsigned step) {
 static sl_status prepare(climb *c, sl_error *error) {
     enum { NO_END = 100000000 };
     if (!c->asked.width) sl_scene_film(c->scene, &c->asked.width, &c->asked.height);
-    c->steps = sl_ladder_steps(c->asked.method);
+    c->ladder = sl_ladder_of(c->asked.method);
+    c->steps = c->ladder.count;
     if (!c->steps && !c->asked.spp) c->asked.spp = NO_END;
     return c->o->error > 0.0 ? sl_error_probe_create(c->scene, &c->asked, &c->probe, error) : SL_OK;
 }
 
+/* Begins where a quality stands that was asked for. */
+static unsigned first_step(const climb *c) {
+    for (unsigned i = 0; i < c->steps && c->o->quality_given; i++)
+        if (c->ladder.step[i].own && c->ladder.step[i].quality == c->asked.quality) return i;
+    return 0;
+}
+
 static sl_status climb_all(climb *c, sl_error *error) {
-    unsigned step = c->o->quality_given ? sl_ladder_step_of(c->asked.method, c->asked.quality) : 0;
+    unsigned step = first_step(c);
     sl_status status;
     do {
         status = climb_step(c, step, error);

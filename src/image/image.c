@@ -1,6 +1,7 @@
 /* The image itself: planes of floats with names, and strings that say where they came from. */
 
 #include "base/error.h"
+#include "base/grow.h"
 #include "base/memory.h"
 #include "image/formats.h"
 #include "image/unset.h"
@@ -102,9 +103,8 @@ sl_status sl_image_create_unset(int width, int height, int channels, const char 
 
 void sl_image_destroy(sl_image *image) {
     if (!image) return;
-    for (size_t i = 0; i < image->metadata_count; i++) free(image->metadata[i].value);
-    free(image->metadata);
-    SL_FREE_ALL(image->channel_name, image->planes, image);
+    for (size_t i = 0; i < image->metadata_count; i++) sl_free(image->metadata[i].value);
+    SL_FREE_ALL(image->metadata, image->channel_name, image->planes, image);
 }
 
 float *sl_image_channel(const sl_image *image, const char *name) {
@@ -124,28 +124,22 @@ static sl_metadatum *find_metadatum(const sl_image *image, const char *key) {
 
 sl_status sl_image_set_metadata(sl_image *image, const char *key, const char *value, sl_error *error) {
     if (!image || !key || !value) return sl_fail_null(error, "an image, a key and its value");
-    size_t key_length = strlen(key), value_length = strlen(value);
+    size_t key_length = strlen(key);
     if (key_length == 0 || key_length >= SL_METADATA_KEY_MAX)
         return sl_fail(error, SL_ERROR_USAGE, "a metadata key has 1 to %d bytes, '%s' has %zu",
                        SL_METADATA_KEY_MAX - 1, key, key_length);
-    char *copy = malloc(value_length + 1);
-    if (!copy) return sl_fail_memory(error, "metadata");
-    memcpy(copy, value, value_length + 1);
+    char *copy = sl_copy_of(value, strlen(value) + 1, 1);
     sl_metadatum *datum = find_metadatum(image, key);
-    if (datum) {
-        free(datum->value);
-        datum->value = copy;
-        return SL_OK;
-    }
-    sl_metadatum *grown = realloc(image->metadata, (image->metadata_count + 1) * sizeof *grown);
-    if (!grown) {
-        free(copy);
+    const size_t count = image->metadata_count;
+    if (!copy || (!datum && !sl_regrow(&image->metadata, count, count + 1, sizeof *image->metadata))) {
+        sl_free(copy);
         return sl_fail_memory(error, "metadata");
     }
-    image->metadata = grown;
-    datum = &grown[image->metadata_count++];
-    memset(datum, 0, sizeof *datum);
-    memcpy(datum->key, key, key_length + 1);
+    if (!datum) {
+        datum = &image->metadata[image->metadata_count++];
+        memcpy(datum->key, key, key_length + 1);
+    }
+    sl_free(datum->value);
     datum->value = copy;
     return SL_OK;
 }

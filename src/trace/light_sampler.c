@@ -162,10 +162,9 @@ static bool sample_environment(const sl_environment *environment, double chance,
     return true;
 }
 
-static bool sample_entry(const sl_light_sampler *sampler, size_t i, sl_vec3 p, float u1, float u2,
-                         sl_light_sample *sample) {
+static bool sample_entry(const sl_light_sampler *sampler, size_t i, double chance, sl_vec3 p, float u1,
+                         float u2, sl_light_sample *sample) {
     const sl_scene *scene = sampler->scene;
-    double chance = sampler->chance[i];
     if (!(chance > 0.0) || !sl_is_finite(p)) return false;
     bool lit;
     if (i < scene->emitter_count) lit = sample_emitter(scene, &scene->emitters[i], chance, p, u1, u2, sample);
@@ -180,15 +179,15 @@ static bool sample_entry(const sl_light_sampler *sampler, size_t i, sl_vec3 p, f
 bool sl_light_sampler_sample_at(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 normal, float select,
                                 float u1, float u2, sl_light_sample *sample) {
     if (sampler->count == 0) return false;
-    if (!sampler->tree || !((double)select < sampler->tree_share))
-        return sample_entry(sampler, choose(sampler, (double)select), p, u1, u2, sample);
+    if (!sampler->tree || !((double)select < sampler->tree_share)) {
+        const size_t i = choose(sampler, (double)select);
+        return sample_entry(sampler, i, sampler->chance[i], p, u1, u2, sample);
+    }
     uint32_t emitter;
     float chance, within = fminf((float)((double)select / sampler->tree_share), 0x1.fffffep-1f);
     if (!sl_is_finite(p) || !sl_light_tree_choose(sampler->tree, p, normal, within, &emitter, &chance))
         return false;
-    return sample_emitter(sampler->scene, &sampler->scene->emitters[emitter],
-                          sampler->tree_share * (double)chance, p, u1, u2, sample) &&
-           sl_rgb_is_finite(sample->radiance) && sl_rgb_max(sample->radiance) > 0.0f;
+    return sample_entry(sampler, emitter, sampler->tree_share * (double)chance, p, u1, u2, sample);
 }
 
 double sl_light_sampler_power(const sl_light_sampler *sampler) { return sampler->power; }
@@ -214,7 +213,8 @@ double sl_light_sampler_chance(const sl_light_sampler *sampler, uint32_t entry) 
 bool sl_light_sampler_sample_2d(const sl_light_sampler *sampler, sl_vec3 p, float u1, float u2,
                                 sl_light_sample *sample) {
     uint32_t entry;
-    return sl_light_sampler_choose(sampler, &u1, &entry) && sample_entry(sampler, entry, p, u1, u2, sample);
+    return sl_light_sampler_choose(sampler, &u1, &entry) &&
+           sample_entry(sampler, entry, sampler->chance[entry], p, u1, u2, sample);
 }
 
 float sl_light_sampler_pdf(const sl_light_sampler *sampler, sl_vec3 p, sl_vec3 direction, uint32_t triangle,
