@@ -45,6 +45,17 @@ static inline uint32_t want_root(hierarchy *h, uint32_t root) {
     return patch;
 }
 
+/* Marks the leaves around a place, and no others. */
+enum { MARKED = 0x4000 };
+static inline void mark_leaf(sl_patches *p, const sl_patch_place *leaf, void *context) {
+    (void)context;
+    p->patch[leaf->patch].flags |= MARKED;
+}
+static inline void mark_around(sl_patches *p, sl_root_place place) {
+    for (size_t i = 0; i < p->patch_count; i++) p->patch[i].flags &= ~(uint32_t)MARKED;
+    sl_patches_visit_around(p, place, mark_leaf, NULL);
+}
+
 static inline void split(hierarchy *h, uint32_t patch) {
     sl_patch_place place = sl_patch_place_of(h->patches, patch);
     assert_int_equal(sl_patch_split(h->patches, &place, NULL), SL_OK);

@@ -161,7 +161,7 @@ static void forget_view(sl_displayed *d) {
         sl_patch *node = &d->mesh->patch[n];
         node->pixels = 0;
         node->priority = 0.0f;
-        node->flags &= ~(uint32_t)(SL_NODE_TAKEN | SL_PATCH_DIRTY | SL_NODE_SMALL);
+        node->flags &= ~(uint32_t)(SL_NODE_TAKEN | SL_NODE_DIRTY | SL_NODE_SMALL);
     }
     d->root_count = 0;
     d->chain_entry = SL_NO_INDEX;
@@ -283,8 +283,8 @@ static void draw_changed(const sl_patch_place *leaf, void *context) {
     root_drawing *r = context;
     const sl_displayed *d = r->job->d;
     sl_patch *node = &d->mesh->patch[leaf->patch];
-    if (!d->dirty_all && !(node->flags & SL_PATCH_DIRTY)) return;
-    node->flags &= ~(uint32_t)SL_PATCH_DIRTY;
+    if (!d->dirty_all && !(node->flags & SL_NODE_DIRTY)) return;
+    node->flags &= ~(uint32_t)SL_NODE_DIRTY;
     draw_leaf(r->job, leaf);
     r->redrawn += node->pixels;
 }

@@ -86,7 +86,7 @@ typedef struct sl_displayed {
     size_t vertex_room;
     uint32_t *touched;            /* leaves whose edges are to be tested again, SL_NODE_TOUCHED */
     size_t touched_count, touched_room;
-    bool dirty_all;               /* all leaves are to be drawn, not those with SL_PATCH_DIRTY alone */
+    bool dirty_all;               /* all leaves are to be drawn, not those with SL_NODE_DIRTY alone */
     /* roots' corners are being sampled: what touches them changes when they become known */
     bool corners_asked;
 } sl_displayed;
@@ -177,6 +177,7 @@ void sl_displayed_touch(sl_displayed *displayed, uint32_t vertex);
 enum {
     SL_NODE_TAKEN = 0x40,  /* chosen for a batch that is not done yet */
     SL_NODE_TOUCHED = 0x80, /* it is in the list of those to be tested again */
+    SL_NODE_DIRTY = 0x400, /* it is to be drawn again */
     SL_NODE_SMALL = 0x800, /* meets the size criterion in the view as it stands */
     SL_NODE_TESTED_SHIFT = 16 /* the upper half: sl_mesh_tested_size() or sl_mesh_probed_size() */
 };
@@ -284,7 +285,7 @@ void sl_displayed_rank(sl_displayed *d);
 
 /* A leaf's vertices or those on its edges have changed: it is drawn again. */
 static inline void sl_displayed_mark(sl_displayed *d, uint32_t leaf) {
-    d->mesh->patch[leaf].flags |= SL_PATCH_DIRTY;
+    d->mesh->patch[leaf].flags |= SL_NODE_DIRTY;
 }
 
 #endif

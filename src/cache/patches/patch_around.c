@@ -75,13 +75,6 @@ void sl_patches_visit_around(sl_patches *p, sl_root_place place, sl_leaf_visitor
     } while (code != first);
 }
 
-static void mark(sl_patches *p, const sl_patch_place *leaf, void *context) {
-    (void)context;
-    p->patch[leaf->patch].flags |= SL_PATCH_DIRTY;
-}
-
-void sl_patches_touch(sl_patches *p, sl_root_place place) { sl_patches_visit_around(p, place, mark, NULL); }
-
 /* ---- vertices along edges -------------------------------------------------------------------- */
 
 typedef struct edge_walk {
@@ -107,6 +100,23 @@ static void walk_edge(edge_walk *w, sl_root_place from, sl_root_place to, uint32
     if (w->count == SL_HANGING_MOST) return;
     w->spoke[w->count++] = (sl_fan_spoke){vertex, (uint16_t)w->edge, (uint16_t)(along + half)};
     if (at->halved) walk_edge(w, middle, to, along + half, half);
+}
+
+/* Who makes the middle of an edge marks its ends. Where roots' edges are one their corners may still be
+ * two. */
+static bool may_be_halved(const sl_patch_vertex *v) {
+    return v->halved || (v->u | v->v) % SL_PATCH_DYADIC == 0;
+}
+
+bool sl_patch_has_no_spokes(const sl_patches *p, uint32_t leaf) {
+    const int corners = sl_patch_corners(p, leaf);
+    bool last = may_be_halved(&p->vertex[sl_patch_corner(p, leaf, corners - 1)]), any = false;
+    for (int c = 0; c < corners && !any; c++) {
+        const bool here = may_be_halved(&p->vertex[sl_patch_corner(p, leaf, c)]);
+        any = last && here;
+        last = here;
+    }
+    return !any;
 }
 
 size_t sl_patch_spokes(const sl_patches *p, const sl_patch_place *leaf, int levels, uint32_t state,

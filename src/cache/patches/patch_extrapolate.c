@@ -36,36 +36,18 @@ static void add_patch(sl_patches *p, const sl_patch_place *leaf, void *context) 
         add_vertex(p, to, sl_patch_corner(p, patch, c));
 }
 
-/* Where nobody has anything what is there stays. All leaves that show it are to know of another value. */
+/* Where nobody has anything what is there stays. */
 static void extrapolate(sl_patches *p, uint32_t vertex) {
-    const sl_patch_vertex *v = &p->vertex[vertex];
-    float *value = sl_vertex_value(p, vertex);
-    bool other = false;
-    if (!v->extrapolated) return;
+    const sl_root_place at = p->vertex[vertex].place;
     estimate l = {.vertex = vertex, .position = sl_vertex_position(p, vertex)};
     for (; !(l.weight > 0.0) && l.above <= SL_PATCH_DEPTH_MAX; l.above++)
-        sl_patches_visit_around(p, v->place, add_patch, &l);
-    for (int c = 0; c < p->settings.channels && l.weight > 0.0; c++) {
-        float mean = (float)(l.value[c] / l.weight);
-        other |= value[c] != mean;
-        value[c] = mean;
-    }
-    if (other) sl_patches_touch(p, v->place);
-}
-
-/* To its corners, and to what hangs on its edges: that has the leaf around it, too. */
-static void extrapolate_leaf(sl_patches *p, uint32_t leaf) {
-    sl_fan_spoke spoke[4 * SL_HANGING_MOST];
-    sl_patch_place place = sl_patch_place_of(p, leaf);
-    size_t count = sl_patch_spokes(p, &place, SL_PATCH_DEPTH_MAX, 0, spoke);
-    for (int c = 0; c < place.corners; c++) extrapolate(p, sl_patch_corner(p, leaf, c));
-    for (size_t i = 0; i < count; i++) extrapolate(p, spoke[i].vertex);
+        sl_patches_visit_around(p, at, add_patch, &l);
+    for (int c = 0; c < p->settings.channels && l.weight > 0.0; c++)
+        sl_vertex_value(p, vertex)[c] = (float)(l.value[c] / l.weight);
 }
 
 /* Values come from vertices with light of their own, so the order does not matter. */
 void sl_patches_extrapolate(sl_patches *p) {
-    for (uint32_t i = 0; p->extrapolates && i < p->patch_count; i++) {
-        if ((p->patch[i].flags & SL_PATCH_DIRTY) && sl_patch_is_alive(p, i) && sl_patch_is_leaf(p, i))
-            extrapolate_leaf(p, i);
-    }
+    for (uint32_t i = 0; p->extrapolates && i < p->vertex_count; i++)
+        if (p->vertex[i].references && p->vertex[i].extrapolated) extrapolate(p, i);
 }

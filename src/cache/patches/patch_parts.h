@@ -21,10 +21,9 @@ bool sl_empty_slots(uint32_t **table, size_t *slots, size_t count);
 
 /* Makes room for so many more vertices; only this can fail. */
 sl_status sl_vertices_reserve(sl_patches *patches, size_t count, sl_error *error);
-/* Returns the vertex at a place, made where there is none, with one reference more. *created is set where it
- * is new. */
-uint32_t sl_vertex_take(sl_patches *patches, sl_root_place place, bool *created);
-/* Takes one reference away; true: it was the last, and the vertex is gone. */
-bool sl_vertex_release(sl_patches *patches, uint32_t vertex);
+/* Returns the vertex at a place, made where there is none, with one reference more. */
+uint32_t sl_vertex_take(sl_patches *patches, sl_root_place place);
+/* Takes one reference away; with the last the vertex is gone. */
+void sl_vertex_release(sl_patches *patches, uint32_t vertex);
 
 #endif

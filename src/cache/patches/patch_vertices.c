@@ -78,7 +78,7 @@ uint32_t sl_vertex_find(const sl_patches *p, sl_root_place place) {
     return p->slot[slot_of(p, sl_root_canonical(p->primitives, place))];
 }
 
-uint32_t sl_vertex_take(sl_patches *p, sl_root_place place, bool *created) {
+uint32_t sl_vertex_take(sl_patches *p, sl_root_place place) {
     place = sl_root_canonical(p->primitives, place);
     size_t slot = slot_of(p, place);
     if (p->slot[slot] != SL_NO_INDEX) {
@@ -94,26 +94,23 @@ uint32_t sl_vertex_take(sl_patches *p, sl_root_place place, bool *created) {
     if (p->sets) p->sets[made] = (sl_vertex_sets){0};
     p->vertices_alive++;
     p->slot[slot] = made;
-    *created = true;
     return made;
 }
 
 uint32_t sl_vertex_make(sl_patches *p, sl_root_place place, sl_status *status, sl_error *error) {
-    bool created;
     *status = sl_vertices_reserve(p, 1, error);
     if (*status != SL_OK) return SL_NO_INDEX;
-    uint32_t vertex = sl_vertex_take(p, place, &created);
+    uint32_t vertex = sl_vertex_take(p, place);
     p->vertex[vertex].references = SL_REFERENCES_MANY;
     return vertex;
 }
 
 /* Vertices that are not in use have no references and name the next one in `root`. */
-bool sl_vertex_release(sl_patches *p, uint32_t vertex) {
+void sl_vertex_release(sl_patches *p, uint32_t vertex) {
     sl_patch_vertex *v = &p->vertex[vertex];
-    if (v->references == SL_REFERENCES_MANY || --v->references) return false;
+    if (v->references == SL_REFERENCES_MANY || --v->references) return;
     empty_slot(p, slot_of(p, v->place));
     *v = (sl_patch_vertex){.root = p->first_free_vertex, .evaluated = SL_VERTEX_NEVER};
     p->first_free_vertex = vertex;
     p->vertices_alive--;
-    return true;
 }

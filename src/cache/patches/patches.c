@@ -126,9 +126,8 @@ static uint32_t take_block(sl_patches *p, uint32_t parent, uint32_t root) {
     return first;
 }
 
-/* Where there is a display its patches are still to be taken out of that. */
 static void give_block_back(sl_patches *p, uint32_t first) {
-    for (uint32_t k = 0; k < 4; k++) p->patch[first + k].flags = SL_PATCH_DIRTY;
+    for (uint32_t k = 0; k < 4; k++) p->patch[first + k].flags = 0;
     p->patch[first].child = p->first_free;
     p->first_free = first;
 }
@@ -260,7 +259,7 @@ uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_err
     *status = SL_OK;
     uint32_t found = sl_patches_find_root(p, root);
     if (found != SL_NO_INDEX) return found;
-    bool block = p->root_count % 4 == 0, created;
+    bool block = p->root_count % 4 == 0;
     *status = sl_vertices_reserve(p, 4, error);
     if (*status == SL_OK && !(reserve_root(p) && (!block || reserve_block(p))))
         *status = sl_fail_memory(error, "patches");
@@ -271,8 +270,8 @@ uint32_t sl_patches_root(sl_patches *p, uint32_t root, sl_status *status, sl_err
     sl_patch_place place = root_place(p, root, patch);
     *made = (sl_wanted_root){root, patch, {SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX, SL_NO_INDEX}};
     for (int c = 0; c < place.corners; c++)
-        made->corner[c] = sl_vertex_take(p, (sl_root_place){root, place.u[c], place.v[c]}, &created);
-    p->patch[patch].flags = SL_PATCH_ALIVE | SL_PATCH_DIRTY | (place.corners == 3 ? SL_PATCH_TRIANGLE : 0u);
+        made->corner[c] = sl_vertex_take(p, (sl_root_place){root, place.u[c], place.v[c]});
+    p->patch[patch].flags = SL_PATCH_ALIVE | (place.corners == 3 ? SL_PATCH_TRIANGLE : 0u);
     p->root_slot[root_slot(p, root)] = (uint32_t)p->root_count++;
     p->patches_alive++;
     p->leaves_alive++;
@@ -329,15 +328,12 @@ static void mark_halved(sl_patches *p, uint32_t patch, int edge, int corners) {
     p->vertex[sl_patch_corner(p, patch, (edge + 1) % corners)].halved = 1;
 }
 
-/* Leaves that a new vertex lies on the edge of have to know of it where they are shown. */
 static void take_middles(sl_patches *p, const sl_patch_place *parent, uint32_t first) {
     for (int m = 0; m < (parent->corners == 3 ? 3 : MIDDLES); m++) {
         sl_root_place at;
-        bool created = false;
         sl_middle_place(parent, m == 4 ? 0 : m, m == 4 ? 2 : (m + 1) % parent->corners, &at);
-        sl_patch_block_of(p, first)->middle[m] = sl_vertex_take(p, at, &created);
+        sl_patch_block_of(p, first)->middle[m] = sl_vertex_take(p, at);
         if (m < 4) mark_halved(p, parent->patch, m, parent->corners);
-        if (created && p->settings.shown) sl_patches_touch(p, at);
     }
 }
 
@@ -362,14 +358,13 @@ sl_status sl_patch_split(sl_patches *p, const sl_patch_place *place, sl_error *e
     sl_patch *parent = &p->patch[patch];
     for (uint32_t k = 0; k < 4; k++) {
         sl_patch *child = &p->patch[first + k];
-        child->flags = SL_PATCH_ALIVE | SL_PATCH_DIRTY | (parent->flags & SL_PATCH_TRIANGLE);
+        child->flags = SL_PATCH_ALIVE | (parent->flags & SL_PATCH_TRIANGLE);
         if (!p->settings.shown) continue;
         child->seen = parent->seen;
         child->pixels = parent->pixels / 4 + (parent->pixels % 4 != 0);
     }
     take_middles(p, place, first);
     parent->child = first;
-    parent->flags |= SL_PATCH_DIRTY;
     p->patches_alive += 4;
     p->leaves_alive += 3;
     return SL_OK;
@@ -396,12 +391,9 @@ void sl_patch_drop_children(sl_patches *p, uint32_t patch) {
     p->patch[patch].child = SL_NO_INDEX;
     for (int m = 0; m < MIDDLES; m++) {
         uint32_t vertex = sl_patch_block_of(p, first)->middle[m];
-        if (vertex == SL_NO_INDEX) continue;
-        sl_root_place place = p->vertex[vertex].place;
-        if (sl_vertex_release(p, vertex) && p->settings.shown) sl_patches_touch(p, place);
+        if (vertex != SL_NO_INDEX) sl_vertex_release(p, vertex);
     }
     give_block_back(p, first);
-    p->patch[patch].flags |= SL_PATCH_DIRTY;
     p->patches_alive -= 4;
     p->leaves_alive -= 3;
 }

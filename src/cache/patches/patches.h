@@ -37,8 +37,6 @@
 /* Flags of a patch. Those below SL_PATCH_TRIANGLE and above SL_PATCH_ALIVE are multi-mesh's (mesh.h). */
 enum {
     SL_PATCH_EDGES = 0x3f,       /* of triangles: what is known of edge i, at bits 2 i, 2 i + 1 (mesh.h) */
-    SL_PATCH_DIRTY_FIRST = 0x1000, /* what it shows has changed since the first copy of it was made, */
-    SL_PATCH_DIRTY = 3 * SL_PATCH_DIRTY_FIRST, /* ... since any of two was */
     SL_PATCH_TRIANGLE = 0x100,   /* three corners, not four */
     SL_PATCH_ALIVE = 0x200       /* the others below patch_count are not in use */
 };
@@ -106,9 +104,7 @@ typedef struct sl_patches_settings {
     /* of a vertex: F 1, radiance or E 3, E and then L_s towards the eye 6 */
     int channels;
     int max_depth;               /* at most SL_PATCH_DEPTH_MAX */
-    /* a display holds copies of the tree: splits and drops mark leaves as SL_PATCH_DIRTY, and hand on `seen`
-     * and `pixels` */
-    bool shown;
+    bool shown;                  /* splits and drops hand on `seen` and `pixels` */
     bool sets;                   /* how many sets of samples, and their variance, is kept */
 } sl_patches_settings;
 
@@ -260,6 +256,9 @@ enum { SL_HANGING_MOST = 1024 };
 size_t sl_patch_spokes(const sl_patches *patches, const sl_patch_place *leaf, int levels, uint32_t state,
                        sl_fan_spoke *spoke);
 
+/* Tells whether it has none for sure, which is quick to say. */
+bool sl_patch_has_no_spokes(const sl_patches *patches, uint32_t leaf);
+
 /* Returns when the oldest of all that a leaf shows was evaluated: of its corners (SL_VERTEX_NEVER: one never
  * was), and of what hangs on its edges and was evaluated at all. */
 uint32_t sl_leaf_oldest(const sl_patches *patches, uint32_t leaf);
@@ -267,9 +266,6 @@ uint32_t sl_leaf_oldest(const sl_patches *patches, uint32_t leaf);
 /* Visits all leaves around a place of a root, of all roots that meet there; one may come twice. */
 typedef void sl_leaf_visitor(sl_patches *patches, const sl_patch_place *leaf, void *context);
 void sl_patches_visit_around(sl_patches *patches, sl_root_place place, sl_leaf_visitor *visit, void *context);
-/* Marks as SL_PATCH_DIRTY all leaves, of any root, that have the vertex as a corner or on an edge: after its
- * value has changed. */
-void sl_patches_touch(sl_patches *patches, sl_root_place place);
 
 /* ---- screen_size.c ---- */
 
@@ -301,8 +297,8 @@ bool sl_leave_solid(const sl_patches *patches, const sl_tracer *tracer, const sl
 /* Marks a vertex as without light of its own: it was asked for, and inside other geometry, or no number came.
  */
 void sl_patches_set_extrapolated(sl_patches *patches, uint32_t vertex);
-/* Before a build of the display: those of leaves that are SL_PATCH_DIRTY get their values anew from the
- * corners around them that have light of their own. */
+/* Before a build of the display: they get their values anew from the corners around them that have light of
+ * their own. */
 void sl_patches_extrapolate(sl_patches *patches);
 
 /* Evicts down to 90 % of `limit` patches where there are more: children of patches none of which was seen

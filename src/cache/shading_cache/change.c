@@ -111,7 +111,6 @@ static void go_on(sl_fades *f, sl_patches *p, float beta, bool arrive) {
         if (there)
             memcpy(sl_vertex_value(p, fade->vertex), fade->value,
                    (size_t)p->settings.channels * sizeof *fade->value);
-        sl_patches_touch(p, p->vertex[fade->vertex].place);
         if (!there) f->fade[kept++] = *fade;
     }
     f->count = kept;

@@ -166,7 +166,6 @@ static void commit_nothing(sl_shading_state *s, uint32_t vertex, bool inside) {
     if (inside || v->evaluated == SL_VERTEX_NEVER) sl_patches_set_extrapolated(s->patches, vertex);
     if (s->layers.kept) s->layers.version[vertex] = v->extrapolated ? SL_VERSION_UNKNOWN : s->layers.now;
     sl_vertex_mark(v, s->now);
-    sl_patches_touch(s->patches, v->place);
 }
 
 /* A vertex is inside other geometry and was not, or the other way round: a change without values to compare.
@@ -213,7 +212,6 @@ void sl_shading_commit_sample(sl_shading_state *s, size_t i) {
     if (request->layers & SL_LAYER_CHEAP) sl_vertex_mark(v, s->now);
     if (fades)
         sl_fade_begin(&s->fades, s->patches, vertex, from, (float)s->settings.shading_cache.blending);
-    sl_patches_touch(s->patches, v->place);
     float apart = c.comparable ? sl_levels_apart(&s->curve, c.before, exitant_of(s, vertex,
         c.radiance)) : 0.0f;
     if (c.comparable && sl_changes_compare(&s->changes, object, apart, s->now))

@@ -52,7 +52,6 @@ static unsigned scale_light(sl_shading_state *s, const sl_light_moves *moves,
         if (!p->vertex[v].references || p->vertex[v].evaluated == SL_VERTEX_NEVER) continue;
         scale(sl_vertex_value(p, v), p->settings.channels, ratio);
         if (v < s->layers.capacity) scale(sl_cheap_layer(&s->layers, p, v), 2 * p->settings.channels, ratio);
-        sl_patches_touch(p, p->vertex[v].place);
     }
     s->drawn = false;
     bool grey = is_about(ratio[0], ratio[1]) && is_about(ratio[1], ratio[2]) && is_about(ratio[2], ratio[0]);

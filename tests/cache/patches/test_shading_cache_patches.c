@@ -176,9 +176,7 @@ static void a_leaf_beside_finer_ones_knows_the_vertices_on_its_edge_in_order(voi
     uint32_t coarse = want_root(&h, 0), fine = want_root(&h, 2), vertex[16];
     sl_patch_place place = sl_patch_place_of(h.patches, coarse);
     assert_int_equal(hanging_on(h.patches, &place, 1, vertex, NULL, 16), 0);
-    h.patches->patch[coarse].flags &= ~(uint32_t)SL_PATCH_DIRTY;
     split_levels(&h, fine, 3);
-    assert_true(h.patches->patch[coarse].flags & SL_PATCH_DIRTY);
     size_t count = hanging_on(h.patches, &place, 1, vertex, NULL, 16); /* its right edge, upwards */
     assert_int_equal(count, 7);
     for (size_t i = 0; i < count; i++) {
@@ -195,23 +193,20 @@ static void a_leaf_beside_finer_ones_knows_the_vertices_on_its_edge_in_order(voi
     assert_int_equal(hanging_on(h.patches, &place, 1, vertex, NULL, 16), 0);
     split(&h, coarse);
     uint32_t child = h.patches->patch[coarse].child;
-    h.patches->patch[child + 1].flags &= ~(uint32_t)SL_PATCH_DIRTY;
     split(&h, child);
     place = sl_patch_place_of(h.patches, child + 1);
     assert_int_equal(hanging_on(h.patches, &place, 3, vertex, NULL, 16), 1);
-    assert_true(h.patches->patch[child + 1].flags & SL_PATCH_DIRTY);
     assert_false(h.patches->vertex[vertex[0]].references == 0);
     hierarchy_discard(&h);
 }
 
-static void a_vertex_that_changes_marks_all_leaves_around_it_and_no_others(void **state) {
+static void leaves_around_a_vertex_are_all_that_have_it_and_no_others(void **state) {
     hierarchy h = hierarchy_of(two_triangles(false, 0), 0);
     split_levels(&h, want_root(&h, 0), 3);
     split_levels(&h, want_root(&h, 2), 1);
     sl_patches *p = h.patches;
     for (uint32_t vertex = 0; vertex < p->vertex_count; vertex++) {
-        for (size_t i = 0; i < p->patch_count; i++) p->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
-        sl_patches_touch(p, p->vertex[vertex].place);
+        mark_around(p, p->vertex[vertex].place);
         for (uint32_t i = 0; i < p->patch_count; i++) {
             if (!sl_patch_is_alive(p, i) || !sl_patch_is_leaf(p, i)) continue;
             sl_patch_place place = sl_patch_place_of(p, i);
@@ -222,7 +217,7 @@ static void a_vertex_that_changes_marks_all_leaves_around_it_and_no_others(void 
                 has |= sl_patch_corner(p, i, e) == vertex;
                 for (size_t k = 0; k < count; k++) has |= hanging[k] == vertex;
             }
-            assert_int_equal(has, (p->patch[i].flags & SL_PATCH_DIRTY) != 0);
+            assert_int_equal(has, (p->patch[i].flags & MARKED) != 0);
         }
     }
     hierarchy_discard(&h);
@@ -414,7 +409,7 @@ int main(void) {
         cmocka_unit_test(primitives_share_an_edge_where_normal_and_material_agree_and_only_there),
         cmocka_unit_test(a_shared_vertex_is_evaluated_once_for_both),
         cmocka_unit_test(a_leaf_beside_finer_ones_knows_the_vertices_on_its_edge_in_order),
-        cmocka_unit_test(a_vertex_that_changes_marks_all_leaves_around_it_and_no_others),
+        cmocka_unit_test(leaves_around_a_vertex_are_all_that_have_it_and_no_others),
         cmocka_unit_test(values_are_bilinear_and_come_from_the_nearest_evaluated_ancestor),
         cmocka_unit_test(random_splits_and_drops_leave_a_sound_hierarchy),
         cmocka_unit_test(so_do_they_on_curved_surfaces_with_a_pole),

@@ -328,19 +328,17 @@ static void a_pole_has_one_vertex_and_seams_are_shared(void **state) {
     assert_int_equal(hanging_on(h.patches, &coarse, 1, vertex, NULL, 64), 7);
     assert_int_equal(hanging_on(h.patches, &coarse, 3, vertex, NULL, 64), 7);
     assert_sound(h.patches);
-    for (size_t i = 0; i < h.patches->patch_count; i++)
-        h.patches->patch[i].flags &= ~(uint32_t)SL_PATCH_DIRTY;
     uint32_t pole = sl_patch_corner(h.patches, coarse.patch, 0);
     assert_int_equal(sl_patch_corner(h.patches, coarse.patch, 1), pole);
-    sl_patches_touch(h.patches, h.patches->vertex[pole].place);
-    size_t dirty = 0;
+    mark_around(h.patches, h.patches->vertex[pole].place);
+    size_t marked = 0;
     for (uint32_t i = 0; i < h.patches->patch_count; i++) {
-        if (!sl_patch_is_alive(h.patches, i) || !(h.patches->patch[i].flags & SL_PATCH_DIRTY)) continue;
+        if (!sl_patch_is_alive(h.patches, i) || !(h.patches->patch[i].flags & MARKED)) continue;
         sl_patch_place place = sl_patch_place_of(h.patches, i);
         assert_true(sl_patch_is_leaf(h.patches, i) && place.v[0] == 0);
-        dirty++;
+        marked++;
     }
-    assert_int_equal(dirty, 1 + 3 * 8);
+    assert_int_equal(marked, 1 + 3 * 8);
     hierarchy_discard(&h);
 }
 

@@ -1,5 +1,4 @@
-/* The display arrays: two copies of the patches' trees and of their vertices' values, brought up to date by
- * what has changed. */
+/* The display arrays: two copies of the patches' trees and of what their vertices show. */
 #include <string.h>
 
 #include "base/error.h"
@@ -89,18 +88,12 @@ size_t sl_display_memory_bytes(const sl_display *d) {
 
 /* ---- trees ----------------------------------------------------------------------------------- */
 
-/* As many patches as there are; new ones are leaves until something else is heard of them. */
 static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
     copy->channels = (size_t)p->settings.channels;
-    bool ok = grow(&copy->word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
-              grow(&copy->value, &copy->vertex_capacity, p->vertex_count,
-                              copy->channels * sizeof *copy->value) &&
-              grow(&copy->middle, &copy->block_capacity, p->patch_count / 4, sizeof *copy->middle);
-    if (!ok) return false;
-    for (size_t i = copy->patch_count; i < p->patch_count; i++) copy->word[i] = SL_DISPLAY_LEAF;
-    copy->patch_count = p->patch_count;
-    copy->vertex_count = p->vertex_count;
-    return true;
+    return grow(&copy->word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
+           grow(&copy->value, &copy->vertex_capacity, p->vertex_count,
+                copy->channels * sizeof *copy->value) &&
+           grow(&copy->middle, &copy->block_capacity, p->patch_count / 4, sizeof *copy->middle);
 }
 
 static bool put_fan(sl_fans *fans, const sl_patches *p, uint32_t patch, uint32_t *word) {
@@ -117,12 +110,11 @@ static bool put_fan(sl_fans *fans, const sl_patches *p, uint32_t patch, uint32_t
     return true;
 }
 
-static bool update_patch(sl_display_copy *copy, const sl_patches *p, uint32_t patch) {
+static bool put_patch(sl_display_copy *copy, const sl_patches *p, uint32_t patch) {
     uint32_t *word = &copy->word[patch];
-    if (sl_is_fan_word(*word)) copy->fans.wasted += 1 + sl_fan_at(&copy->fans, *word)->vertex;
     *word = SL_DISPLAY_LEAF;
-    if (!sl_patch_is_alive(p, patch)) return true;
-    if (sl_patch_is_leaf(p, patch)) return put_fan(&copy->fans, p, patch, word);
+    if (sl_patch_is_leaf(p, patch))
+        return sl_patch_has_no_spokes(p, patch) || put_fan(&copy->fans, p, patch, word);
     *word = p->patch[patch].child / 4;
     memcpy(copy->middle[*word], p->block[*word].middle, sizeof copy->middle[0]);
     return true;
@@ -155,38 +147,26 @@ static void show_vertex(const sl_display_copy *copy, const sl_patches *p, uint32
         copy->value[vertex * copy->channels + i] = sl_picture_value(value[i]);
 }
 
-/* ---- what has changed ------------------------------------------------------------------------ */
+/* ---- the whole ------------------------------------------------------------------------------- */
 
-/* Brings the hidden copy up to date with what has changed since it was the hidden one before. A copy that is
- * not complete takes all, and so does one whose fans are mostly waste. */
-static bool update_copy(sl_display *d, sl_display_copy *copy, sl_patches *p) {
-    bool all = !copy->complete || copy->fans.wasted > copy->fans.used / 2;
-    uint32_t changed = (uint32_t)SL_PATCH_DIRTY_FIRST << (copy - d->copy);
-    if (all) {
-        copy->fans.used = copy->fans.wasted = copy->patch_count = 0;
-        copy->complete = false;
-    }
+static bool make_copy(sl_display *d, sl_display_copy *copy, const sl_patches *p) {
+    copy->fans.used = 0;
     copy->guess = d->settings.guess;
     if (!reserve_copy(copy, p)) return false;
     update_roots(d, copy, p);
-    for (uint32_t i = 0; i < p->patch_count; i++) {
-        if ((all || (p->patch[i].flags & changed)) && !update_patch(copy, p, i)) return false;
-    }
+    for (uint32_t i = 0; i < p->patch_count; i++)
+        if (sl_patch_is_alive(p, i) && !put_patch(copy, p, i)) return false;
     for (uint32_t i = 0; i < p->vertex_count; i++)
         if (p->vertex[i].references) show_vertex(copy, p, i);
     return true;
 }
 
-sl_status sl_display_build(sl_display *d, sl_patches *p, sl_error *error) {
+sl_status sl_display_build(sl_display *d, const sl_patches *p, sl_error *error) {
     sl_display_copy *copy = &d->copy[sl_copies_hidden(&d->copies, true)];
-    sl_status status = update_copy(d, copy, p) ? SL_OK : sl_fail_memory(error, "the display");
+    sl_status status = make_copy(d, copy, p) ? SL_OK : sl_fail_memory(error, "the display");
     if (status == SL_OK && d->curved) status = sl_tessellate(&d->own, error);
-    copy->complete = status == SL_OK; /* flags are left as they are: the other copy misses nothing */
-    if (status != SL_OK) return status;
-    for (size_t i = 0; i < p->patch_count; i++)
-        p->patch[i].flags &= ~((uint32_t)SL_PATCH_DIRTY_FIRST << (copy - d->copy));
-    sl_copies_swap(&d->copies);
-    return SL_OK;
+    if (status == SL_OK) sl_copies_swap(&d->copies);
+    return status;
 }
 
 static bool much_the_same(sl_rgb a, sl_rgb b) {
@@ -194,10 +174,8 @@ static bool much_the_same(sl_rgb a, sl_rgb b) {
            sl_is_much_the_same((double)a.b, (double)b.b);
 }
 
-/* Lets both copies be made anew, which show the old one. */
 bool sl_display_guess(sl_display *d, sl_rgb guess) {
     if (much_the_same(guess, d->settings.guess)) return false;
     d->settings.guess = guess;
-    d->copy[0].complete = d->copy[1].complete = false;
     return true;
 }

@@ -6,8 +6,8 @@
  * and a quadrilateral is bilinear, where two triangles of it would show their diagonal. Arrays are kept
  * twice: one set is drawn while the other is brought up to date, and they are swapped at an update's end.
  *
- *   arrays.c         the two copies: trees, only what has changed; of leaves beside finer ones fans around
- *                    their centre, so that colours meet along edges; what vertices show
+ *   arrays.c         the two copies: trees; of leaves beside finer ones fans around their centre, so that
+ *                    colours meet along edges; what vertices show
  *   leaf_lookup.h    from (u, v) to a leaf, and what it shows there
  *   window.c         from where frames are drawn
  *   tessellate.c     curved surfaces, from the view: chord within half a pixel; never shaded
@@ -36,11 +36,10 @@ void sl_display_destroy(sl_display *display);
  * pixels). */
 size_t sl_display_memory_bytes(const sl_display *display);
 
-/* Brings the hidden copy up to date with the patches (those marked SL_PATCH_DIRTY_FIRST for it) and curved
- * surfaces with the camera, and swaps. Another thread may draw meanwhile, in a window of its own: its frame
- * goes on with the copy that it has begun with, never waits, and the next build waits for its end. After a
- * failure the shown copy is what it was, and the hidden one is made anew next time. */
-sl_status sl_display_build(sl_display *display, sl_patches *patches, sl_error *error);
+/* Makes the hidden copy of the patches anew, and curved surfaces for the camera, and swaps. Another thread
+ * may draw meanwhile, in a window of its own: its frame goes on with the copy that it has begun with, never
+ * waits, and the next build waits for its end. After a failure the shown copy is what it was. */
+sl_status sl_display_build(sl_display *display, const sl_patches *patches, sl_error *error);
 /* Another guess from the next build on, if it is more than a hundredth off; false: it is not. */
 bool sl_display_guess(sl_display *display, sl_rgb guess);
 
@@ -91,10 +90,10 @@ typedef struct sl_display_root {
 } sl_display_root;
 
 /* Fans in one array: first the number of vertices that hang on the leaf's edges, in `vertex`, then these,
- * around the leaf. Those of leaves that have changed stay where they are until the copy is made anew. */
+ * around the leaf. */
 typedef struct sl_fans {
     sl_fan_spoke *spoke;
-    size_t used, capacity, wasted;
+    size_t used, capacity;
 } sl_fans;
 
 static inline const sl_fan_spoke *sl_fan_at(const sl_fans *fans, uint32_t word) {
@@ -113,17 +112,16 @@ typedef struct sl_tessellation {
 } sl_tessellation;
 
 typedef struct sl_display_copy {
-    bool complete;             /* false: all of it is to be made */
     sl_rgb guess;              /* that it was made with */
     uint32_t *root;            /* by root: index into sl_display.root, or SL_NO_INDEX */
     size_t root_count;
     uint32_t *word;            /* by patch, numbered as in sl_patches */
-    size_t patch_count, patch_capacity;
+    size_t patch_capacity;
     uint32_t (*middle)[5];     /* by block of four patches: the vertices that the split has made */
     size_t block_capacity;
     size_t channels;           /* as in sl_patches: 3 or 6 */
     float *value;              /* by vertex: E, and L_s after it */
-    size_t vertex_count, vertex_capacity;
+    size_t vertex_capacity;
     sl_fans fans;
 } sl_display_copy;
 

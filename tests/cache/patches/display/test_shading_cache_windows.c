@@ -50,7 +50,6 @@ static void give_all(hierarchy *h, float irradiance, uint32_t update) {
         if (!vertex->references) continue;
         for (int c = 0; c < 3; c++) sl_vertex_value(h->patches, v)[c] = irradiance;
         sl_vertex_mark(vertex, update);
-        sl_patches_touch(h->patches, h->patches->vertex[v].place);
     }
 }
 
