@@ -26,14 +26,14 @@ static double longest_edge(const sl_scene *scene, uint32_t triangle) {
     return longest;
 }
 
-static void choose_levels(sl_coarse *c, const sl_coarse_settings *settings) {
+static void choose_levels(sl_coarse *c, float edge, int depth) {
     for (uint32_t face = 0; face < c->face_count; face++) {
         int level = 0;
         c->level[face] = SL_COARSE_ABSENT;
         c->face[face].rows = 1;
         if (!is_wanted(c->scene, c->primitives, face)) continue;
         double longest = longest_edge(c->scene, face / 2);
-        for (; level < settings->depth && longest > (double)settings->edge; level++) longest *= 0.5;
+        for (; level < depth && longest > (double)edge; level++) longest *= 0.5;
         c->level[face] = (uint8_t)level;
         c->face[face].rows = 1 << level;
     }
@@ -156,9 +156,9 @@ static bool allocate_values(sl_coarse *c) {
     return c->vertex && (c->reflectance || !c->scene->texture_count) && c->colour;
 }
 
-static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error *error) {
+static sl_status make(sl_coarse *c, float edge, int depth, sl_error *error) {
     if (!allocate_faces(c)) return sl_fail_memory(error, "the coarse mesh's faces");
-    choose_levels(c, settings);
+    choose_levels(c, edge, depth);
     c->triangle_count = number_triangles(c);
     if (c->triangle_count == SIZE_MAX)
         return sl_fail(error, SL_ERROR_RESOURCES,
@@ -173,15 +173,15 @@ static sl_status make(sl_coarse *c, const sl_coarse_settings *settings, sl_error
     return SL_OK;
 }
 
-sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitives,
-                           const sl_coarse_settings *settings, sl_coarse **coarse, sl_error *error) {
+sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitives, float edge, int depth,
+                           sl_coarse **coarse, sl_error *error) {
     *coarse = NULL;
     sl_coarse *c = sl_allocate(1, sizeof *c);
     if (!c) return sl_fail_memory(error, "the coarse mesh");
     c->scene = scene;
     c->primitives = primitives;
     c->face_count = 2 * primitives->count;
-    sl_status status = make(c, settings, error);
+    sl_status status = make(c, edge, depth, error);
     if (status == SL_OK) *coarse = c;
     else sl_coarse_destroy(c);
     return status;

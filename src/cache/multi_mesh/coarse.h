@@ -22,11 +22,6 @@
 #include "cache/patches/irradiance.h"
 #include "scene/object_places.h"
 
-typedef struct sl_coarse_settings {
-    float edge;                /* scene units: longer edges are split, */
-    int depth;                 /* ... at most so often */
-} sl_coarse_settings;
-
 enum { SL_COARSE_ABSENT = 0xff }; /* level of a face that is not in the coarse mesh */
 
 /* The first coarse triangles stand for faces that are absent and for what lies beyond all faces. */
@@ -48,8 +43,9 @@ typedef struct sl_coarse {
     float *colour;             /* by coarse triangle, SL_LATTICE_FLOATS each */
 } sl_coarse;
 
-sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitives,
-                           const sl_coarse_settings *settings, sl_coarse **coarse, sl_error *error);
+/* edge: in scene units; longer ones are split, at most so often. */
+sl_status sl_coarse_create(const sl_scene *scene, const sl_primitives *primitives, float edge, int depth,
+                           sl_coarse **coarse, sl_error *error);
 void sl_coarse_destroy(sl_coarse *coarse);
 size_t sl_coarse_memory_bytes(const sl_coarse *coarse);
 /* Sets U_dd at vertex i; from the second bounce on U_dd + E_i / pi. Where it is not finite (or never set)

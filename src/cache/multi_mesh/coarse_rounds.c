@@ -136,10 +136,9 @@ static sl_status begin_shares(sl_multi_mesh_state *s, sl_error *error) {
 
 sl_status sl_multi_mesh_make_coarse(const sl_multi_mesh_state *s, int halvings, sl_coarse **coarse,
                                     sl_error *error) {
-    sl_coarse_settings settings = {ldexpf((float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), halvings),
-                                   s->settings.multi_mesh.coarse_depth - halvings};
-    if (settings.depth < 0) settings.depth = 0;
-    return sl_coarse_create(s->scene, s->primitives, &settings, coarse, error);
+    const float edge = ldexpf((float)sl_multi_mesh_coarse_edge(s->scene, &s->settings), halvings);
+    const int depth = s->settings.multi_mesh.coarse_depth - halvings;
+    return sl_coarse_create(s->scene, s->primitives, edge, depth > 0 ? depth : 0, coarse, error);
 }
 
 sl_status sl_multi_mesh_begin_coarse(sl_multi_mesh_state *s, sl_error *error) {

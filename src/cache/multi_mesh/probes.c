@@ -100,7 +100,7 @@ static bool differs(const probed_leaf *leaf, size_t light, const float share[3],
 static bool is_probe(const probed_leaf *leaf, uint32_t i) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
     uint32_t at = pixels->pixel[sl_displayed_pixel(leaf->d, leaf->place->patch, i)],
-             width = (uint32_t)pixels->width;
+             width = (uint32_t)pixels->view.width;
     return at % width % SPACING == SPACING / 2 && at / width % SPACING == SPACING / 2;
 }
 

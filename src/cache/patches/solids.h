@@ -25,7 +25,8 @@ void sl_solids_destroy(sl_solids *solids);
 /* Finds them anew after objects or lights have moved. */
 void sl_solids_edit(sl_solids *solids);
 /* Tells whether a point lies inside a solid other than that of its triangle (SL_NO_INDEX: several meet
- * there). eye: NULL where light is kept for all eyes; then nothing that is open or has light inside is a solid. */
+ * there). eye: NULL where light is kept for all eyes; then nothing that is open or has light inside is a
+ * solid. */
 bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, const sl_lit_point *at,
                     const sl_vec3 *eye, sl_counters *counters);
 /* Tells whether an eye that moves goes into a lit solid, or out of one: points within are others then. */

@@ -33,10 +33,9 @@ static inline sl_gather_settings usual_settings(void) {
 static inline gathering gathering_of(sl_scene *scene, float edge, int depth,
                                      sl_gather_settings *settings) {
     gathering g = {.scene = scene};
-    sl_coarse_settings coarse = {edge, depth};
     assert_int_equal(sl_raster_create(scene, 1, &g.raster, NULL), SL_OK);
     assert_int_equal(sl_primitives_of_triangles(scene, &g.primitives, NULL), SL_OK);
-    assert_int_equal(sl_coarse_create(scene, g.primitives, &coarse, &g.coarse, NULL), SL_OK);
+    assert_int_equal(sl_coarse_create(scene, g.primitives, edge, depth, &g.coarse, NULL), SL_OK);
     sl_lattice_colours colours = {g.coarse->face, g.coarse->colour};
     settings->colours = &colours;
     assert_int_equal(sl_gather_create(scene, g.raster, NULL, settings, 1, &g.gather, NULL), SL_OK);

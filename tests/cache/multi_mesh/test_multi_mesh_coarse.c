@@ -13,9 +13,8 @@ typedef struct meshed {
 
 static meshed mesh_of(sl_scene *scene, float edge, int depth) {
     meshed m = {.scene = scene};
-    sl_coarse_settings settings = {edge, depth};
     assert_int_equal(sl_primitives_of_triangles(scene, &m.primitives, NULL), SL_OK);
-    assert_int_equal(sl_coarse_create(scene, m.primitives, &settings, &m.coarse, NULL), SL_OK);
+    assert_int_equal(sl_coarse_create(scene, m.primitives, edge, depth, &m.coarse, NULL), SL_OK);
     return m;
 }
 

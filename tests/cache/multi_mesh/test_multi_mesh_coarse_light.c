@@ -123,9 +123,7 @@ static void things_that_stand_on_a_floors_corners_do_not_make_it_dark(void **sta
     }
     lit_hall h = hall_of(&mesh);
     sl_coarse *coarse;
-    assert_int_equal(
-        sl_coarse_create(h.world.scene, h.primitives, &(sl_coarse_settings){100.0f, 0}, &coarse, NULL),
-        SL_OK);
+    assert_int_equal(sl_coarse_create(h.world.scene, h.primitives, 100.0f, 0, &coarse, NULL), SL_OK);
     size_t floor = 0;
     for (size_t i = 0; i < coarse->vertex_count; i++) {
         sl_rgb radiance;

@@ -21,7 +21,7 @@ static bool grow(void *list, size_t *capacity, size_t wanted, size_t entry_bytes
 /* ---- life ------------------------------------------------------------------------------------ */
 
 static void release_copy(sl_display_copy *copy) {
-    SL_FREE_ALL(copy->root, copy->word, copy->middle, copy->value, copy->fans.spoke);
+    SL_FREE_ALL(copy->wanted, copy->root, copy->word, copy->middle, copy->value, copy->fans.spoke);
 }
 
 void sl_display_destroy(sl_display *d) {
@@ -30,13 +30,12 @@ void sl_display_destroy(sl_display *d) {
     sl_window_close(&d->own);
     sl_free(d->curved);
     sl_monitor_close(&d->copies.swap);
-    SL_FREE_ALL(d->left_out, d->root, d);
+    SL_FREE_ALL(d->left_out, d);
 }
 
 static bool allocate_arrays(sl_display *d) {
     size_t roots = 2 * d->primitives->count;
-    bool curved = d->primitives->curved > 0,
-         ok = (d->root = sl_allocate_unset(roots, sizeof *d->root)) != NULL;
+    bool curved = d->primitives->curved > 0, ok = true;
     for (int k = 0; ok && k < 2; k++) {
         d->copy[k].root = sl_allocate_unset(roots, sizeof *d->copy[k].root);
         ok = d->copy[k].root != NULL;
@@ -76,10 +75,11 @@ sl_status sl_display_create(const sl_scene *scene, const sl_primitives *primitiv
 }
 
 size_t sl_display_memory_bytes(const sl_display *d) {
-    size_t bytes = d->root_count * sizeof *d->root;
+    size_t bytes = 0;
     for (int k = 0; k < 2; k++) {
         const sl_display_copy *c = &d->copy[k];
-        bytes += c->patch_capacity * sizeof *c->word + c->block_capacity * sizeof *c->middle +
+        bytes += c->root_capacity * sizeof *c->wanted + c->patch_capacity * sizeof *c->word +
+                 c->block_capacity * sizeof *c->middle +
                  c->vertex_capacity * c->channels * sizeof *c->value;
         bytes += c->fans.capacity * sizeof *c->fans.spoke;
     }
@@ -90,7 +90,8 @@ size_t sl_display_memory_bytes(const sl_display *d) {
 
 static bool reserve_copy(sl_display_copy *copy, const sl_patches *p) {
     copy->channels = (size_t)p->settings.channels;
-    return grow(&copy->word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
+    return grow(&copy->wanted, &copy->root_capacity, p->root_count, sizeof *copy->wanted) &&
+           grow(&copy->word, &copy->patch_capacity, p->patch_count, sizeof *copy->word) &&
            grow(&copy->value, &copy->vertex_capacity, p->vertex_count,
                 copy->channels * sizeof *copy->value) &&
            grow(&copy->middle, &copy->block_capacity, p->patch_count / 4, sizeof *copy->middle);
@@ -120,16 +121,6 @@ static bool put_patch(sl_display_copy *copy, const sl_patches *p, uint32_t patch
     return true;
 }
 
-static void update_roots(sl_display *d, sl_display_copy *copy, const sl_patches *p) {
-    for (; d->root_count < p->root_count; d->root_count++) {
-        sl_display_root *root = &d->root[d->root_count];
-        root->patch = p->root[d->root_count].patch;
-        memcpy(root->vertex, p->root[d->root_count].corner, sizeof root->vertex);
-    }
-    for (; copy->root_count < p->root_count; copy->root_count++)
-        copy->root[p->root[copy->root_count].root] = (uint32_t)copy->root_count;
-}
-
 /* ---- values of vertices ---------------------------------------------------------------------- */
 
 /* Shows its samples; or, before it has any, what the nearest patch around it shows there all of whose corners
@@ -153,7 +144,10 @@ static bool make_copy(sl_display *d, sl_display_copy *copy, const sl_patches *p)
     copy->fans.used = 0;
     copy->guess = d->settings.guess;
     if (!reserve_copy(copy, p)) return false;
-    update_roots(d, copy, p);
+    for (uint32_t i = 0; i < p->root_count; i++) {
+        copy->wanted[i] = p->root[i];
+        copy->root[p->root[i].root] = i;
+    }
     for (uint32_t i = 0; i < p->patch_count; i++)
         if (sl_patch_is_alive(p, i) && !put_patch(copy, p, i)) return false;
     for (uint32_t i = 0; i < p->vertex_count; i++)

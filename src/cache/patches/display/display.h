@@ -83,12 +83,6 @@ enum { SL_FAN_BIT = 0x40000000 };
 static inline bool sl_is_leaf_word(uint32_t word) { return word >= SL_FAN_BIT; }
 static inline bool sl_is_fan_word(uint32_t word) { return sl_is_leaf_word(word) && word != SL_DISPLAY_LEAF; }
 
-/* A wanted root. */
-typedef struct sl_display_root {
-    uint32_t patch;
-    uint32_t vertex[4];
-} sl_display_root;
-
 /* Fans in one array: first the number of vertices that hang on the leaf's edges, in `vertex`, then these,
  * around the leaf. */
 typedef struct sl_fans {
@@ -113,8 +107,9 @@ typedef struct sl_tessellation {
 
 typedef struct sl_display_copy {
     sl_rgb guess;              /* that it was made with */
-    uint32_t *root;            /* by root: index into sl_display.root, or SL_NO_INDEX */
-    size_t root_count;
+    sl_wanted_root *wanted;
+    uint32_t *root;            /* by root: index into these, or SL_NO_INDEX */
+    size_t root_capacity;
     uint32_t *word;            /* by patch, numbered as in sl_patches */
     size_t patch_capacity;
     uint32_t (*middle)[5];     /* by block of four patches: the vertices that the split has made */
@@ -154,9 +149,6 @@ struct sl_display {
     size_t curved_count;
     sl_display_copy copy[2];
     sl_copies copies;
-    /* wanted ones, in the order in which they were; both copies look here: what is there stays */
-    sl_display_root *root;
-    size_t root_count;
 };
 
 /* ---- between arrays.c, window.c, tessellate.c and draw.c ---- */

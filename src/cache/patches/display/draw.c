@@ -76,7 +76,7 @@ static void begin_run(const frame_job *job, uint32_t id, bool curved, sl_shown_r
     run->curved = curved;
     run->root = curved ? curved_root(job, id) : sl_root_seen(p, s, id, job->view.origin);
     uint32_t wanted = job->copy->root[run->root];
-    run->wanted = wanted == SL_NO_INDEX ? NULL : &job->display->root[wanted];
+    run->wanted = wanted == SL_NO_INDEX ? NULL : &job->copy->wanted[wanted];
     run->leaf = sl_leaf_begin(run->wanted, p->kind[run->root / 2] == SL_PRIMITIVE_TRIANGLE);
     const sl_material *material = sl_root_material(p, run->root);
     run->lobe = job->copy->channels > 3 && sl_material_has_lobe(material);

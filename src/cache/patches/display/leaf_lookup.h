@@ -16,7 +16,7 @@ static inline int32_t sl_place_of(float t) {
 
 /* A leaf and the way to it. */
 typedef struct sl_leaf {
-    const sl_display_root *root;
+    const sl_wanted_root *root;
     bool triangle;
     int depth;                 /* -1: none yet */
     uint32_t word;
@@ -28,16 +28,12 @@ typedef struct sl_leaf {
     float a, b;                /* the place: 0 to 1 from corner 0 to corner 1, and to the last corner */
 } sl_leaf;
 
-static inline sl_leaf sl_leaf_begin(const sl_display_root *root, bool triangle) {
+static inline sl_leaf sl_leaf_begin(const sl_wanted_root *root, bool triangle) {
     return (sl_leaf){.root = root, .triangle = triangle, .depth = -1};
 }
 
 static inline uint32_t sl_leaf_patch(const sl_leaf *leaf) {
     return leaf->depth == 0 ? leaf->root->patch : 4 * leaf->block[leaf->depth] + leaf->child[leaf->depth];
-}
-
-static inline uint32_t sl_root_word(const sl_display_copy *copy, const sl_display_root *root) {
-    return copy->word[root->patch];
 }
 
 static inline void sl_leaf_step(const sl_display_copy *copy, sl_leaf *leaf, uint32_t child) {
@@ -61,7 +57,7 @@ static inline bool sl_leaf_of_square(const sl_display_copy *copy, sl_leaf *leaf,
         leaf->word = leaf->block[leaf->depth + 1];
     } else {
         leaf->depth = 0;
-        leaf->word = sl_root_word(copy, leaf->root);
+        leaf->word = copy->word[leaf->root->patch];
     }
     while (!sl_is_leaf_word(leaf->word)) {
         int digit = SL_PLACE_BITS - 1 - leaf->depth;
@@ -83,7 +79,7 @@ static inline bool sl_leaf_of_triangle(const sl_display_copy *copy, sl_leaf *lea
     }
     int32_t a = u, b = v, half = SL_PLACE_ONE, turn = 1;
     leaf->depth = 0;
-    leaf->word = sl_root_word(copy, leaf->root);
+    leaf->word = copy->word[leaf->root->patch];
     leaf->last_u = leaf->last_v = 0;
     while (!sl_is_leaf_word(leaf->word)) {
         half >>= 1;
@@ -122,13 +118,13 @@ static inline void sl_leaf_corners(const sl_display_copy *copy, const sl_leaf *l
     uint32_t own = depth > 0 ? leaf->child[depth] : 4;
     for (int c = 0; c < 4; c++) {
         vertex[c] = depth > 0 ? copy->middle[leaf->block[depth]][made[leaf->triangle][own][c]]
-                              : leaf->root->vertex[c];
+                              : leaf->root->corner[c];
     }
     if (own >= (leaf->triangle ? 3u : 4u)) return;
     do depth--;
     while (depth > 0 && leaf->child[depth] == own);
     vertex[own] = depth > 0 ? copy->middle[leaf->block[depth]][made[leaf->triangle][leaf->child[depth]][own]]
-                            : leaf->root->vertex[own];
+                            : leaf->root->corner[own];
 }
 
 /* ---- what it shows --------------------------------------------------------------------------- */
@@ -197,7 +193,7 @@ static inline void sl_leaf_value(const sl_display_copy *copy, size_t colours, co
 /* What the pixels of one triangle have in common, and the leaf of the last one. */
 typedef struct sl_shown_root {
     uint32_t root;             /* SL_NO_INDEX: the background; emission is that */
-    const sl_display_root *wanted; /* NULL: not wanted yet, it shows the guess */
+    const sl_wanted_root *wanted; /* NULL: not wanted yet, it shows the guess */
     bool curved;
     bool lobe;                 /* L_s, too */
     sl_rgb emission, diffuse;

@@ -88,8 +88,6 @@ sl_status sl_visible_pixels_sort(const sl_primitives *primitives, const sl_raste
                                  sl_visible_pixels **pixels, sl_counters *counters, sl_error *error) {
     sl_visible_pixels *out = sl_allocate(1, sizeof *out);
     if (!out) return sl_fail_memory(error, "visible pixels");
-    out->width = view->width;
-    out->height = view->height;
     out->view = *view;
     sort_job job = {.primitives = primitives,
                     .eye = view->origin,

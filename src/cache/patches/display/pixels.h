@@ -13,7 +13,6 @@ typedef struct sl_visible_face {
 } sl_visible_face;
 
 typedef struct sl_visible_pixels {
-    int width, height;
     sl_view view;
     size_t face_count;         /* faces in view, ascending */
     sl_visible_face *face;

@@ -262,7 +262,7 @@ static void a_split_without_samples_is_not_seen(void **state) {
 static void value_beside(const sl_display *d, uint32_t root, double u, double v, float value[6]) {
     const sl_display_copy *copy = &d->copy[d->copies.shown];
     bool triangle = d->primitives->kind[root / 2] == SL_PRIMITIVE_TRIANGLE;
-    sl_leaf leaf = sl_leaf_begin(&d->root[copy->root[root]], triangle);
+    sl_leaf leaf = sl_leaf_begin(&copy->wanted[copy->root[root]], triangle);
     sl_leaf_field field;
     sl_leaf_find(copy, &leaf, sl_place_of((float)u), sl_place_of((float)v));
     sl_leaf_field_of(copy, 1, &leaf, &field);
