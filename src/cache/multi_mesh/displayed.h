@@ -213,6 +213,14 @@ static inline void sl_mesh_set_probed_size(sl_patch *node, float size) {
     sl_mesh_set_upper_half(node, size > 0.0f && size < 1e30f ? -1.01f * size : -1e30f);
 }
 
+/* Returns what a face shows at a point where the mesh has a value. */
+static inline sl_rgb sl_displayed_shown(const sl_displayed *d, uint32_t face, float w1, float w2,
+                                        const float value[3]) {
+    const sl_shown_radiance *shown = &d->settings.shown;
+    return shown->radiance(shown->context, d->settings.component, face, w1, w2,
+                           (sl_rgb){value[0], value[1], value[2]});
+}
+
 /* ---- between the parts: displayed.c ---- */
 
 /* Returns the index into pixels' arrays of the k-th pixel of a node. */

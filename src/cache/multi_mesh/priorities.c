@@ -55,10 +55,9 @@ float sl_displayed_corner_contrast(const sl_displayed *d, const sl_patch_place *
     for (int i = 0; i < 3; i++) {
         uint32_t v = sl_patch_corner(mesh, leaf->patch, i);
         if (sl_mesh_state(mesh, v) != SL_VERTEX_KNOWN) continue;
-        const float *value = sl_vertex_value(mesh, v), unit = 1.0f / (float)SL_PATCH_DYADIC;
-        sl_rgb shown = d->settings.shown.radiance(
-            d->settings.shown.context, d->settings.component, leaf->root, (float)leaf->u[i] * unit,
-            (float)leaf->v[i] * unit, (sl_rgb){value[0], value[1], value[2]});
+        const float unit = 1.0f / (float)SL_PATCH_DYADIC;
+        sl_rgb shown = sl_displayed_shown(d, leaf->root, (float)leaf->u[i] * unit, (float)leaf->v[i] * unit,
+                                          sl_vertex_value(mesh, v));
         const float radiance[3] = {shown.r, shown.g, shown.b};
         for (int c = 0; c < 3; c++)
             level[known][c] = sl_display_level(d->settings.perception.exposure, radiance[c]);

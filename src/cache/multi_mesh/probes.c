@@ -39,25 +39,16 @@ static sl_rgb value_of_light(const probed_leaf *leaf, size_t light, float share,
     return sl_multi_mesh_direct(leaf->s, leaf->part, &one, &share, point);
 }
 
-/* Tells whether an eye could tell the mesh's value at a point from that. */
-static bool shows(const probed_leaf *leaf, float w1, float w2, sl_rgb value, sl_rgb other) {
-    const sl_shown_radiance *shown = &leaf->d->settings.shown;
-    sl_rgb a = shown->radiance(shown->context, leaf->part, leaf->place->root, w1, w2, value);
-    sl_rgb b = shown->radiance(shown->context, leaf->part, leaf->place->root, w1, w2, other);
+/* Tells whether an eye could tell the mesh's value at a point from what it is with more of a light, and less.
+ */
+static bool shows(const probed_leaf *leaf, float w1, float w2, const float value[3], sl_rgb more,
+                  sl_rgb less) {
+    const float changed[3] = {fmaxf(value[0] + more.r - less.r, 0.0f),
+                              fmaxf(value[1] + more.g - less.g, 0.0f),
+                              fmaxf(value[2] + more.b - less.b, 0.0f)};
+    sl_rgb a = sl_displayed_shown(leaf->d, leaf->place->root, w1, w2, value),
+           b = sl_displayed_shown(leaf->d, leaf->place->root, w1, w2, changed);
     return sl_display_contrast(&leaf->d->settings.perception, a, b) > 1.0f;
-}
-
-static sl_rgb changed_by(sl_rgb value, sl_rgb more, sl_rgb less) {
-    return (sl_rgb){fmaxf(value.r + more.r - less.r, 0.0f), fmaxf(value.g + more.g - less.g, 0.0f),
-                    fmaxf(value.b + more.b - less.b, 0.0f)};
-}
-
-static bool value_at(const probed_leaf *leaf, float w1, float w2, sl_rgb *value) {
-    float of[3], own_w1, own_w2;
-    sl_mesh_weights_within(leaf->place, w1, w2, &own_w1, &own_w2);
-    if (!sl_mesh_interpolate(leaf->d->mesh, leaf->place, own_w1, own_w2, true, of)) return false;
-    *value = (sl_rgb){of[0], of[1], of[2]};
-    return true;
 }
 
 /* ---- one light ---- */
@@ -82,17 +73,17 @@ static seen_by_corners what_corners_see(const probed_leaf *leaf, size_t light, f
 static bool differs(const probed_leaf *leaf, size_t light, const float share[3], bool lit_corners,
                     uint32_t pixel) {
     const sl_visible_pixels *pixels = leaf->d->pixels;
-    float w1 = pixels->w1[pixel], w2 = pixels->w2[pixel], own_w1, own_w2;
+    float w1 = pixels->w1[pixel], w2 = pixels->w2[pixel], own_w1, own_w2, value[3];
     sl_mesh_point point = point_at(leaf, w1 * (float)SL_PATCH_DYADIC, w2 * (float)SL_PATCH_DYADIC);
-    sl_rgb value;
     bool is_lit = sl_light_probe(leaf->s->now.sampling, light, &point.lit, 1, leaf->counters) > 0.0f;
-    if (is_lit == lit_corners || !value_at(leaf, w1, w2, &value)) return false;
     sl_mesh_weights_within(leaf->place, w1, w2, &own_w1, &own_w2);
+    if (is_lit == lit_corners ||
+        !sl_mesh_interpolate(leaf->d->mesh, leaf->place, own_w1, own_w2, true, value))
+        return false;
     float interpolated = share[0] + own_w1 * (share[1] - share[0]) + own_w2 * (share[2] - share[0]);
     float seen = sl_light_probe(leaf->s->now.sampling, light, &point.lit, CLOSER_RAYS, leaf->counters);
-    return shows(leaf, w1, w2, value,
-                 changed_by(value, value_of_light(leaf, light, seen, &point),
-                            value_of_light(leaf, light, interpolated, &point)));
+    return shows(leaf, w1, w2, value, value_of_light(leaf, light, seen, &point),
+                 value_of_light(leaf, light, interpolated, &point));
 }
 
 /* ---- a leaf ---- */

@@ -47,11 +47,8 @@ sl_status sl_displayed_request(sl_displayed *d, const sl_patch_place *leaf, uint
 static bool differs(const void *context, uint32_t face, float w1, float w2, const float *mean,
                     const float *value) {
     const sl_displayed *d = context;
-    const sl_shown_radiance *shown = &d->settings.shown;
-    sl_rgb interpolated = shown->radiance(shown->context, d->settings.component, face, w1, w2,
-                                          (sl_rgb){mean[0], mean[1], mean[2]});
-    sl_rgb computed = shown->radiance(shown->context, d->settings.component, face, w1, w2,
-                                      (sl_rgb){value[0], value[1], value[2]});
+    sl_rgb interpolated = sl_displayed_shown(d, face, w1, w2, mean),
+           computed = sl_displayed_shown(d, face, w1, w2, value);
     return sl_display_contrast(&d->settings.perception, computed, interpolated) > 1.0f;
 }
 

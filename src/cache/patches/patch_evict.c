@@ -5,20 +5,17 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "cache/patches/patches.h"
+#include "cache/patches/patch_parts.h"
 
 /* Tells whether a patch has four leaves for children that may go; *found: the patch, coded by when one of
- * them was seen last. Pixels are those of the children seen last. */
+ * them was seen last. */
 static bool may_lose_children(const sl_patches *p, uint32_t patch, uint32_t since, double small,
                               sl_coded *found) {
-    uint32_t first = p->patch[patch].child, latest = 0, pixels = 0;
+    uint32_t first = p->patch[patch].child, latest;
     if (first == SL_NO_INDEX) return false;
-    for (uint32_t k = 0; k < 4; k++) {
-        const sl_patch *child = &p->patch[first + k];
-        if (child->child != SL_NO_INDEX) return false;
-        if (child->seen > latest) latest = child->seen, pixels = 0;
-        if (child->seen == latest) pixels += child->pixels;
-    }
+    for (uint32_t k = 0; k < 4; k++)
+        if (!sl_patch_is_leaf(p, first + k)) return false;
+    const uint32_t pixels = sl_pixels_of_children(p, first, &latest);
     *found = (sl_coded){latest, patch};
     return latest < since || (double)pixels < small;
 }

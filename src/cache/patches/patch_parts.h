@@ -23,6 +23,18 @@ bool sl_empty_slots(uint32_t **table, size_t *slots, size_t count);
 sl_status sl_vertices_reserve(sl_patches *patches, size_t count, sl_error *error);
 /* Returns the vertex at a place, made where there is none, with one reference more. */
 uint32_t sl_vertex_take(sl_patches *patches, sl_root_place place);
+/* Returns the pixels of the children seen last, and gives when that was. */
+static inline uint32_t sl_pixels_of_children(const sl_patches *p, uint32_t first, uint32_t *latest) {
+    uint32_t pixels = 0;
+    *latest = 0;
+    for (uint32_t k = 0; k < 4; k++) {
+        const sl_patch *child = &p->patch[first + k];
+        if (child->seen > *latest) *latest = child->seen, pixels = 0;
+        if (child->seen == *latest) pixels += child->pixels;
+    }
+    return pixels;
+}
+
 /* Takes one reference away; with the last the vertex is gone. */
 void sl_vertex_release(sl_patches *patches, uint32_t vertex);
 

@@ -372,12 +372,7 @@ sl_status sl_patch_split(sl_patches *p, const sl_patch_place *place, sl_error *e
 
 static void gather_pixels(sl_patches *p, uint32_t patch) {
     sl_patch *parent = &p->patch[patch];
-    uint32_t latest = 0, pixels = 0;
-    for (uint32_t k = 0; k < 4; k++) {
-        const sl_patch *child = &p->patch[parent->child + k];
-        if (child->seen > latest) latest = child->seen, pixels = 0;
-        if (child->seen == latest) pixels += child->pixels;
-    }
+    uint32_t latest, pixels = sl_pixels_of_children(p, parent->child, &latest);
     if (latest < parent->seen) return;
     parent->seen = latest;
     parent->pixels = pixels;

@@ -120,12 +120,6 @@ typedef struct sl_display_copy {
     sl_fans fans;
 } sl_display_copy;
 
-/* Planes of a frame. */
-typedef struct sl_frame_planes {
-    uint32_t *id, *curved_id;
-    float *depth, *curved_depth;
-} sl_frame_planes;
-
 struct sl_window {
     sl_display *display;
     float *picture;            /* three planes; NULL: of the display's own */
@@ -133,7 +127,8 @@ struct sl_window {
     unsigned threads;          /* that follow it */
     sl_raster *raster;         /* of it */
     sl_tessellation tessellation;
-    sl_frame_planes frame;
+    uint32_t *id, *curved_id;  /* planes of a frame */
+    float *depth, *curved_depth;
     uint64_t builds;           /* of the copy that the last frame shows */
 };
 

@@ -14,20 +14,19 @@
  * nearer one. */
 static sl_status draw_ids(const sl_window *w, const sl_view *view, sl_counters *counters, sl_error *error) {
     const sl_display *d = w->display;
-    const sl_frame_planes *frame = &w->frame;
     sl_view planar = *view;
     planar.left_out = d->left_out;
-    sl_target target = {view->width, view->height, frame->id, frame->depth};
+    sl_target target = {view->width, view->height, w->id, w->depth};
     sl_status status = sl_raster_id(w->raster, &planar, w->threads, &target, counters, error);
     if (status != SL_OK || !d->curved) return status;
-    target = (sl_target){view->width, view->height, frame->curved_id, frame->curved_depth};
+    target = (sl_target){view->width, view->height, w->curved_id, w->curved_depth};
     status = sl_raster_id(w->tessellation.raster, view, w->threads, &target, counters, error);
     if (status != SL_OK) return status;
     for (size_t i = 0, pixels = (size_t)view->width * (size_t)view->height; i < pixels; i++) {
-        bool curved = frame->curved_id[i] != SL_NO_INDEX &&
-                      !(frame->id[i] != SL_NO_INDEX && frame->depth[i] >= frame->curved_depth[i]);
-        if (curved) frame->id[i] = SL_NO_INDEX;
-        else frame->curved_id[i] = SL_NO_INDEX;
+        bool curved = w->curved_id[i] != SL_NO_INDEX &&
+                      !(w->id[i] != SL_NO_INDEX && w->depth[i] >= w->curved_depth[i]);
+        if (curved) w->id[i] = SL_NO_INDEX;
+        else w->curved_id[i] = SL_NO_INDEX;
     }
     return SL_OK;
 }
@@ -181,7 +180,7 @@ static void do_pixel(const frame_job *job, size_t pixel, sl_shown_root *run, con
 }
 
 static bool is_background(const frame_job *job, size_t pixel) {
-    return !job->display->curved || job->window->frame.curved_id[pixel] == SL_NO_INDEX;
+    return !job->display->curved || job->window->curved_id[pixel] == SL_NO_INDEX;
 }
 
 /* Does for the Gouraud pass what is asked of the pixels of one of the two rasterizers; the background is
@@ -223,12 +222,12 @@ static void draw_gouraud(frame_job *job, size_t first, size_t count, sl_counters
                             .context = job,
                             .first = first,
                             .count = count};
-    sl_raster_gouraud(w->raster, &job->view, w->threads, w->frame.id, &pass, counters);
+    sl_raster_gouraud(w->raster, &job->view, w->threads, w->id, &pass, counters);
     if (!job->display->curved) return;
     pass.corners = curved_places;
     pass.textured = false;
     pass.shade = do_curved;
-    sl_raster_gouraud(w->tessellation.raster, &job->view, w->threads, w->frame.curved_id, &pass, counters);
+    sl_raster_gouraud(w->tessellation.raster, &job->view, w->threads, w->curved_id, &pass, counters);
 }
 
 /* The display's own window is seen to by builds. */

@@ -135,13 +135,6 @@ static inline void sl_display_value(const sl_display_copy *copy, size_t colours,
     memcpy(value, copy->value + copy->channels * vertex, 3 * colours * sizeof *value);
 }
 
-/* Ends of the piece of the edge of a fan on which the place lies, and how far along the piece it is. */
-static inline float sl_leaf_piece(const sl_display_copy *copy, const sl_leaf *leaf, const uint32_t corner[4],
-                                  const sl_fan_place *place, uint32_t end[2]) {
-    const sl_fan_spoke *fan = sl_fan_at(&copy->fans, leaf->word);
-    return sl_fan_piece(leaf->triangle ? 3 : 4, corner, fan->vertex, fan + 1, place, end);
-}
-
 /* The leaf's values as far as they do not depend on the place: k0 + a k1 + b k2 + a b k3, for each channel;
  * of fans their centre, k0, alone. */
 typedef struct sl_leaf_field {
@@ -177,9 +170,11 @@ static inline void sl_leaf_value(const sl_display_copy *copy, size_t colours, co
         }
         return;
     }
+    const sl_fan_spoke *fan = sl_fan_at(&copy->fans, leaf->word);
     sl_fan_place place = sl_fan_place_of(leaf->triangle, leaf->a, leaf->b);
     uint32_t end[2];
-    float along = sl_leaf_piece(copy, leaf, field->corner, &place, end), from[6], to[6];
+    float from[6], to[6], along = sl_fan_piece(leaf->triangle ? 3 : 4, field->corner, fan->vertex, fan + 1,
+                                               &place, end);
     sl_display_value(copy, colours, end[0], from);
     sl_display_value(copy, colours, end[1], to);
     for (size_t i = 0; i < 3 * colours; i++) {

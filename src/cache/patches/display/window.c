@@ -10,19 +10,20 @@ static size_t pixels_of(const sl_display *d) {
     return (size_t)d->settings.width * (size_t)d->settings.height;
 }
 
-static bool allocate_frame(sl_frame_planes *frame, size_t pixels, bool curved) {
-    frame->id = sl_allocate(pixels, sizeof *frame->id);
-    if (!curved) return frame->id != NULL;
-    frame->curved_id = sl_allocate(pixels, sizeof *frame->curved_id);
-    frame->depth = sl_allocate(pixels, sizeof *frame->depth);
-    frame->curved_depth = sl_allocate(pixels, sizeof *frame->curved_depth);
-    return frame->id && frame->curved_id && frame->depth && frame->curved_depth;
+static bool allocate_planes(sl_window *w, bool curved) {
+    const size_t pixels = pixels_of(w->display);
+    w->id = sl_allocate(pixels, sizeof *w->id);
+    if (!curved) return w->id != NULL;
+    w->curved_id = sl_allocate(pixels, sizeof *w->curved_id);
+    w->depth = sl_allocate(pixels, sizeof *w->depth);
+    w->curved_depth = sl_allocate(pixels, sizeof *w->curved_depth);
+    return w->id && w->curved_id && w->depth && w->curved_depth;
 }
 
 sl_status sl_window_open(sl_display *d, const sl_scene *scene, unsigned threads, sl_window *w,
                          sl_error *error) {
     *w = (sl_window){.display = d, .scene = scene, .threads = sl_thread_count(threads)};
-    if (!allocate_frame(&w->frame, pixels_of(d), d->curved != NULL))
+    if (!allocate_planes(w, d->curved != NULL))
         return sl_fail_memory(error, "the display");
     sl_status status = sl_raster_create(scene, w->threads, &w->raster, error);
     if (status == SL_OK && d->curved) status = sl_tessellate(w, error);
@@ -32,7 +33,7 @@ sl_status sl_window_open(sl_display *d, const sl_scene *scene, unsigned threads,
 void sl_window_close(sl_window *w) {
     sl_tessellation_release(&w->tessellation);
     sl_raster_destroy(w->raster);
-    SL_FREE_ALL(w->frame.id, w->frame.curved_id, w->frame.depth, w->frame.curved_depth, w->picture);
+    SL_FREE_ALL(w->id, w->curved_id, w->depth, w->curved_depth, w->picture);
 }
 
 sl_status sl_window_create(sl_display *d, const sl_scene *scene_copy, unsigned threads, sl_window **window,
@@ -59,7 +60,7 @@ sl_status sl_window_move(void *window, sl_error *error) {
     return status == SL_OK && w->display->curved ? sl_tessellation_move(w, error) : status;
 }
 
-const uint32_t *sl_window_ids(const void *window) { return ((const sl_window *)window)->frame.id; }
+const uint32_t *sl_window_ids(const void *window) { return ((const sl_window *)window)->id; }
 
 sl_status sl_window_picture(void *window, sl_image *image, uint64_t *builds, sl_counters *counters,
                             sl_error *error) {
