@@ -227,14 +227,6 @@ static sl_status motions_at(const sl_scene *scene, double time, motion **motions
                    scene->object_names[a->tracks[bad].first], time);
 }
 
-static sl_status move_objects(sl_scene *scene, double time, unsigned *changes, sl_error *error) {
-    motion *motions;
-    sl_status status = motions_at(scene, time, &motions, error);
-    if (motions) *changes |= move(scene, motions);
-    sl_free(motions);
-    return status;
-}
-
 /* ---- lights and camera ----------------------------------------------------------------------- */
 
 static void move_lights(sl_scene *scene, double time, unsigned *changes) {
@@ -285,27 +277,33 @@ double sl_scene_duration(const sl_scene *scene) {
     return last;
 }
 
+/* Does all that can fail before the first change. */
+static sl_status look_ahead(const sl_scene *scene, double time, sl_camera *camera, motion **motions,
+                            sl_error *error) {
+    *motions = NULL;
+    if (!isfinite(time)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
+    sl_status status = scene->animation ? camera_at(scene, time, camera, error) : SL_OK;
+    return status == SL_OK && scene->animation ? motions_at(scene, time, motions, error) : status;
+}
+
 sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_error *error) {
     sl_camera camera;
-    motion *motions = NULL;
-    if (!isfinite(time_seconds)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
-    sl_status status = scene->animation ? camera_at(scene, time_seconds, &camera, error) : SL_OK;
-    if (status == SL_OK && scene->animation) status = motions_at(scene, time_seconds, &motions, error);
+    motion *motions;
+    sl_status status = look_ahead(scene, time_seconds, &camera, &motions, error);
     sl_free(motions);
     return status;
 }
 
-/* Does all that can fail before the first change. */
 sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *changes, sl_error *error) {
     unsigned changed = 0;
     if (changes) *changes = 0;
     if (!scene) return sl_fail_null(error, "a scene");
-    if (!isfinite(time_seconds)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
-    if (!scene->animation) return SL_OK;
     sl_camera camera;
-    sl_status status = camera_at(scene, time_seconds, &camera, error);
-    if (status == SL_OK) status = move_objects(scene, time_seconds, &changed, error);
-    if (status != SL_OK) return status;
+    motion *motions;
+    sl_status status = look_ahead(scene, time_seconds, &camera, &motions, error);
+    if (status != SL_OK || !scene->animation) return status;
+    if (motions) changed = move(scene, motions);
+    sl_free(motions);
     move_lights(scene, time_seconds, &changed);
     if (!same_camera(&camera, &scene->camera)) changed |= SL_CHANGED_CAMERA;
     scene->camera = camera;

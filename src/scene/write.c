@@ -1,12 +1,11 @@
 /* A scene as files: JSON, OBJ and MTL, control points of surfaces, PNG and EXR, that give it again bit for
  * bit.
  */
-#include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
-#include "base/grow.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/print.h"
@@ -17,11 +16,11 @@
 #include "scene/lines.h"
 #include "scene/parts.h"
 
-/* Text that grows; once there is no memory for more, it stays as it is. */
+/* Text that grows as it is printed. */
 typedef struct text {
+    FILE *out; /* NULL: there is no memory for any */
     char *bytes;
-    size_t count, room;
-    bool failed;
+    size_t count;
 } text;
 
 typedef struct writer {
@@ -33,25 +32,7 @@ typedef struct writer {
     sl_error *error;
 } writer;
 
-static void put_bytes(text *t, const char *bytes, size_t count) {
-    if (t->count + count > t->room) {
-        const size_t room = 2 * (t->count + count) + 4096;
-        t->failed = t->failed || !sl_regrow(&t->bytes, t->count, room, 1);
-        if (t->failed) return;
-        t->room = room;
-    }
-    memcpy(t->bytes + t->count, bytes, count);
-    t->count += count;
-}
-
-__attribute__((format(printf, 2, 3))) static void put(text *t, const char *format, ...) {
-    char line[512];
-    va_list arguments;
-    va_start(arguments, format);
-    const int length = sl_print_list(line, sizeof line, format, arguments);
-    va_end(arguments);
-    put_bytes(t, line, (size_t)length < sizeof line ? (size_t)length : sizeof line - 1);
-}
+static FILE *open_text(text *t) { return t->out = open_memstream(&t->bytes, &t->count); }
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
@@ -63,15 +44,24 @@ static char *path_of(const writer *w, const char *suffix) {
     return path;
 }
 
+/* Closes the text; false: it is not whole. */
+static bool close_text(text *t) {
+    const bool whole = t->out && !ferror(t->out);
+    const bool closed = t->out && fclose(t->out) == 0;
+    t->out = NULL;
+    return whole && closed;
+}
+
 /* Writes the text to a file of its own and frees it. */
 static sl_status write_text(const writer *w, text *t, const char *suffix) {
     char *path = path_of(w, suffix);
-    sl_status status = !path       ? SL_ERROR_RESOURCES
-                       : t->failed ? sl_fail_memory(w->error, path)
-                                   : sl_output_whole(path, t->bytes, t->count, w->error);
+    const bool whole = close_text(t);
+    sl_status status = !path   ? SL_ERROR_RESOURCES
+                       : whole ? sl_output_whole(path, t->bytes, t->count, w->error)
+                               : sl_fail_memory(w->error, path);
     sl_free(path);
-    sl_free(t->bytes);
-    *t = (text){0};
+    free(t->bytes);
+    t->bytes = NULL;
     return status;
 }
 
@@ -114,51 +104,51 @@ static sl_status make_names(writer *w) {
 }
 
 /* Puts a string of JSON, in two parts. */
-static void put_strings(text *t, const char *string, const char *rest) {
-    put(t, "\"");
+static void put_strings(FILE *t, const char *string, const char *rest) {
+    fprintf(t, "\"");
     for (const char *c = string; *c; c++) {
-        if (*c == '"' || *c == '\\') put(t, "\\");
-        if ((unsigned char)*c < ' ') put(t, "\\u%04x", (unsigned)*c);
-        else put_bytes(t, c, 1);
+        if (*c == '"' || *c == '\\') fprintf(t, "\\");
+        if ((unsigned char)*c < ' ') fprintf(t, "\\u%04x", (unsigned)*c);
+        else fputc(*c, t);
     }
-    put(t, "%s\"", rest);
+    fprintf(t, "%s\"", rest);
 }
-static void put_string(text *t, const char *string) { put_strings(t, string, ""); }
+static void put_string(FILE *t, const char *string) { put_strings(t, string, ""); }
 
 /* Puts the name of a file beside the JSON file. */
 static void put_file(writer *w, const char *suffix) {
-    put_strings(&w->json, sl_file_name(w->base), suffix);
+    put_strings(w->json.out, sl_file_name(w->base), suffix);
 }
 
-static void put_number(text *t, float value) {
+static void put_number(FILE *t, float value) {
     char number[SL_NUMBER_ROOM];
-    put(t, "%s", sl_write_number(value, number));
+    fprintf(t, "%s", sl_write_number(value, number));
 }
 
-static void put_floats(text *t, const char *key, const float *v, int count) {
-    put(t, "\"%s\": [", key);
+static void put_floats(FILE *t, const char *key, const float *v, int count) {
+    fprintf(t, "\"%s\": [", key);
     for (int i = 0; i < count; i++) {
-        if (i) put(t, ", ");
+        if (i) fprintf(t, ", ");
         put_number(t, v[i]);
     }
-    put(t, "]");
+    fprintf(t, "]");
 }
-static void put_rgb(text *t, const char *key, sl_rgb c) {
+static void put_rgb(FILE *t, const char *key, sl_rgb c) {
     put_floats(t, key, (float[3]){c.r, c.g, c.b}, 3);
 }
-static void put_vec3(text *t, const char *key, sl_vec3 v) {
+static void put_vec3(FILE *t, const char *key, sl_vec3 v) {
     put_floats(t, key, (float[3]){v.x, v.y, v.z}, 3);
 }
 
 /* ---- triangles ------------------------------------------------------------------------------- */
 
-static void put_values(text *t, const char *word, const float *values, int count) {
-    put(t, "%s", word);
+static void put_values(FILE *t, const char *word, const float *values, int count) {
+    fprintf(t, "%s", word);
     for (int i = 0; i < count; i++) {
-        put(t, " ");
+        fprintf(t, " ");
         put_number(t, values[i]);
     }
-    put(t, "\n");
+    fprintf(t, "\n");
 }
 
 /* Finds the vertices that triangles from `first` to `end` name: they are together. */
@@ -173,7 +163,7 @@ static void range_of(const sl_scene *s, size_t first, size_t end, uint32_t *low,
     }
 }
 
-static void put_vertices(text *out, const sl_scene *s, uint32_t low, uint32_t high) {
+static void put_vertices(FILE *out, const sl_scene *s, uint32_t low, uint32_t high) {
     for (uint32_t v = low; v <= high; v++) {
         put_values(out, "v", (float[3]){s->position_x[v], s->position_y[v], s->position_z[v]}, 3);
         put_values(out, "vn", (float[3]){s->normal_x[v], s->normal_y[v], s->normal_z[v]}, 3);
@@ -181,32 +171,31 @@ static void put_vertices(text *out, const sl_scene *s, uint32_t low, uint32_t hi
     }
 }
 
-static void put_library(const writer *w, text *out) {
-    const char *name = sl_file_name(w->base);
-    put(out, "mtllib ");
-    put_bytes(out, name, strlen(name));
-    put(out, ".mtl\n");
+static void put_library(const writer *w, FILE *out) {
+    fprintf(out, "mtllib %s.mtl\n", sl_file_name(w->base));
 }
 
 /* With a library triangles name their materials; without, the scene file does. */
 static sl_status write_triangles(writer *w, size_t first, size_t end, bool library, const char *suffix) {
     const sl_scene *s = w->scene;
-    text out = {0};
+    text out;
+    if (!open_text(&out)) return sl_fail_memory(w->error, "a file of the scene");
     uint32_t low, high;
-    if (library) put_library(w, &out);
+    if (library) put_library(w, out.out);
     range_of(s, first, end, &low, &high);
-    put_vertices(&out, s, low, high);
+    put_vertices(out.out, s, low, high);
     for (size_t t = first; t < end; t++) {
         const uint32_t object = s->object_index[t], material = s->material_index[t];
-        if (t == first || object != s->object_index[t - 1]) put(&out, "o %s\n", w->objects.name[object]);
+        if (t == first || object != s->object_index[t - 1])
+            fprintf(out.out, "o %s\n", w->objects.name[object]);
         if (library && (t == first || material != s->material_index[t - 1]))
-            put(&out, "usemtl %s\n", w->materials.name[material]);
-        put(&out, "f");
+            fprintf(out.out, "usemtl %s\n", w->materials.name[material]);
+        fprintf(out.out, "f");
         for (int c = 0; c < 3; c++) {
             const uint32_t v = s->vertex[c][t] - low + 1;
-            put(&out, " %u/%u/%u", v, v, v);
+            fprintf(out.out, " %u/%u/%u", v, v, v);
         }
-        put(&out, "\n");
+        fprintf(out.out, "\n");
     }
     return write_text(w, &out, suffix);
 }
@@ -220,11 +209,12 @@ typedef struct run {
 } run;
 
 static sl_status write_surfaces(writer *w, const run *r, const char *suffix) {
-    text out = {0};
-    put(&out, "%zu\n", r->surfaces);
+    text out;
+    if (!open_text(&out)) return sl_fail_memory(w->error, "a file of the scene");
+    fprintf(out.out, "%zu\n", r->surfaces);
     for (size_t k = 0; k < 16 * r->surfaces; k++) {
         const sl_vec3 p = r->surface[k / 16].point[k % 16 / 4][k % 4];
-        put(&out, "%s%.9g %.9g %.9g\n", k % 16 ? "" : "3 3\n", (double)p.x, (double)p.y, (double)p.z);
+        fprintf(out.out, "%s%.9g %.9g %.9g\n", k % 16 ? "" : "3 3\n", (double)p.x, (double)p.y, (double)p.z);
     }
     return write_text(w, &out, suffix);
 }
@@ -257,23 +247,23 @@ static run run_from(const sl_scene *s, size_t first, size_t surfaces, bool has_l
 
 static void put_run(writer *w, const run *r, const char *suffix) {
     const sl_scene *s = w->scene;
-    put(&w->json, "%s\n    {\"file\": ", w->meshes ? "," : "");
+    fprintf(w->json.out, "%s\n    {\"file\": ", w->meshes ? "," : "");
     put_file(w, suffix);
     if (r->surfaces) {
-        put(&w->json, ", \"name\": ");
-        put_string(&w->json, w->objects.name[s->object_index[r->first]]);
+        fprintf(w->json.out, ", \"name\": ");
+        put_string(w->json.out, w->objects.name[s->object_index[r->first]]);
     }
     if (!r->library) {
-        put(&w->json, ", \"material\": ");
-        put_string(&w->json, w->materials.name[s->material_index[r->first]]);
+        fprintf(w->json.out, ", \"material\": ");
+        put_string(w->json.out, w->materials.name[s->material_index[r->first]]);
     }
-    put(&w->json, "}");
+    fprintf(w->json.out, "}");
 }
 
 static sl_status write_meshes(writer *w, bool *has_library) {
     const sl_scene *s = w->scene;
     sl_status status = SL_OK;
-    put(&w->json, "  \"meshes\": [");
+    fprintf(w->json.out, "  \"meshes\": [");
     for (size_t t = 0, surfaces = 0; t < s->triangle_count && status == SL_OK; w->meshes++) {
         const run r = run_from(s, t, surfaces, *has_library);
         char suffix[48];
@@ -285,7 +275,7 @@ static sl_status write_meshes(writer *w, bool *has_library) {
         surfaces += r.surfaces;
         t = r.end;
     }
-    put(&w->json, "],\n");
+    fprintf(w->json.out, "],\n");
     return status;
 }
 
@@ -293,8 +283,10 @@ static sl_status write_meshes(writer *w, bool *has_library) {
 
 /* Names the materials, whose values are in the JSON file, to the bit. */
 static sl_status write_library(writer *w) {
-    text out = {0};
-    for (size_t i = 0; i < w->scene->material_count; i++) put(&out, "newmtl %s\n", w->materials.name[i]);
+    text out;
+    if (!open_text(&out)) return sl_fail_memory(w->error, "a file of the scene");
+    for (size_t i = 0; i < w->scene->material_count; i++)
+        fprintf(out.out, "newmtl %s\n", w->materials.name[i]);
     return write_text(w, &out, ".mtl");
 }
 
@@ -310,31 +302,32 @@ static bool is_named(const sl_material_number *n, const sl_material *m) {
     return sl_material_is_mirror(m) ? !of_others : !of_mirrors;
 }
 
-static void put_material_number(text *t, const sl_material_number *n, const sl_material *m) {
+static void put_material_number(FILE *t, const sl_material_number *n, const sl_material *m) {
     float value[3];
     memcpy(value, (const char *)m + n->field, (size_t)n->floats * sizeof *value);
-    put(t, ", ");
+    fprintf(t, ", ");
     if (n->floats == 3) put_floats(t, n->key, value, 3);
-    else put(t, "\"%s\": ", n->key), put_number(t, *value);
+    else fprintf(t, "\"%s\": ", n->key), put_number(t, *value);
 }
 
 static void put_texture(writer *w, const sl_material_texture *of, const sl_material *m) {
     char suffix[48];
     uint32_t texture;
     memcpy(&texture, (const char *)m + of->field, sizeof texture);
-    put(&w->json, ", \"%s\": ", of->key);
+    fprintf(w->json.out, ", \"%s\": ", of->key);
     texture_suffix(texture, suffix);
-    if (texture == SL_NO_INDEX) put(&w->json, "null");
+    if (texture == SL_NO_INDEX) fprintf(w->json.out, "null");
     else put_file(w, suffix);
 }
 
 static void put_material(writer *w, const sl_material *m) {
-    put(&w->json, ": {\"two_sided\": %s", m->emission_two_sided ? "true" : "false");
+    fprintf(w->json.out, ": {\"two_sided\": %s", m->emission_two_sided ? "true" : "false");
     for (int i = 0; i < SL_MATERIAL_NUMBERS; i++) {
-        if (is_named(&sl_material_numbers[i], m)) put_material_number(&w->json, &sl_material_numbers[i], m);
+        if (is_named(&sl_material_numbers[i], m))
+            put_material_number(w->json.out, &sl_material_numbers[i], m);
     }
     for (int i = 0; i < SL_MATERIAL_TEXTURES; i++) put_texture(w, &sl_material_textures[i], m);
-    put(&w->json, "}");
+    fprintf(w->json.out, "}");
 }
 
 static bool is_used(const sl_scene *s, size_t material) {
@@ -347,15 +340,15 @@ static bool is_used(const sl_scene *s, size_t material) {
 /* Puts all materials; without a library only those that a mesh asks for may be named. */
 static void put_materials(writer *w, bool has_library) {
     const char *between = "\n";
-    put(&w->json, "  \"materials\": {");
+    fprintf(w->json.out, "  \"materials\": {");
     for (size_t i = 0; i < w->scene->material_count; i++) {
         if (!has_library && !is_used(w->scene, i)) continue;
-        put(&w->json, "%s    ", between);
-        put_string(&w->json, w->materials.name[i]);
+        fprintf(w->json.out, "%s    ", between);
+        put_string(w->json.out, w->materials.name[i]);
         put_material(w, &w->scene->materials[i]);
         between = ",\n";
     }
-    put(&w->json, "},\n");
+    fprintf(w->json.out, "},\n");
 }
 
 static sl_status write_texture(const writer *w, uint32_t number) {
@@ -378,26 +371,26 @@ static sl_status write_texture(const writer *w, uint32_t number) {
 
 static double degrees_of(float cosine) { return sl_acos((double)cosine) / sl_radians(1.0); }
 
-static void put_light(text *t, const sl_light *l) {
+static void put_light(FILE *t, const sl_light *l) {
     static const char *const types[] = {"point", "spot", "directional"};
     const bool sun = l->type == SL_LIGHT_DIRECTIONAL;
-    put(t, "{\"type\": \"%s\", ", types[l->type]);
+    fprintf(t, "{\"type\": \"%s\", ", types[l->type]);
     put_rgb(t, sun ? "irradiance" : "intensity", l->intensity);
-    if (!sun) put(t, ", "), put_vec3(t, "position", l->position);
-    if (l->type != SL_LIGHT_POINT) put(t, ", "), put_vec3(t, "direction", l->direction);
+    if (!sun) fprintf(t, ", "), put_vec3(t, "position", l->position);
+    if (l->type != SL_LIGHT_POINT) fprintf(t, ", "), put_vec3(t, "direction", l->direction);
     if (l->type == SL_LIGHT_SPOT)
-        put(t, ", \"inner_deg\": %.17g, \"outer_deg\": %.17g", degrees_of(l->cos_inner),
+        fprintf(t, ", \"inner_deg\": %.17g, \"outer_deg\": %.17g", degrees_of(l->cos_inner),
             degrees_of(l->cos_outer));
-    put(t, "}");
+    fprintf(t, "}");
 }
 
 static void put_lights(writer *w) {
-    put(&w->json, "  \"lights\": [");
+    fprintf(w->json.out, "  \"lights\": [");
     for (size_t i = 0; i < w->scene->light_count; i++) {
-        put(&w->json, "%s\n    ", i ? "," : "");
-        put_light(&w->json, &w->scene->lights[i]);
+        fprintf(w->json.out, "%s\n    ", i ? "," : "");
+        put_light(w->json.out, &w->scene->lights[i]);
     }
-    put(&w->json, "],\n");
+    fprintf(w->json.out, "],\n");
 }
 
 static sl_status write_sky(writer *w) {
@@ -405,15 +398,15 @@ static sl_status write_sky(writer *w) {
     const sl_environment *e = &w->scene->environment;
     sl_image *image = NULL;
     if (!e->present) return SL_OK;
-    put(&w->json, "  \"environment\": {");
+    fprintf(w->json.out, "  \"environment\": {");
     if (e->width == 0) {
-        put_rgb(&w->json, "radiance", e->constant);
-        put(&w->json, "},\n");
+        put_rgb(w->json.out, "radiance", e->constant);
+        fprintf(w->json.out, "},\n");
         return SL_OK;
     }
-    put(&w->json, "\"file\": ");
+    fprintf(w->json.out, "\"file\": ");
     put_file(w, suffix);
-    put(&w->json, "},\n");
+    fprintf(w->json.out, "},\n");
     char *path = path_of(w, suffix);
     sl_status status =
         path ? sl_image_create(e->width, e->height, 3, NULL, &image, w->error) : SL_ERROR_RESOURCES;
@@ -429,20 +422,21 @@ static sl_status write_sky(writer *w) {
 
 static void put_view(writer *w) {
     const sl_camera *c = &w->scene->camera;
-    text *t = &w->json;
-    put(t, "  \"camera\": {");
+    FILE *t = w->json.out;
+    fprintf(t, "  \"camera\": {");
     put_vec3(t, "eye", c->eye);
     const sl_vec3 x = c->right, y = c->up, z = c->back;
-    put(t, ", ");
+    fprintf(t, ", ");
     put_floats(t, "frame", (float[9]){x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}, 9);
-    put(t, ", \"fov_deg\": %.17g},\n", (double)c->vertical_fov / sl_radians(1.0));
-    put(t, "  \"film\": {\"width\": %d, \"height\": %d}\n}\n", w->scene->film_width, w->scene->film_height);
+    fprintf(t, ", \"fov_deg\": %.17g},\n", (double)c->vertical_fov / sl_radians(1.0));
+    fprintf(t, "  \"film\": {\"width\": %d, \"height\": %d}\n}\n", w->scene->film_width,
+            w->scene->film_height);
 }
 
 static sl_status write_all(writer *w) {
     bool has_library = false;
     sl_status status = make_names(w);
-    put(&w->json, "{\n  \"softlux\": 1,\n");
+    fprintf(w->json.out, "{\n  \"softlux\": 1,\n");
     for (uint32_t i = 0; i < w->scene->texture_count && status == SL_OK; i++) status = write_texture(w, i);
     if (status == SL_OK) status = write_meshes(w, &has_library);
     if (status == SL_OK && has_library) status = write_library(w);
@@ -463,8 +457,9 @@ sl_status sl_scene_write(const sl_scene *scene, const char *path, sl_error *erro
     if (!w.base) return sl_fail_memory(error, path);
     w.base[length - 5] = 0;
     void *before = sl_c_locale_begin();
-    sl_status status = write_all(&w);
-    sl_free(w.json.bytes);
+    sl_status status = open_text(&w.json) ? write_all(&w) : sl_fail_memory(error, path);
+    close_text(&w.json);
+    free(w.json.bytes);
     sl_c_locale_end(before);
     sl_names_release(&w.materials);
     sl_names_release(&w.objects);
