@@ -49,7 +49,7 @@ static bool close_text(text *t) {
     const bool whole = t->out && !ferror(t->out);
     const bool closed = t->out && fclose(t->out) == 0;
     t->out = NULL;
-    return whole && closed;
+    return whole && closed && t->bytes;
 }
 
 /* Writes the text to a file of its own and frees it. */
