@@ -213,6 +213,23 @@ SEEN char *strdup(const char *text) { /* that of the address sanitizer does not 
     PASS_ON(char *, real(text));
 }
 
+/* Has the allocators found while no library is at work: dlerror() allocates, and to be looking for an allocator
+ * in its midst would free what it is writing. */
+__attribute__((constructor)) static void find_allocators(void) {
+    void *volatile block = realloc(malloc(1), 2);
+    free(block);
+    block = calloc(1, 1);
+    free(block);
+    block = strdup("");
+    free(block);
+    block = aligned_alloc(16, 16);
+    free(block);
+    block = memalign(16, 16);
+    free(block);
+    void *aligned = NULL;
+    if (posix_memalign(&aligned, 16, 16) == 0) free(aligned);
+}
+
 /* C++: throws where there is none. */
 void *operator_new(size_t size) __asm__("_Znwm");
 void *operator_new_array(size_t size) __asm__("_Znam");
