@@ -45,7 +45,9 @@ static void look_up(const sl_direct_light *d, const sl_receiver_tile *tile, size
     size_t wanted = 0;
     points.count = tile->count;
     for (size_t i = 0; i < tile->count; i++) wanted += lit[i] != 0.0f;
-    SL_KERNEL_OF(d->isa, sl_depth_cube_lit)(&points, &d->pass->lights->cube[light], lit);
+    const sl_depth_cube *cube = &d->pass->lights->cube[light];
+    const sl_cube_looks looks = {1, tile->count, &cube};
+    SL_KERNEL_OF(d->isa, sl_depth_cube_lit)(&points, &looks, lit);
     sl_count(counters, SL_COUNT_SHADOW_LOOKUPS, wanted);
 }
 

@@ -1,4 +1,4 @@
-/* Look-ups in a depth cube, for many receivers at once.
+/* Look-ups in depth cubes, for many receivers at once.
  *
  * Reciprocal planar depth is linear across a picture: with the receiver P seen from the light and its normal
  * n, both in the picture's axes, the receiver's plane has at the tangents (a, b) 1/z = (n_x a + n_y b + n_z)
@@ -36,16 +36,17 @@ static inline float not_zero(float v) { return v > 1e-30f ? v : 1e-30f; }
 
 static void locate_on_cube(const sl_depth_cube *map, size_t count, const float *restrict px,
                            const float *restrict py, const float *restrict pz, const float *restrict nx,
-                           const float *restrict ny, const float *restrict nz, lookups *out) {
+                           const float *restrict ny, const float *restrict nz, size_t at, lookups *out) {
     const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
     const float size = (float)map->size, half = 0.5f * (size - 2.0f) / map->tangent,
                 middle = 0.5f * size - 0.5f, last = size - 2.0f;
     const float tangent = 2.0f * map->tangent / (size - 2.0f), rounding = map->rounding;
     const int32_t width = map->size;
     const int32_t *restrict start = map->start, *restrict mask = map->mask;
-    int32_t *restrict texel = out->texel, *restrict columns = out->column, *restrict rows = out->row;
-    float *restrict across = out->across, *restrict up = out->up, *restrict depth = out->depth;
-    float *restrict change_x = out->change_x, *restrict change_y = out->change_y;
+    int32_t *restrict texel = out->texel + at, *restrict columns = out->column + at,
+                      *restrict rows = out->row + at;
+    float *restrict across = out->across + at, *restrict up = out->up + at, *restrict depth = out->depth + at;
+    float *restrict change_x = out->change_x + at, *restrict change_y = out->change_y + at;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float dx = px[i] - eye.x, dy = py[i] - eye.y, dz = pz[i] - eye.z;
@@ -79,7 +80,7 @@ static void locate_on_cube(const sl_depth_cube *map, size_t count, const float *
 /* The same with depth instead of its reciprocal: a plane changes by n_x / n_z across. */
 static void locate_in_parallel(const sl_depth_cube *map, size_t count, const float *restrict px,
                                const float *restrict py, const float *restrict pz, const float *restrict nx,
-                               const float *restrict ny, const float *restrict nz, lookups *out) {
+                               const float *restrict ny, const float *restrict nz, size_t at, lookups *out) {
     const sl_vec3 eye = map->eye, ex = map->frame.x, ey = map->frame.y, ez = map->frame.z;
     const float size = (float)map->size, middle = 0.5f * size - 0.5f, last = size - 2.0f;
     const float scale_x = 0.5f * size / map->extent_x, scale_y = 0.5f * size / map->extent_y,
@@ -87,9 +88,10 @@ static void locate_in_parallel(const sl_depth_cube *map, size_t count, const flo
     const float step_x = scale_z / scale_x, step_y = scale_z / scale_y,
                 rounding = map->rounding * scale_z + 3e-7f;
     const int32_t width = map->size, start = map->start[0], mask = map->mask[0];
-    int32_t *restrict texel = out->texel, *restrict columns = out->column, *restrict rows = out->row;
-    float *restrict across = out->across, *restrict up = out->up, *restrict depth = out->depth;
-    float *restrict change_x = out->change_x, *restrict change_y = out->change_y;
+    int32_t *restrict texel = out->texel + at, *restrict columns = out->column + at,
+                      *restrict rows = out->row + at;
+    float *restrict across = out->across + at, *restrict up = out->up + at, *restrict depth = out->depth + at;
+    float *restrict change_x = out->change_x + at, *restrict change_y = out->change_y + at;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float dx = px[i] - eye.x, dy = py[i] - eye.y, dz = pz[i] - eye.z;
@@ -111,20 +113,25 @@ static void locate_in_parallel(const sl_depth_cube *map, size_t count, const flo
     }
 }
 
+/* The four texels around each receiver: those of a row lie side by side, and are fetched together. */
+typedef struct {
+    float lower[2 * SL_LIGHT_BLOCK], upper[2 * SL_LIGHT_BLOCK];
+} corners;
+
+static void fetch_corners(const sl_depth_cube *map, size_t begin, size_t end, const lookups *at, corners *c) {
+    const float *stored = map->depth;
+    for (size_t i = begin; i < end; i++) {
+        memcpy(c->lower + 2 * i, stored + at->texel[i], 2 * sizeof *c->lower);
+        memcpy(c->upper + 2 * i, stored + at->texel[i] + map->size, 2 * sizeof *c->upper);
+    }
+}
+
 /* Shares that are not lit are added up, so that where all four are lit the result is 1 exactly. */
-static void compare(const sl_depth_cube *map, size_t count, lookups *at) {
-    const float *restrict stored = map->depth;
-    const int32_t *restrict texel = at->texel;
+static void compare(size_t count, const corners *c, lookups *at) {
     const float *restrict across = at->across, *restrict up = at->up, *restrict depth = at->depth;
     const float *restrict change_x = at->change_x, *restrict change_y = at->change_y;
+    const float *restrict lower = c->lower, *restrict upper = c->upper;
     float *restrict out = at->dark;
-    const int32_t width = map->size;
-    /* Two texels of a row lie side by side, and are fetched together. */
-    float lower[2 * SL_LIGHT_BLOCK], upper[2 * SL_LIGHT_BLOCK];
-    for (size_t i = 0; i < count; i++) {
-        memcpy(lower + 2 * i, stored + texel[i], 2 * sizeof *lower);
-        memcpy(upper + 2 * i, stored + texel[i] + width, 2 * sizeof *upper);
-    }
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
         float right = across[i], left = 1.0f - right, above = up[i], below = 1.0f - above;
@@ -173,11 +180,11 @@ typedef struct {
 } texels;
 
 /* right, above: of the lower left one. */
-static void fetch_slopes(const sl_depth_cube *map, size_t count, int32_t right, int32_t above,
-                         const lookups *part, texels *t) {
-    const int32_t size = map->size;
+static void fetch_slopes(const sl_cube_looks *of, const uint8_t *place, size_t count, int32_t right,
+                         int32_t above, const lookups *part, texels *t) {
+    const int32_t size = of->cube[0]->size;
     for (size_t j = 0; j < count; j++) {
-        const float *held = map->depth + part->texel[j] + right + above * size;
+        const float *held = of->cube[place[j] / of->each]->depth + part->texel[j] + right + above * size;
         const bool left = is_behind(part->column[j] + right, size, part->across[j] - (float)right),
                    below = is_behind(part->row[j] + above, size, part->up[j] - (float)above);
         const float *x = left ? held - 1 : held, *y = below ? held - size : held;
@@ -213,14 +220,14 @@ static void look_again(const sl_depth_cube *map, size_t count, int32_t right, in
     }
 }
 
-static void look_at_corners(const sl_depth_cube *map, size_t count, const float *lit, lookups *at) {
+static void look_at_corners(const sl_cube_looks *of, size_t count, const float *lit, lookups *at) {
     lookups part;
     uint8_t place[SL_LIGHT_BLOCK + 1];
     const size_t parts = list_parts(at, lit, count, &part, place);
-    texels of;
+    texels held;
     for (int32_t t = 0; t < 4 && parts; t++) {
-        fetch_slopes(map, parts, t & 1, t >> 1, &part, &of);
-        look_again(map, parts, t & 1, t >> 1, &of, &part);
+        fetch_slopes(of, place, parts, t & 1, t >> 1, &part, &held);
+        look_again(of->cube[0], parts, t & 1, t >> 1, &held, &part);
     }
     for (size_t j = 0; j < parts; j++) at->dark[place[j]] = part.dark[j];
 }
@@ -233,15 +240,26 @@ static bool some_are_dark_in_part(size_t count, const lookups *at) {
     return any != 0;
 }
 
-void SL_KERNEL(sl_depth_cube_lit)(const sl_light_points *points, const sl_depth_cube *cube, float *lit) {
-    const float *px = points->x, *py = points->y, *pz = points->z;
-    const float *nx = points->geometric_x, *ny = points->geometric_y, *nz = points->geometric_z;
-    const size_t count = points->count;
+static void look(const sl_light_points *p, size_t first, size_t count, const sl_depth_cube *cube, size_t at,
+                 lookups *out) {
+    const float *px = p->x + first, *py = p->y + first, *pz = p->z + first;
+    const float *nx = p->geometric_x + first, *ny = p->geometric_y + first, *nz = p->geometric_z + first;
+    if (cube->directional) locate_in_parallel(cube, count, px, py, pz, nx, ny, nz, at, out);
+    else locate_on_cube(cube, count, px, py, pz, nx, ny, nz, at, out);
+}
+
+void SL_KERNEL(sl_depth_cube_lit)(const sl_light_points *points, const sl_cube_looks *of, float *lit) {
+    const size_t each = of->each, count = of->cubes * each;
     lookups at;
-    if (cube->directional) locate_in_parallel(cube, count, px, py, pz, nx, ny, nz, &at);
-    else locate_on_cube(cube, count, px, py, pz, nx, ny, nz, &at);
-    compare(cube, count, &at);
-    if (some_are_dark_in_part(count, &at)) look_at_corners(cube, count, lit, &at);
+    corners c;
+    for (size_t k = 0, first = 0; k < count; k += each) {
+        const sl_depth_cube *cube = of->cube[k / each];
+        look(points, first, each, cube, k, &at);
+        fetch_corners(cube, k, k + each, &at, &c);
+        first = first + each < points->count ? first + each : 0;
+    }
+    compare(count, &c, &at);
+    if (some_are_dark_in_part(count, &at)) look_at_corners(of, count, lit, &at);
     const float *restrict dark = at.dark;
     float *restrict out = lit;
 #pragma omp simd

@@ -99,6 +99,8 @@ bool sl_pixel_is_glossy(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
     return g->material[i] != SL_NO_INDEX && sl_material_is_glossy(&scene->materials[g->material[i]]);
 }
 
+bool sl_direct_is_mapped(const sl_direct *direct) { return direct->settings.maps; }
+
 bool sl_pixel_reflects(const sl_gbuffer *g, const sl_scene *scene, size_t i) {
     if (g->material[i] == SL_NO_INDEX) return false;
     return g->diffuse_r[i] > 0.0f || g->diffuse_g[i] > 0.0f || g->diffuse_b[i] > 0.0f ||

@@ -32,6 +32,7 @@ void sl_direct_interleave(sl_direct *direct, bool interleaves);
 void sl_direct_destroy(sl_direct *direct);
 /* Returns bytes of its own maps. NULL: 0. */
 size_t sl_direct_map_bytes(const sl_direct *direct);
+bool sl_direct_is_mapped(const sl_direct *direct);
 /* Direct light of the next `rows` rows of a G-buffer from *row on, which moves on: diffuse and glossy lobes,
  * radiance into three planes (bottom row first). The same bits whatever the strips; with maps, if they are
  * multiples of 8 rows. */

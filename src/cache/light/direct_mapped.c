@@ -28,6 +28,7 @@ typedef struct mapped_block {
     const mapped_pass *pass;
     sl_counters *counters;
     bool whole; /* all pixels are drawn, so that points are neighbours */
+    bool tiles; /* they are all those of whole tiles, row by row */
     sl_lit_block points;
     float irradiance[3][SL_LIGHT_BLOCK], glossy[3][SL_LIGHT_BLOCK];
 } mapped_block;
@@ -43,6 +44,21 @@ static void add_lobes(void *context, const sl_arrivals *a, const float *lit, sl_
     }
 }
 
+/* Rows of tiles lie side by side in memory. */
+static void take_pixels(const mapped_block *b, const float *plane, float *of_points) {
+    const uint32_t *pixel = b->points.pixel;
+    for (size_t i = 0; b->tiles && i < b->points.count; i += PART_WIDTH)
+        memcpy(of_points + i, plane + pixel[i], PART_WIDTH * sizeof *plane);
+    for (size_t i = 0; !b->tiles && i < b->points.count; i++) of_points[i] = plane[pixel[i]];
+}
+
+static void put_pixels(const mapped_block *b, const float *of_points, float *plane) {
+    const uint32_t *pixel = b->points.pixel;
+    for (size_t i = 0; b->tiles && i < b->points.count; i += PART_WIDTH)
+        memcpy(plane + pixel[i], of_points + i, PART_WIDTH * sizeof *plane);
+    for (size_t i = 0; !b->tiles && i < b->points.count; i++) plane[pixel[i]] = of_points[i];
+}
+
 static void put_radiance(const mapped_block *b) {
     const sl_gbuffer *g = b->pass->gbuffer;
     const float *diffuse[3] = {g->diffuse_r, g->diffuse_g, g->diffuse_b};
@@ -50,13 +66,13 @@ static void put_radiance(const mapped_block *b) {
     for (int c = 0; c < 3; c++) {
         const float *irradiance = b->irradiance[c], *glossy = b->glossy[c];
         float radiance[SL_LIGHT_BLOCK];
-        for (size_t i = 0; i < count; i++) radiance[i] = diffuse[c][b->points.pixel[i]];
+        take_pixels(b, diffuse[c], radiance);
 #pragma omp simd
         for (size_t i = 0; i < count; i++) { /* black times infinite is black */
             const float reflected = sl_picture_value(radiance[i] * (float)(1.0 / SL_PI) * irradiance[i]);
             radiance[i] = sl_picture_value(reflected + glossy[i]);
         }
-        for (size_t i = 0; i < count; i++) b->pass->out[c][b->points.pixel[i]] = radiance[i];
+        put_pixels(b, radiance, b->pass->out[c]);
     }
 }
 
@@ -68,8 +84,8 @@ static bool some_are_glossy(const mapped_block *b) {
     return glossy;
 }
 
-/* All pixels of tile after tile of eight by eight. */
-static bool has_no_gaps(const mapped_block *b) {
+/* Tells whether they are all pixels of tile after tile of eight by eight. */
+static bool is_of_tiles(const mapped_block *b) {
     const uint32_t width = (uint32_t)b->pass->gbuffer->width, *pixel = b->points.pixel;
     for (size_t i = 0; i < b->points.count; i += TILE_HEIGHT * PART_WIDTH) {
         const uint32_t last = TILE_HEIGHT * PART_WIDTH - 1;
@@ -86,8 +102,9 @@ static void light_block(mapped_block *b) {
     memset(b->irradiance, 0, sizeof b->irradiance);
     memset(b->glossy, 0, sizeof b->glossy);
     unsigned parts = SL_MAPPED_LIGHTS;
+    b->tiles = b->whole && is_of_tiles(b);
     if (b->whole) parts |= SL_MAPPED_TILE;
-    if (b->whole && b->pass->direct->interleaves && has_no_gaps(b)) parts |= SL_MAPPED_INTERLEAVED;
+    if (b->tiles && b->pass->direct->interleaves) parts |= SL_MAPPED_INTERLEAVED;
     sl_shadow_maps_irradiance(maps, &points, parts, b->irradiance[0], b->irradiance[1], b->irradiance[2],
                               b->counters);
     if (some_are_glossy(b)) sl_shadow_maps_each(maps, &points, SL_MAPPED_LIGHTS, add_lobes, b, b->counters);
@@ -95,8 +112,34 @@ static void light_block(mapped_block *b) {
     b->points.count = 0;
 }
 
+/* Tells whether all pixels of a tile's row reflect, by what is quick to look up. */
+static bool all_reflect(const sl_gbuffer *g, size_t pixel) {
+    bool all = true;
+    for (size_t i = pixel; i < pixel + PART_WIDTH; i++)
+        all &= (g->material[i] != SL_NO_INDEX) & (g->diffuse_r[i] > 0.0f);
+    return all;
+}
+
+/* The same as one sl_lit_block_add() for each. */
+static void add_row(const sl_gbuffer *g, size_t pixel, sl_lit_block *b) {
+    const float *from[9] = {g->position_x,  g->position_y,  g->position_z, g->geometric_x, g->geometric_y,
+                            g->geometric_z, g->normal_x,    g->normal_y,   g->normal_z};
+    float *to[9] = {b->x,           b->y,        b->z,        b->geometric_x, b->geometric_y,
+                    b->geometric_z, b->normal_x, b->normal_y, b->normal_z};
+    for (size_t k = 0; k < PART_WIDTH; k++) b->pixel[b->count + k] = (uint32_t)(pixel + k);
+    memcpy(b->triangle + b->count, g->id + pixel, PART_WIDTH * sizeof *g->id);
+    for (int k = 0; k < 9; k++) memcpy(to[k] + b->count, from[k] + pixel, PART_WIDTH * sizeof **from);
+    b->count += PART_WIDTH;
+}
+
 static void add_pixels(mapped_block *b, sl_pixel_run run) {
     const mapped_pass *p = b->pass;
+    if (run.end - run.first == PART_WIDTH && b->points.count + PART_WIDTH <= SL_LIGHT_BLOCK &&
+        all_reflect(p->gbuffer, run.first)) {
+        add_row(p->gbuffer, run.first, &b->points);
+        if (b->points.count == SL_LIGHT_BLOCK) light_block(b);
+        return;
+    }
     for (size_t i = run.first; i < run.end; i++) {
         if (sl_pixel_reflects(p->gbuffer, p->direct->scene, i)) {
             sl_lit_block_add(p->direct, p->gbuffer, i, &b->points);

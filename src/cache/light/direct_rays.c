@@ -359,7 +359,7 @@ static sl_status light_strip(const sl_direct *direct, const sl_gbuffer *gbuffer,
 sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
                          float *const radiance[3], sl_counters *counters, sl_error *error) {
     const int first = *row, end = *row = smaller(first + rows, gbuffer->height);
-    return direct->settings.maps
+    return sl_direct_is_mapped(direct)
                ? sl_direct_mapped_rows(direct, gbuffer, first, end, radiance, counters, error)
                : light_strip(direct, gbuffer, first, end, radiance, counters, error);
 }

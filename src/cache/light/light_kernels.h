@@ -88,8 +88,17 @@ void sl_light_sides_release(sl_light_sides *sides);
 
 SL_KERNELS(void, sl_light_arrive,
            (const sl_light_points *points, const sl_light_source *source, sl_arrivals *arrivals));
-/* Multiplies lit by 1 where the light is seen, 0 where it is not, in between at a shadow's edge. */
-SL_KERNELS(void, sl_depth_cube_lit, (const sl_light_points *points, const sl_depth_cube *cube, float *lit));
+
+/* Which points look in which depth cubes: `each` in the first, as many that follow in the second, and so on;
+ * after the last points the first ones come again. Of several cubes all are of one size and kind, and their
+ * points are a multiple of each; cubes x each is at most SL_LIGHT_BLOCK. */
+typedef struct sl_cube_looks {
+    size_t cubes, each;
+    const sl_depth_cube *const *cube;
+} sl_cube_looks;
+/* Multiplies the cubes x each values of lit by 1 where the light is seen, 0 where it is not, in between at a
+ * shadow's edge. */
+SL_KERNELS(void, sl_depth_cube_lit, (const sl_light_points *points, const sl_cube_looks *looks, float *lit));
 /* Unoccluded irradiance from a triangle of radiance 1, in closed form. */
 SL_KERNELS(void, sl_polygon_light,
            (const sl_light_points *points, const sl_polygon_light *light, float *irradiance));

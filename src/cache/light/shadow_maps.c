@@ -155,6 +155,7 @@ sl_status sl_shadow_maps_create(const sl_scene *scene, const sl_raster *raster,
                              .settings = *settings,
                              .isa = sl_isa_best(),
                              .offset = 1e-5f * scene->scale};
+    sl_order_squares(maps->square_order);
     sl_status status = create_all(maps, raster, counters, error);
     if (status == SL_OK) *out = maps;
     else sl_shadow_maps_destroy(maps);

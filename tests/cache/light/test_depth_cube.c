@@ -50,7 +50,9 @@ static void discard(world *w) {
 static float lit_at(const world *w, sl_vec3 p, sl_vec3 n) {
     float lit = 1.0f;
     const sl_light_points at = {1, &p.x, &p.y, &p.z, &n.x, &n.y, &n.z, &n.x, &n.y, &n.z};
-    SL_KERNEL_OF(sl_isa_best(), sl_depth_cube_lit)(&at, &w->cube, &lit);
+    const sl_depth_cube *cube = &w->cube;
+    const sl_cube_looks looks = {1, 1, &cube};
+    SL_KERNEL_OF(sl_isa_best(), sl_depth_cube_lit)(&at, &looks, &lit);
     return lit;
 }
 

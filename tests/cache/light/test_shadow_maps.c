@@ -274,12 +274,12 @@ static void points_of_a_tile_have_the_light_that_they_have_by_themselves(void **
 static void interleaved_neighbours_share_samples_and_penumbrae_stay(void **state) {
     const tiles t = light_tiles(world_room(true), SL_MAPPED_TILE | SL_MAPPED_INTERLEAVED, 0.0f);
     assert_true(t.apart < 0.02 * t.total && fabs(t.more) < 0.002 * t.total);
-    assert_true(t.as_tiles < t.alone / 3);
+    assert_true(t.as_tiles < t.alone / 5);
 }
 
-static void interleaved_pixels_of_several_surfaces_share_no_samples(void **state) {
+static void interleaved_pixels_share_samples_with_those_of_their_own_surface(void **state) {
     const tiles t = light_tiles(world_room(true), SL_MAPPED_TILE | SL_MAPPED_INTERLEAVED, 0.9f);
-    assert_true(t.apart < 0.01 * t.total);
+    assert_true(t.apart < 0.02 * t.total && fabs(t.more) < 0.002 * t.total);
 }
 
 /* A lamp that is half below a pixel's horizon may have none of the samples that this one asks above it. */
@@ -351,7 +351,7 @@ int main(void) {
         cmocka_unit_test(a_quad_light_is_exact_where_seen_and_soft_where_half_hidden),
         cmocka_unit_test(points_of_a_tile_have_the_light_that_they_have_by_themselves),
         cmocka_unit_test(interleaved_neighbours_share_samples_and_penumbrae_stay),
-        cmocka_unit_test(interleaved_pixels_of_several_surfaces_share_no_samples),
+        cmocka_unit_test(interleaved_pixels_share_samples_with_those_of_their_own_surface),
         cmocka_unit_test(interleaved_pixels_that_face_a_lamp_in_part_are_not_dark),
         cmocka_unit_test(an_open_plane_under_an_even_sky_gets_pi_times_its_radiance),
         cmocka_unit_test(points_at_the_light_without_normal_or_not_finite_do_no_harm),
