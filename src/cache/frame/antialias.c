@@ -21,6 +21,7 @@ struct sl_antialias {
     uint32_t *ids; /* at the centres, rows from the bottom */
     uint8_t *at_edge;
     float *colour; /* of pixels at edges, mixed */
+    double *right; /* of the samples of each column, on a plane at unit distance before the eye */
 };
 
 static size_t pixels_of(const sl_antialias *a) { return (size_t)a->width * (size_t)a->height; }
@@ -33,14 +34,15 @@ sl_status sl_antialias_create(int width, int height, sl_antialias **antialias, s
     a->ids = sl_allocate_unset(pixels_of(a), sizeof *a->ids);
     a->at_edge = sl_allocate_unset(pixels_of(a), sizeof *a->at_edge);
     a->colour = sl_allocate_unset(3 * pixels_of(a), sizeof *a->colour);
-    if (a->ids && a->at_edge && a->colour) return SL_OK;
+    a->right = sl_allocate_unset(SAMPLES * (size_t)width, sizeof *a->right);
+    if (a->ids && a->at_edge && a->colour && a->right) return SL_OK;
     sl_antialias_destroy(a);
     *antialias = NULL;
     return sl_fail_memory(error, "antialiasing");
 }
 
 void sl_antialias_destroy(sl_antialias *a) {
-    if (a) SL_FREE_ALL(a->ids, a->at_edge, a->colour, a);
+    if (a) SL_FREE_ALL(a->ids, a->at_edge, a->colour, a->right, a);
 }
 
 /* ---- surfaces ---- */
@@ -64,7 +66,7 @@ typedef struct pass {
     const sl_antialias *a;
     const sl_scene *scene;
     const uint32_t *id; /* at the centres */
-    double right, top;  /* of the view, at unit distance */
+    double top; /* of the view, at unit distance */
     sl_image *picture;
 } pass;
 
@@ -90,9 +92,7 @@ static bool is_edge(const pass *p, size_t x, size_t row, size_t other_x, size_t 
 }
 
 /* Most pixels show the triangle that those around show. */
-static void find_edges_of_row(void *context, size_t row, unsigned worker) {
-    (void)worker;
-    const pass *p = context;
+static void find_edges_of_row(const pass *p, size_t row) {
     const size_t width = (size_t)p->a->width;
     const uint32_t *id = p->id + row * width, *below = row ? id - width : id,
                    *above = row + 1 < (size_t)p->a->height ? id + width : id;
@@ -118,15 +118,18 @@ typedef struct cones {
     sl_edge_cone cone[CONES];
 } cones;
 
-/* Those that the centres around show, the own one first; SL_NO_INDEX is one, infinitely far away. */
+/* The pixels around, the own one first. */
+enum { AROUND = 9 };
+static const int8_t around_right[AROUND] = {0, -1, 1, 0, -1, 1, 0, -1, 1},
+                    around_up[AROUND] = {0, 0, 0, -1, -1, -1, 1, 1, 1};
+
+/* Those that their centres show, the own one first; SL_NO_INDEX is one, infinitely far away. */
 typedef struct candidates {
     size_t count;
-    uint32_t id[9];
-    const sl_edge_cone *cone[9];
-    uint8_t surface[9]; /* the first candidate that is of the same */
-    int around;         /* pixels, the own one first: their candidates, where they lie */
-    uint8_t shows[9];
-    int8_t right[9], up[9];
+    uint32_t id[AROUND];
+    const sl_edge_cone *cone[AROUND];
+    uint8_t surface[AROUND]; /* the first candidate that is of the same */
+    uint8_t shows[AROUND];
 } candidates;
 
 static double along(sl_vec3 axis, sl_vec3d d) {
@@ -176,43 +179,48 @@ static uint8_t candidate_of(const pass *p, uint32_t id, int x, cones *last, cand
 }
 
 static void find_candidates(const pass *p, int x, int y, cones *last, candidates *all) {
-    static const int8_t order[3] = {0, -1, 1};
     const sl_antialias *a = p->a;
+    const uint32_t *own = p->id + (size_t)y * (size_t)a->width + (size_t)x;
     all->count = 0;
-    all->around = 0;
-    for (int k = 0; k < 9; k++) {
-        const int u = x + order[k % 3], v = y + order[k / 3];
-        if (u < 0 || v < 0 || u >= a->width || v >= a->height) continue;
-        all->right[all->around] = order[k % 3];
-        all->up[all->around] = order[k / 3];
-        const uint32_t id = p->id[(size_t)v * (size_t)a->width + (size_t)u];
-        all->shows[all->around++] = candidate_of(p, id, x, last, all);
+    for (int k = 0; k < AROUND; k++) {
+        const int u = x + around_right[k], v = y + around_up[k];
+        const bool inside = (u >= 0) & (v >= 0) & (u < a->width) & (v < a->height);
+        const uint32_t id = inside ? own[around_up[k] * a->width + around_right[k]] : *own;
+        all->shows[k] = id == *own && k ? 0 : candidate_of(p, id, x, last, all);
     }
-}
-
-static sl_edge_places places_of(const pass *p, int x, int row) {
-    sl_edge_places at;
-    for (int k = 0; k < SAMPLES; k++) {
-        at.u[k] = (2.0 * (x + 0.5 + (double)sample_right[k]) / p->a->width - 1.0) * p->right;
-        at.v[k] = (2.0 * (row + 0.5 + (double)sample_up[k]) / p->a->height - 1.0) * p->top;
-    }
-    return at;
 }
 
 /* Returns which of the pixels around has the centre that is nearest to a sample, of those that show the
  * surface of candidate `seen`: the own one where it does. */
 static int find_centre(const candidates *all, uint8_t seen, int sample) {
-    int best = 0;
-    float least = 1e9f;
+    static const uint8_t nearest[SAMPLES][AROUND - 1] = {{3, 1, 4, 2, 5, 6, 7, 8},
+                                                         {2, 3, 5, 6, 8, 1, 4, 7},
+                                                         {1, 6, 7, 3, 4, 2, 8, 5},
+                                                         {6, 2, 8, 1, 7, 3, 5, 4}};
     if (all->surface[seen] == all->surface[0]) return 0;
-    for (int k = 1; k < all->around; k++) {
-        const float dx = (float)all->right[k] - sample_right[sample],
-                    dy = (float)all->up[k] - sample_up[sample], distance = dx * dx + dy * dy;
-        if (distance >= least || all->surface[all->shows[k]] != all->surface[seen]) continue;
-        best = k;
-        least = distance;
+    for (int k = 0; k < AROUND - 1; k++) {
+        const uint8_t at = nearest[sample][k];
+        if (all->surface[all->shows[at]] == all->surface[seen]) return at;
     }
-    return best;
+    return 0;
+}
+
+/* up: of the samples of its row, on the plane at unit distance. */
+static void mix_pixel(const pass *p, sl_isa isa, int x, int row, const double up[SAMPLES], cones *last) {
+    const sl_antialias *a = p->a;
+    const size_t pixel = (size_t)row * (size_t)a->width + (size_t)x;
+    float sum[3] = {0.0f, 0.0f, 0.0f};
+    uint8_t seen[SAMPLES];
+    candidates all;
+    find_candidates(p, x, row, last, &all);
+    SL_KERNEL_OF(isa, sl_edge_see)(all.count, all.cone, a->right + SAMPLES * x, up, seen);
+    for (int k = 0; k < SAMPLES; k++) {
+        const int at = find_centre(&all, seen[k], k);
+        const size_t from = place_of(a, (size_t)(x + around_right[at]), (size_t)(row + around_up[at]));
+        for (size_t c = 0; c < 3; c++) sum[c] += p->picture->planes[c * pixels_of(a) + from];
+    }
+    for (size_t c = 0; c < 3; c++)
+        a->colour[c * pixels_of(a) + pixel] = sl_picture_value(sum[c] * (1.0f / SAMPLES));
 }
 
 static void mix_row(void *context, size_t row, unsigned worker) {
@@ -221,25 +229,13 @@ static void mix_row(void *context, size_t row, unsigned worker) {
     const sl_antialias *a = p->a;
     const sl_isa isa = sl_isa_best();
     cones last;
+    double up[SAMPLES];
+    find_edges_of_row(p, row);
     for (int k = 0; k < CONES; k++) last.used[k] = -1;
-    for (int x = 0; x < a->width; x++) {
-        const size_t pixel = row * (size_t)a->width + (size_t)x;
-        float sum[3] = {0.0f, 0.0f, 0.0f};
-        candidates all;
-        if (!a->at_edge[pixel]) continue;
-        find_candidates(p, x, (int)row, &last, &all);
-        const sl_edge_places places = places_of(p, x, (int)row);
-        uint8_t seen[SAMPLES];
-        SL_KERNEL_OF(isa, sl_edge_see)(all.count, all.cone, &places, seen);
-        for (int k = 0; k < SAMPLES; k++) {
-            const int at = find_centre(&all, seen[k], k);
-            const size_t from =
-                place_of(a, (size_t)(x + all.right[at]), (size_t)((int)row + all.up[at]));
-            for (size_t c = 0; c < 3; c++) sum[c] += p->picture->planes[c * pixels_of(a) + from];
-        }
-        for (size_t c = 0; c < 3; c++)
-            a->colour[c * pixels_of(a) + pixel] = sl_picture_value(sum[c] * (1.0f / SAMPLES));
-    }
+    for (int k = 0; k < SAMPLES; k++)
+        up[k] = (2.0 * ((double)row + 0.5 + (double)sample_up[k]) / a->height - 1.0) * p->top;
+    for (int x = 0; x < a->width; x++)
+        if (a->at_edge[row * (size_t)a->width + (size_t)x]) mix_pixel(p, isa, x, (int)row, up, &last);
 }
 
 static void put_row(void *context, size_t row, unsigned worker) {
@@ -254,19 +250,26 @@ static void put_row(void *context, size_t row, unsigned worker) {
     }
 }
 
+/* right: of the view, at unit distance. */
+static void place_columns(const sl_antialias *a, double right) {
+    for (int x = 0; x < a->width; x++)
+        for (int k = 0; k < SAMPLES; k++)
+            a->right[SAMPLES * x + k] = (2.0 * (x + 0.5 + (double)sample_right[k]) / a->width - 1.0) * right;
+}
+
 sl_status sl_antialias_edges(sl_antialias *a, const sl_scene *scene, const sl_raster *raster,
                              const uint32_t *id, unsigned threads, sl_image *picture, sl_counters *counters,
                              sl_error *error) {
     const size_t rows = (size_t)a->height;
     const double top = sl_tan(0.5 * (double)scene->camera.vertical_fov);
-    pass p = {a, scene, id ? id : a->ids, top * a->width / a->height, top, picture};
+    pass p = {a, scene, id ? id : a->ids, top, picture};
     if (!id) {
         const sl_view view = sl_view_scene(scene, a->width, a->height);
         const sl_target target = {a->width, a->height, a->ids, NULL};
         sl_status status = sl_raster_id(raster, &view, threads, &target, counters, error);
         if (status != SL_OK) return status;
     }
-    sl_parallel_for(threads, rows, find_edges_of_row, &p);
+    place_columns(a, top * a->width / a->height);
     sl_parallel_for(threads, rows, mix_row, &p);
     sl_parallel_for(threads, rows, put_row, &p);
     size_t mixed = 0;

@@ -17,12 +17,8 @@ typedef struct sl_edge_cone {
     bool flat, masked; /* it shows no area; nobody knows where it is opaque but at its own centres */
 } sl_edge_cone;
 
-/* The samples of a pixel as places on a plane at unit distance before the eye. */
-typedef struct sl_edge_places {
-    double u[SL_EDGE_SAMPLES], v[SL_EDGE_SAMPLES];
-} sl_edge_places;
-
-/* Finds what samples see: the nearest of the cones; the first, the pixel's own, where they meet none. */
+/* Finds what the samples of a pixel see, which are at (u, v) on a plane at unit distance before the eye: the
+ * nearest of the cones; the first, the pixel's own, where they meet none. */
 SL_KERNELS(void, sl_edge_see,
-           (size_t count, const sl_edge_cone *const *cones, const sl_edge_places *at,
-            uint8_t seen[SL_EDGE_SAMPLES]));
+           (size_t count, const sl_edge_cone *const *cones, const double u[SL_EDGE_SAMPLES],
+            const double v[SL_EDGE_SAMPLES], uint8_t seen[SL_EDGE_SAMPLES]));
