@@ -7,6 +7,7 @@
 
 #include "base/grow.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/print.h"
 #include "base/random.h"
 #include "scene/animation.h"
@@ -219,3 +220,30 @@ uint64_t sl_scene_hash_of(const sl_scene *scene, uint64_t light_hash) {
 }
 
 uint64_t sl_scene_hash(const sl_scene *scene) { return sl_scene_hash_of(scene, sl_scene_light_hash(scene)); }
+
+/* ---- sub-frames ---- */
+
+enum { CLEARED = 1 << 16 }; /* pixels of a plane, by one thread */
+
+typedef struct clearing {
+    const sl_sub_frame *at;
+    float *plane;
+    size_t pixels, parts; /* of each plane */
+} clearing;
+
+static void clear_part(void *context, size_t index, unsigned worker) {
+    (void)worker;
+    const clearing *c = context;
+    float *plane = c->plane + index / c->parts * c->pixels;
+    const size_t first = index % c->parts * CLEARED, left = c->pixels - first,
+                 end = first + (left < CLEARED ? left : CLEARED);
+    for (sl_pixel_run r = sl_sub_frame_run(c->at, first, end); r.first < r.end;
+         r = sl_sub_frame_run(c->at, r.end, end))
+        memset(plane + r.first, 0, (r.end - r.first) * sizeof *plane);
+}
+
+void sl_sub_frame_clear(const sl_sub_frame *at, unsigned threads, float *plane, size_t planes,
+                        size_t pixels) {
+    clearing c = {at, plane, pixels, (pixels + CLEARED - 1) / CLEARED};
+    sl_parallel_for(threads, planes * c.parts, clear_part, &c);
+}

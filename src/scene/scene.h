@@ -132,12 +132,7 @@ static inline sl_pixel_run sl_sub_frame_run(const sl_sub_frame *at, size_t first
 }
 
 /* Clears the pixels that it shows, in `planes` planes one after the other. */
-static inline void sl_sub_frame_clear(const sl_sub_frame *at, float *plane, size_t planes, size_t pixels) {
-    for (sl_pixel_run r = sl_sub_frame_run(at, 0, pixels); r.first < r.end;
-         r = sl_sub_frame_run(at, r.end, pixels))
-        for (size_t k = 0; k < planes; k++)
-            memset(plane + k * pixels + r.first, 0, (r.end - r.first) * sizeof *plane);
-}
+void sl_sub_frame_clear(const sl_sub_frame *at, unsigned threads, float *plane, size_t planes, size_t pixels);
 
 enum { SL_CHANGES = 7, SL_CHANGED_ALL = (1 << SL_CHANGES) - 1 }; /* bits of SL_CHANGED_ */
 

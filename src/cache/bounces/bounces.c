@@ -1,12 +1,13 @@
 /* The second-level cache: where its records lie, what they answer, and how it follows the camera. */
 #include "cache/bounces/second_level.h"
 
+#include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
 
-enum { ORIGINS = 1600, CHECKS = 64, CHECK_GENERATION = 100 };
+enum { ORIGINS = 1600, CHECKS = 64, QUICK_CHECKS = CHECKS / 2, CHECK_GENERATION = 100 };
 /* Few look-ups of visible gathers shall miss the records; those of second-level gathers matter less, and
  * deeper generations of probes mostly look from corners into the same corners. */
 enum { GENERATIONS = 2 };
@@ -92,23 +93,48 @@ static sl_status find_places(sl_second_cache *cache, unsigned origins_wanted, si
 
 /* ---- the camera ---- */
 
+typedef struct {
+    const sl_second_cache *cache;
+    const sl_gather_point *points;
+} check;
+
+/* Of the points that one origin sees. */
+typedef struct {
+    uint32_t asked, out_of_reach;
+} checked;
+
+static void check_origin(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    (void)worker, (void)counters;
+    const check *c = context;
+    const sl_gather_point *p = c->points + index * SL_PROBE_RAYS;
+    checked of = {0, 0};
+    for (size_t i = 0; i < SL_PROBE_RAYS; i++) {
+        if (p[i].triangle == SL_NO_INDEX) continue;
+        of.asked++;
+        if (!(sl_second_weight(c->cache, &p[i]) > 0.0f)) of.out_of_reach++;
+    }
+    *(checked *)result = of;
+}
+
 /* A few points that gathers of this view will see, always the same ones: how many of them does no record
  * reach? */
 static sl_status check_points(const sl_second_cache *cache, float *missed, sl_counters *counters,
                                sl_error *error) {
     const sl_second_settings *s = &cache->settings;
+    const unsigned checks = s->quick ? QUICK_CHECKS : CHECKS;
     sl_probed origins, seen = {0};
-    size_t asked = 0, out_of_reach = 0;
-    sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, CHECKS, &origins, counters, error);
+    checked of[CHECKS], all = {0, 0};
+    sl_status status = sl_probe_camera(cache->scene, cache->tracer, s, checks, &origins, counters, error);
     if (status == SL_OK)
-        status = sl_probe_from(cache->scene, cache->tracer, s, origins.points, origins.count, ORIGINS,
+        status = sl_probe_from(cache->scene, cache->tracer, s, origins.points, origins.count, checks,
                                CHECK_GENERATION, &seen, counters, error);
-    for (size_t i = 0; status == SL_OK && i < seen.count; i++) {
-        if (seen.points[i].triangle == SL_NO_INDEX) continue;
-        asked++;
-        if (!(sl_second_weight(cache, &seen.points[i]) > 0.0f)) out_of_reach++;
-    }
-    if (status == SL_OK) *missed = asked ? (float)out_of_reach / (float)asked : 0.0f;
+    check context = {cache, seen.points};
+    const sl_batch batch = {.count = seen.count / SL_PROBE_RAYS, .work = check_origin, .context = &context,
+                            .results = of, .result_bytes = sizeof *of};
+    if (status == SL_OK) sl_batch_run(&batch, s->threads, counters);
+    for (size_t i = 0; status == SL_OK && i < batch.count; i++)
+        all.asked += of[i].asked, all.out_of_reach += of[i].out_of_reach;
+    if (status == SL_OK) *missed = all.asked ? (float)all.out_of_reach / (float)all.asked : 0.0f;
     sl_probed_free(&origins);
     sl_probed_free(&seen);
     return status;

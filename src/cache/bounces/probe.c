@@ -11,7 +11,8 @@
 #include "base/random.h"
 #include "cache/hemisphere/gather_tables.h"
 
-enum { RAYS_A_SIDE = 8, RAYS = RAYS_A_SIDE * RAYS_A_SIDE };
+enum { RAYS_A_SIDE = 8, RAYS = SL_PROBE_RAYS };
+_Static_assert(RAYS == RAYS_A_SIDE * RAYS_A_SIDE, "cells of a square");
 
 void sl_probed_free(sl_probed *probed) {
     sl_free(probed->points);

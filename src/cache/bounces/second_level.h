@@ -146,7 +146,8 @@ typedef struct sl_probed {
 /* points: about so many, spread over the picture. */
 sl_status sl_probe_camera(const sl_scene *scene, const sl_tracer *tracer, const sl_second_settings *settings,
                           unsigned points, sl_probed *seen, sl_counters *counters, sl_error *error);
-/* most: of so many origins, spread over them all, if there are more. */
+enum { SL_PROBE_RAYS = 64 };
+/* SL_PROBE_RAYS points for each origin; most: of so many origins, spread over them all, if there are more. */
 sl_status sl_probe_from(const sl_scene *scene, const sl_tracer *tracer, const sl_second_settings *settings,
                         const sl_gather_point *origins, size_t count, size_t most, uint64_t generation,
                         sl_probed *seen, sl_counters *counters, sl_error *error);

@@ -153,33 +153,41 @@ static sl_status ready_atlas(sl_octree_state *s, sl_error *error) {
     return status;
 }
 
+sl_octree_pixels sl_octree_pixels_of(const sl_octree_state *s, const sl_octree_shading *shading, bool moves) {
+    return (sl_octree_pixels){.scene = s->scene,
+                              .gbuffer = s->gbuffer,
+                              .reflections = s->reflections,
+                              .shading = shading,
+                              .canvas = s->canvas,
+                              .eye = s->scene->camera.eye,
+                              .moves = moves && !s->canvas,
+                              .threads = s->settings.threads};
+}
+
 static sl_status light_pixels(sl_octree_state *s, bool moves, sl_error *error) {
-    sl_octree_shading shading = sl_octree_state_shading(s);
-    sl_octree_pixels pixels = {.scene = s->scene,
-                               .gbuffer = s->gbuffer,
-                               .reflections = s->reflections,
-                               .shading = &shading,
-                               .canvas = s->canvas,
-                               .eye = s->scene->camera.eye,
-                               .moves = moves && !s->canvas,
-                               .threads = s->settings.threads};
+    const sl_octree_shading shading = sl_octree_state_shading(s);
+    const sl_octree_pixels pixels = sl_octree_pixels_of(s, &shading, moves);
     return sl_octree_light_pixels(&pixels, s->indirect_light, &s->counters, error);
 }
 
-sl_status sl_octree_light_picture(sl_octree_state *s, bool moves, sl_error *error) {
+void sl_octree_show_light(sl_octree_state *s, bool lit) {
     char name[48];
+    s->lit = lit;
+    s->fresh = true;
+    if (s->settings.light_octree.photons_at_pixels)
+        snprintf(name, sizeof name, "indirect light, photons at pixels");
+    else snprintf(name, sizeof name, "indirect light, depth %d", s->shown.octree->depth);
+    sl_octree_announce_picture(s, name, "light from the octree", s->indirect_light[0]);
+}
+
+sl_status sl_octree_light_picture(sl_octree_state *s, bool moves, sl_error *error) {
     bool gathered = s->settings.light_octree.photons_at_pixels;
     sl_status status = SL_OK;
     if (gathered)
         sl_photons_light_pixels(s->scene, s->gbuffer, s->shown.lights, s->settings.threads, s->indirect_light,
                                 &s->counters);
     else status = light_pixels(s, moves, error);
-    if (status != SL_OK) return status;
-    s->lit = gathered || !moves || s->canvas; /* else pixels are to have light of their own */
-    s->fresh = true;
-    if (gathered) snprintf(name, sizeof name, "indirect light, photons at pixels");
-    else snprintf(name, sizeof name, "indirect light, depth %d", s->shown.octree->depth);
-    sl_octree_announce_picture(s, name, "light from the octree", s->indirect_light[0]);
+    if (status == SL_OK) sl_octree_show_light(s, gathered || !moves || s->canvas);
     return status;
 }
 

@@ -127,6 +127,17 @@ void sl_octree_announce_picture(sl_octree_state *s, const char *name, const char
     sl_announce(&s->announcer, name, source, s->settings.width, s->settings.height, 3, planes, true);
 }
 
+void sl_octree_begin_light(sl_octree_state *s) {
+    sl_announce_gbuffer(&s->announcer, "direct light beside the octree", s->gbuffer);
+    s->lit = false;
+    s->direct_row = 0;
+    s->phase = s->plan.direct ? SL_OCTREE_PHASE_DIRECT : SL_OCTREE_PHASE_PHOTONS;
+}
+
+void sl_octree_announce_direct(sl_octree_state *s) {
+    sl_octree_announce_picture(s, "direct light", "direct light beside the octree", s->direct_light[0]);
+}
+
 sl_status sl_octree_draw_gbuffer(sl_octree_state *s, sl_error *error) {
     sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
     sl_status status =
@@ -138,11 +149,9 @@ sl_status sl_octree_draw_gbuffer(sl_octree_state *s, sl_error *error) {
         status = sl_reflect_pixels(s->scene, tracer, s->settings.threads, s->gbuffer, &s->reflections,
                                    &s->counters, error);
     if (status != SL_OK) return status;
-    sl_announce_gbuffer(&s->announcer, "direct light beside the octree", s->gbuffer);
-    s->lit = false;
-    sl_sub_frame_clear(&s->scene->sub_frame, s->planes, SL_OCTREE_PLANES, sl_settings_pixels(&s->settings));
-    s->direct_row = 0;
-    s->phase = s->plan.direct ? SL_OCTREE_PHASE_DIRECT : SL_OCTREE_PHASE_PHOTONS;
+    sl_octree_begin_light(s);
+    sl_sub_frame_clear(&s->scene->sub_frame, s->settings.threads, s->planes, SL_OCTREE_PLANES,
+                       sl_settings_pixels(&s->settings));
     return status;
 }
 
@@ -150,7 +159,7 @@ sl_status sl_octree_light_rows(sl_octree_state *s, sl_error *error) {
     sl_status status = sl_direct_rows(s->direct, s->gbuffer, SL_DIRECT_ROWS, &s->direct_row, s->direct_light,
                                       &s->counters, error);
     if (status != SL_OK || s->direct_row < s->settings.height) return status;
-    sl_octree_announce_picture(s, "direct light", "direct light beside the octree", s->direct_light[0]);
+    sl_octree_announce_direct(s);
     s->fresh = s->lit; /* else it has no indirect light yet */
     s->phase = SL_OCTREE_PHASE_PHOTONS;
     return status;

@@ -3,7 +3,10 @@
  * point for each pixel, are for what stands still. Where light has changed, photons are traced again in
  * slices, one an edit, and the older a slice is the less it counts. A slice's paths are the same each
  * time: where nothing has moved its photons keep their places, and light does not flash. */
+#include "base/batch.h"
+#include "base/counters.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/memory.h"
 #include "cache/light_octree/light_octree.h"
 
@@ -32,12 +35,11 @@ static sl_status make_direct(sl_octree_state *s, sl_error *error) {
 }
 
 static sl_status light_directly(sl_octree_state *s, sl_error *error) {
-    sl_status status = make_direct(s, error);
+    sl_status status = SL_OK;
     for (int row = 0; status == SL_OK && s->motion.direct && row < s->settings.height;)
         status = sl_direct_rows(s->motion.direct, s->gbuffer, SL_DIRECT_ROWS, &row, s->direct_light,
                                 &s->counters, error);
-    if (status == SL_OK && s->motion.direct)
-        sl_octree_announce_picture(s, "direct light", "direct light beside the octree", s->direct_light[0]);
+    if (status == SL_OK && s->motion.direct) sl_octree_announce_direct(s);
     return status;
 }
 
@@ -164,13 +166,110 @@ static sl_status light_anew(sl_octree_state *s, sl_error *error) {
 
 static bool is_light_old(const sl_octree_motion *m) { return m->age[oldest_slice(m)] > 0; }
 
-sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error) {
+/* ---- Frames ---- */
+
+/* Rows that pass through all steps while they are in a processor's cache. */
+enum { ROWS = 32 };
+
+typedef struct drawing {
+    const sl_octree_state *state;
+    const sl_resolver *resolver;
+    sl_octree_pixels pixels; /* of the whole picture */
+} drawing;
+
+typedef struct strip_end {
+    sl_status status;
+    sl_error error;
+} strip_end;
+
+/* The rows of a G-buffer's `pixels` from `first` on. */
+static sl_gbuffer part_of(const sl_gbuffer *g, size_t first, int rows) {
+    return (sl_gbuffer){.width = g->width, .height = rows, .id = g->id + first,
+                        .position_x = g->position_x + first, .position_y = g->position_y + first,
+                        .position_z = g->position_z + first, .normal_x = g->normal_x + first,
+                        .normal_y = g->normal_y + first, .normal_z = g->normal_z + first,
+                        .geometric_x = g->geometric_x + first, .geometric_y = g->geometric_y + first,
+                        .geometric_z = g->geometric_z + first, .diffuse_r = g->diffuse_r + first,
+                        .diffuse_g = g->diffuse_g + first, .diffuse_b = g->diffuse_b + first,
+                        .material = g->material + first};
+}
+
+static void draw_strip(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
+    const drawing *d = context;
+    const sl_octree_state *s = d->state;
+    strip_end *end = result;
+    const int first_row = (int)index * ROWS, left = s->gbuffer->height - first_row,
+              rows = left < ROWS ? left : ROWS;
+    const size_t width = (size_t)s->gbuffer->width, first = (size_t)first_row * width;
+    float *const indirect[3] = {s->indirect_light[0] + first, s->indirect_light[1] + first,
+                                s->indirect_light[2] + first};
+    sl_gbuffer part = part_of(s->gbuffer, first, rows);
+    sl_octree_pixels pixels = d->pixels;
+    int row = first_row;
+    pixels.gbuffer = &part;
+    pixels.threads = 1;
+    sl_count(counters, SL_COUNT_FRAGMENTS_SHADED,
+             sl_resolver_run(d->resolver, worker, first, (size_t)rows * width, &part));
+    end->status =
+        sl_direct_rows(s->motion.direct, s->gbuffer, rows, &row, s->direct_light, counters, &end->error);
+    if (end->status == SL_OK)
+        end->status = sl_octree_light_pixels(&pixels, indirect, counters, &end->error);
+}
+
+static sl_status draw_all(const drawing *d, sl_counters *counters, sl_error *error) {
+    const size_t strips = ((size_t)d->state->gbuffer->height + ROWS - 1) / ROWS;
+    strip_end *end = sl_allocate(strips, sizeof *end);
+    if (!end) return sl_fail_memory(error, "a frame's strips");
+    const sl_batch batch = {.count = strips, .work = draw_strip, .context = (void *)d, .results = end,
+                            .result_bytes = sizeof *end};
+    sl_batch_run(&batch, d->pixels.threads, counters);
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < strips && status == SL_OK; i++) {
+        status = end[i].status;
+        if (status != SL_OK) *error = end[i].error;
+    }
+    sl_free(end);
+    return status;
+}
+
+static sl_status draw_strips(sl_octree_state *s, sl_error *error) {
+    const sl_octree_shading shading = sl_octree_state_shading(s);
+    const sl_view view = sl_view_scene(s->scene, s->settings.width, s->settings.height);
+    const sl_target target = {view.width, view.height, s->gbuffer->id, s->gbuffer->depth};
+    const unsigned threads = sl_thread_count(s->settings.threads);
+    sl_resolver *resolver = NULL;
+    sl_status status = sl_raster_id(s->raster, &view, threads, &target, &s->counters, error);
+    if (status == SL_OK)
+        status = sl_resolver_create(s->raster, &view, s->gbuffer->id, threads, &resolver, error);
+    const drawing d = {s, resolver, sl_octree_pixels_of(s, &shading, true)};
+    if (status == SL_OK) status = draw_all(&d, &s->counters, error);
+    sl_resolver_destroy(resolver);
+    if (status != SL_OK) return status;
+    sl_octree_begin_light(s);
+    sl_octree_announce_direct(s);
+    sl_octree_show_light(s, false);
+    return SL_OK;
+}
+
+/* What needs the whole G-buffer first: mirrors, light by rays, an atlas, photons at pixels. */
+static sl_status draw_in_steps(sl_octree_state *s, sl_error *error) {
     sl_status status = sl_octree_draw_gbuffer(s, error);
-    const sl_octree_phase next = s->phase;
     if (status == SL_OK) status = light_directly(s, error);
-    const bool old = !s->shown.octree || (s->motion.shown && is_light_old(&s->motion));
-    if (status == SL_OK && s->plan.photons && old) status = light_anew(s, error);
     if (status == SL_OK && s->shown.octree) status = sl_octree_light_picture(s, true, error);
+    return status;
+}
+
+static bool can_be_strips(const sl_octree_state *s) {
+    return s->motion.direct && sl_direct_is_mapped(s->motion.direct) && s->shown.octree && !s->plan.mirrors &&
+           !s->canvas && !s->settings.light_octree.photons_at_pixels;
+}
+
+sl_status sl_octree_draw_frame(sl_octree_state *s, sl_error *error) {
+    const bool old = !s->shown.octree || (s->motion.shown && is_light_old(&s->motion));
+    sl_status status = make_direct(s, error);
+    if (status == SL_OK && s->plan.photons && old) status = light_anew(s, error);
+    const sl_octree_phase next = s->plan.direct ? SL_OCTREE_PHASE_DIRECT : SL_OCTREE_PHASE_PHOTONS;
+    if (status == SL_OK) status = can_be_strips(s) ? draw_strips(s, error) : draw_in_steps(s, error);
     s->phase = next; /* rays and photons as of what stands still come now */
     s->fresh = status == SL_OK;
     return status;

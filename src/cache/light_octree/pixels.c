@@ -210,7 +210,7 @@ static sl_status light_by_atlas(const sl_octree_pixels *p, size_t pixels, float 
 sl_status sl_octree_light_pixels(const sl_octree_pixels *p, float *const indirect[3], sl_counters *counters,
                                  sl_error *error) {
     size_t pixels = (size_t)p->gbuffer->width * (size_t)p->gbuffer->height;
-    for (int c = 0; c < 3; c++) sl_sub_frame_clear(&p->scene->sub_frame, indirect[c], 1, pixels);
+    for (int c = 0; c < 3; c++) sl_sub_frame_clear(&p->scene->sub_frame, p->threads, indirect[c], 1, pixels);
     return p->canvas ? light_by_atlas(p, pixels, indirect, counters, error)
                      : shade_pixels(p, NULL, indirect, counters, error);
 }

@@ -209,9 +209,9 @@ sl_status sl_octree_shade(const sl_octree_shading *shading, const sl_octree_poin
                           sl_counters *counters, sl_error *error) {
     size_t blocks = (points->count + SL_OCTREE_BLOCK - 1) / SL_OCTREE_BLOCK;
     threads = sl_thread_count(threads);
-    shading_pass pass = {shading, points, sl_isa_best(),
-                         sl_allocate(threads, sizeof *pass.scratch)};
+    shading_pass pass = {shading, points, sl_isa_best(), sl_allocate_unset(threads, sizeof *pass.scratch)};
     if (!pass.scratch) return sl_fail_memory(error, "shading");
+    for (unsigned i = 0; i < threads; i++) pass.scratch[i].counters = (sl_counters){{0}};
     sl_parallel_for(threads, blocks, shade_block, &pass);
     for (unsigned i = 0; i < threads; i++) sl_counters_add(counters, &pass.scratch[i].counters);
     sl_free(pass.scratch);

@@ -51,9 +51,9 @@ static sl_status fill(const sl_splat_state *s, float *mean, sl_error *error) {
     for (int class = 0; class < SL_RECEIVER_CLASSES; class++) {
         const uint32_t *mine = s->cache[class].receives;
         for (size_t k = 0; mine && status == SL_OK && k < (class == SL_RECEIVES_RADIANCE ? MEANS : 3); k += 3)
-            status = sl_fill_uncovered(s->settings.width, s->settings.height, s->splats.weight, mine,
-                                       mean + k * pixels, mean + (k + 1) * pixels, mean + (k + 2) * pixels,
-                                       error);
+            status = sl_fill_uncovered(
+                s->settings.width, s->settings.height, s->splats.weight, mine, s->settings.threads,
+                (float *[3]){mean + k * pixels, mean + (k + 1) * pixels, mean + (k + 2) * pixels}, error);
     }
     return status;
 }

@@ -122,28 +122,47 @@ static bool is_sound(const sl_gbuffer *g, size_t i) {
            sl_is_finite(sl_gbuffer_position(g, i));
 }
 
+typedef struct {
+    size_t receivers[SL_RECEIVER_CLASSES];
+} classified;
+
 /* A normal that is not finite would ask for ever. */
-static void classify(sl_splat_state *s, size_t i) {
+static void classify(sl_splat_state *s, size_t i, classified *row, sl_counters *counters) {
     if (s->gbuffer->material[i] == SL_NO_INDEX) return;
     sl_receiver_class class = class_of(s, i);
     if (!is_sound(s->gbuffer, i)) {
-        sl_count(&s->counters, SL_COUNT_NONFINITE, 1);
+        sl_count(counters, SL_COUNT_NONFINITE, 1);
     } else if (class < SL_RECEIVER_CLASSES && s->cache[class].receives) {
         s->cache[class].receives[i] = 1;
-        s->cache[class].receivers++;
+        row->receivers[class]++;
     }
 }
 
-void sl_splat_classify(sl_splat_state *s) {
+static void classify_row(void *context, size_t y, unsigned worker, void *result, sl_counters *counters) {
+    sl_splat_state *s = context;
     const sl_sub_frame *at = &s->scene->sub_frame;
+    const size_t width = (size_t)s->settings.width, row = y * width, end = row + width;
+    (void)worker;
+    for (int c = 0; c < SL_RECEIVER_CLASSES; c++)
+        if (s->cache[c].receives) memset(s->cache[c].receives + row, 0, width * sizeof *s->cache[c].receives);
+    for (sl_pixel_run r = sl_sub_frame_run(at, row, end); r.first < r.end;
+         r = sl_sub_frame_run(at, r.end, end))
+        for (size_t i = r.first; i < r.end; i++) classify(s, i, result, counters);
+}
+
+sl_status sl_splat_classify(sl_splat_state *s, sl_error *error) {
+    const size_t rows = (size_t)s->settings.height;
+    classified *of = sl_allocate(rows, sizeof *of);
+    if (!of) return sl_fail_memory(error, "classes of pixels");
+    const sl_batch batch = {.count = rows, .work = classify_row, .context = s, .results = of,
+                            .result_bytes = sizeof *of};
+    sl_batch_run(&batch, s->settings.threads, &s->counters);
     for (int c = 0; c < SL_RECEIVER_CLASSES; c++) {
         s->cache[c].receivers = 0;
-        if (s->cache[c].receives)
-            memset(s->cache[c].receives, 0, sl_splat_pixels(s) * sizeof *s->cache[c].receives);
+        for (size_t y = 0; y < rows; y++) s->cache[c].receivers += of[y].receivers[c];
     }
-    const size_t end = sl_splat_pixels(s);
-    for (sl_pixel_run r = sl_sub_frame_run(at, 0, end); r.first < r.end; r = sl_sub_frame_run(at, r.end, end))
-        for (size_t i = r.first; i < r.end; i++) classify(s, i);
+    sl_free(of);
+    return SL_OK;
 }
 
 /* ---- progress ---- */

@@ -3,6 +3,7 @@
  * mean wherever the finer level has nothing. Irradiance is filled, not radiance, so textures stay sharp. */
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "cache/splatting/splatting.h"
 
 enum { R, G, B, W, SUMS };
@@ -14,12 +15,22 @@ typedef struct {
 
 static size_t pixels_of(const level *l) { return (size_t)l->width * (size_t)l->height; }
 
+/* Two levels of the pyramid. */
+typedef struct {
+    const level *fine, *coarse;
+} step;
+
 /* Sums 2x2 pixels of the finer level; an odd last column or row is summed alone. */
-static void push(const level *fine, const level *coarse) {
-    for (size_t from = 0; from < pixels_of(fine); from++) {
-        size_t x = from % (size_t)fine->width, y = from / (size_t)fine->width;
-        float *to = coarse->sum[y / 2 * (size_t)coarse->width + x / 2];
-        for (int c = 0; c < SUMS; c++) to[c] += fine->sum[from][c];
+static void push_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const level *fine = ((const step *)context)->fine, *coarse = ((const step *)context)->coarse;
+    const size_t width = (size_t)fine->width, below = 2 * row + 2,
+                 end = below < (size_t)fine->height ? below : (size_t)fine->height;
+    for (size_t y = 2 * row; y < end; y++) {
+        for (size_t x = 0; x < width; x++) {
+            float *to = coarse->sum[row * (size_t)coarse->width + x / 2];
+            for (int c = 0; c < SUMS; c++) to[c] += fine->sum[y * width + x][c];
+        }
     }
 }
 
@@ -41,45 +52,74 @@ static void tent(const level *coarse, int x, int y, float mean[SUMS]) {
     mean[W] = sums[W] > 0.0f ? 1.0f : 0.0f;
 }
 
-static void pull(const level *coarse, const level *fine) {
-    for (size_t to = 0; to < pixels_of(fine); to++) {
-        if (!(fine->sum[to][W] > 0.0f))
-            tent(coarse, (int)(to % (size_t)fine->width), (int)(to / (size_t)fine->width), fine->sum[to]);
+static void pull_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const level *fine = ((const step *)context)->fine, *coarse = ((const step *)context)->coarse;
+    for (int x = 0; x < fine->width; x++) {
+        float *to = fine->sum[row * (size_t)fine->width + (size_t)x];
+        if (!(to[W] > 0.0f)) tent(coarse, x, (int)row, to);
     }
 }
 
 /* Fills the holes of a level by those that are coarser. */
-static bool fill(const level *fine) {
+static bool fill(const level *fine, unsigned threads) {
     level coarse = {(fine->width + 1) / 2, (fine->height + 1) / 2, NULL};
+    step s = {fine, &coarse};
     if (fine->width == 1 && fine->height == 1) return true;
     coarse.sum = sl_allocate(pixels_of(&coarse), sizeof *coarse.sum);
     if (!coarse.sum) return false;
-    push(fine, &coarse);
-    bool filled = fill(&coarse);
-    if (filled) pull(&coarse, fine);
+    sl_parallel_for(threads, (size_t)coarse.height, push_row, &s);
+    bool filled = fill(&coarse, threads);
+    if (filled) sl_parallel_for(threads, (size_t)fine->height, pull_row, &s);
     sl_free(coarse.sum);
     return filled;
 }
 
-sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r,
-                            float *g, float *b, sl_error *error) {
+/* ---- the picture, which is the finest level ---- */
+
+typedef struct {
+    const level *finest;
+    const float *weight;
+    const uint32_t *receives;
+    float *mean[3];
+} picture;
+
+static void take_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const picture *p = context;
+    const size_t first = row * (size_t)p->finest->width, end = first + (size_t)p->finest->width;
+    for (size_t i = first; i < end; i++) {
+        float *to = p->finest->sum[i];
+        const bool known = p->weight[i] > 0.0f && p->receives[i];
+        for (int c = R; c <= B; c++) to[c] = known ? p->mean[c][i] : 0.0f;
+        to[W] = known ? 1.0f : 0.0f;
+    }
+}
+
+static void put_row(void *context, size_t row, unsigned worker) {
+    (void)worker;
+    const picture *p = context;
+    const size_t first = row * (size_t)p->finest->width, end = first + (size_t)p->finest->width;
+    for (size_t i = first; i < end; i++) {
+        if (!p->receives[i] || p->weight[i] > 0.0f) continue;
+        for (int c = R; c <= B; c++) p->mean[c][i] = p->finest->sum[i][c];
+    }
+}
+
+sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives,
+                            unsigned threads, float *const mean[3], sl_error *error) {
     level finest = {width, height, NULL};
-    const size_t pixels = pixels_of(&finest);
+    const size_t pixels = pixels_of(&finest), rows = (size_t)height;
     uint32_t holes = 0;
 #pragma omp simd reduction(| : holes)
     for (size_t i = 0; i < pixels; i++) holes |= weight[i] > 0.0f ? 0 : receives[i];
     if (!holes) return SL_OK;
-    finest.sum = sl_allocate(pixels, sizeof *finest.sum);
+    finest.sum = sl_allocate_unset(pixels, sizeof *finest.sum);
     if (!finest.sum) return sl_fail_memory(error, "filling uncovered pixels");
-    for (size_t i = 0; i < pixels; i++) {
-        float *to = finest.sum[i];
-        if (weight[i] > 0.0f && receives[i]) to[R] = r[i], to[G] = g[i], to[B] = b[i], to[W] = 1.0f;
-    }
-    bool filled = fill(&finest);
-    for (size_t i = 0; filled && i < pixels; i++) {
-        const float *from = finest.sum[i];
-        if (receives[i] && !(weight[i] > 0.0f)) r[i] = from[R], g[i] = from[G], b[i] = from[B];
-    }
+    picture p = {&finest, weight, receives, {mean[0], mean[1], mean[2]}};
+    sl_parallel_for(threads, rows, take_row, &p);
+    bool filled = fill(&finest, threads);
+    if (filled) sl_parallel_for(threads, rows, put_row, &p);
     sl_free(finest.sum);
     return filled ? SL_OK : sl_fail_memory(error, "filling uncovered pixels");
 }

@@ -97,9 +97,9 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     if (status == SL_OK && s->tracer && !is_for(s, SL_SUB_FRAME_SHOWS))
         status = sl_look_at_edges(s->scene, s->tracer, s->settings.threads, s->gbuffer, &s->counters, error);
     if (status == SL_OK) status = follow_mirrors(s, error);
+    if (status == SL_OK) status = sl_splat_classify(s, error);
     if (status != SL_OK) return status;
     sl_announce_gbuffer(&s->announcer, "Algorithm 2, step 1", s->gbuffer);
-    sl_splat_classify(s);
     s->direct_row = 0;
     if (is_for(s, SL_SUB_FRAME_BOTH)) s->frame_records = 0;
     if (!s->plan.direct) s->phase = SL_PHASE_DONE;
@@ -111,7 +111,8 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
 /* ---- step 1b: direct light ---- */
 
 static sl_status light_rows(sl_splat_state *s, sl_error *error) {
-    sl_status status = sl_direct_rows(s->direct, s->gbuffer, SL_DIRECT_ROWS, &s->direct_row, s->direct_light,
+    const int rows = sl_direct_is_mapped(s->direct) ? s->settings.height : SL_DIRECT_ROWS;
+    sl_status status = sl_direct_rows(s->direct, s->gbuffer, rows, &s->direct_row, s->direct_light,
                                       &s->counters, error);
     if (status != SL_OK || s->direct_row < s->settings.height) return status;
     announce(s, "direct light", "direct lighting", 3, s->planes, true);
@@ -279,7 +280,7 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
 void sl_splat_begin_view(sl_splat_state *s) {
     size_t pixels = sl_splat_pixels(s);
     const size_t planes = s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3;
-    sl_sub_frame_clear(&s->scene->sub_frame, s->planes, planes, pixels);
+    sl_sub_frame_clear(&s->scene->sub_frame, s->settings.threads, s->planes, planes, pixels);
     memset(s->owned, 0, pixels);
     s->phase = sl_splat_is_quick(s) ? SL_PHASE_RENEW : SL_PHASE_GBUFFER;
     s->interleaves = s->maps && walks(s);

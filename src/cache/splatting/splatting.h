@@ -132,7 +132,7 @@ extern const char *const sl_layer_names[SL_LAYERS_GLOSSY];
 
 /* ---- fallback of an unfinished picture ---- */
 
-/* Push-pull: where weight is 0 and the pixel receives, the mean of those around it that receive. r, g, b hold
- * means, not sums. */
-sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives, float *r,
-                            float *g, float *b, sl_error *error);
+/* Push-pull: where weight is 0 and the pixel receives, the mean of those around it that receive. The three
+ * planes hold means, not sums. */
+sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives,
+                            unsigned threads, float *const mean[3], sl_error *error);

@@ -113,7 +113,7 @@ typedef struct sl_splat_state {
 /* ---- edges.c ---- */
 
 /* Marks and counts each class's receivers in the G-buffer. */
-void sl_splat_classify(sl_splat_state *state);
+sl_status sl_splat_classify(sl_splat_state *state, sl_error *error);
 /* Returns how much of a picture is done, for the progress bar alone. */
 double sl_splat_fraction(const sl_splat_state *state);
 
