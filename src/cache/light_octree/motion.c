@@ -1,8 +1,9 @@
 /* Frames while something moves: the update behind an edit draws a whole one, so that no frame is without
  * light. Direct light is by shadow maps, and pixels share points of the octree four by four; rays, and a
- * point for each pixel, are for what stands still. Where light has changed, photons are traced again in
- * slices, one an edit, and the older a slice is the less it counts. A slice's paths are the same each
- * time: where nothing has moved its photons keep their places, and light does not flash. */
+ * point for each pixel, are for what stands still. A strip of rows goes through all steps while a processor's
+ * cache holds it. Where light has changed, photons are traced again in slices, one an edit, and the older a
+ * slice is the less it counts. A slice's paths are the same each time: where nothing has moved its photons
+ * keep their places, and light does not flash. */
 #include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "unit_test.h"
+#include "cache/light_octree/light_octree.h"
 #include "rendering.h"
 
 static sl_settings octree_settings(int size) {
@@ -182,6 +183,30 @@ static void a_frame_in_motion_is_nearly_the_picture_at_rest(void **state) {
     destroy_method(method, scene);
 }
 
+static void a_frame_that_is_drawn_in_strips_is_that_of_whole_steps(void **state) {
+    sl_scene *scene = load_scene("scenes/cornell.json");
+    sl_settings settings = octree_settings(75); /* two strips, and some rows */
+    settings.light_octree.indirect_only = false;
+    sl_method *method = created_method(scene, &settings);
+    sl_progress progress = {0};
+    sl_image_destroy(finished_picture(method));
+    sl_octree_state *s = method->state;
+    const size_t bytes = SL_OCTREE_PLANES * 75 * 75 * sizeof(float);
+    float *strips = malloc(bytes);
+    int row = 0;
+    assert_int_equal(sl_method_edit(method, SL_CHANGED_CAMERA, NULL), SL_OK);
+    assert_int_equal(sl_method_update(method, &progress, NULL), SL_OK);
+    assert_true(progress.frame_done && strips && sl_direct_is_mapped(s->motion.direct));
+    memcpy(strips, s->planes, bytes);
+    assert_int_equal(sl_octree_draw_gbuffer(s, NULL), SL_OK);
+    assert_int_equal(
+        sl_direct_rows(s->motion.direct, s->gbuffer, 75, &row, s->direct_light, &s->counters, NULL), SL_OK);
+    assert_int_equal(sl_octree_light_picture(s, true, NULL), SL_OK);
+    assert_memory_equal(strips, s->planes, bytes);
+    free(strips);
+    destroy_method(method, scene);
+}
+
 /* ---- what is said ---- */
 
 static double number(const sl_image *image, const char *name) {
@@ -285,6 +310,7 @@ int main(void) {
         cmocka_unit_test(larger_voxels_close_the_holes_that_empty_ones_tear),
         cmocka_unit_test(a_frame_of_a_series_is_that_frame_alone),
         cmocka_unit_test(a_frame_in_motion_is_nearly_the_picture_at_rest),
+        cmocka_unit_test(a_frame_that_is_drawn_in_strips_is_that_of_whole_steps),
         cmocka_unit_test(pictures_say_what_they_were_made_from),
         cmocka_unit_test(few_photons_and_wide_gathers_are_warned_of),
         cmocka_unit_test(gloss_that_is_widened_is_warned_of),
