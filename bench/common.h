@@ -1,7 +1,6 @@
 /* Parts of the experiments that no trial of softlux bench can measure: pixels that are compared, random
  * points for gathers, options, scenes, and tables as Markdown on stdout. */
-#ifndef SL_BENCH_COMMON_H
-#define SL_BENCH_COMMON_H
+#pragma once
 
 #include <stdio.h>
 
@@ -52,4 +51,3 @@ void bench_pixels_free(bench_pixels *pixels);
  * how many. */
 size_t bench_visible_points(const sl_scene *scene, const sl_tracer *tracer, size_t count,
                             sl_gather_point *points);
-#endif

@@ -1,6 +1,5 @@
 /* One workload on ours and on OSMesa, in turn, and a line of the table about it. */
-#ifndef SL_BENCH_RASTER_MEASURE_H
-#define SL_BENCH_RASTER_MEASURE_H
+#pragma once
 
 #include "raster_osmesa.h"
 
@@ -37,5 +36,3 @@ bool measure_wants(const measurer *m, const char *name);
 void measure_head(const measurer *m, const char *title);
 /* Measures, prints the line and destroys the peer's pass. */
 figures measure_row(measurer *m, workload *w);
-
-#endif

@@ -1,8 +1,7 @@
 /* OSMesa (llvmpipe) as the rasterizer's peer: the same passes by OpenGL 4.5, core profile, with what is fixed
  * (vertex and index buffers, programs, framebuffers) made once, one draw call a pass, and nothing but the
  * view's matrix changed in between. */
-#ifndef SL_BENCH_RASTER_OSMESA_H
-#define SL_BENCH_RASTER_OSMESA_H
+#pragma once
 
 #include "cache/splatting/record.h"
 #include "raster/raster.h"
@@ -47,5 +46,3 @@ void peer_clear(peer_pass *pass);
 /* Returns the last view's picture as read into memory: ids, colours, then depth where there is one. */
 const void *peer_plane(const peer_pass *pass, int plane);
 void peer_destroy(peer_pass *pass);
-
-#endif

@@ -1,7 +1,6 @@
 /* Scenes of the rasterizer's benchmark: scene files, with vertices shared as graphics hardware likes them, a
  * view through the camera, and points that it sees to gather at. */
-#ifndef SL_BENCH_RASTER_SCENES_H
-#define SL_BENCH_RASTER_SCENES_H
+#pragma once
 
 #include "raster/raster.h"
 #include "raster_osmesa.h"
@@ -33,5 +32,3 @@ sl_view bench_flat_view(int width, int height);
 sl_view bench_plane_view(const bench_scene *scene, size_t i, int size, double degrees);
 /* Five faces over point i: the top, then four halves. */
 void bench_hemicube_views(const bench_scene *scene, size_t i, int size, sl_view views[5]);
-
-#endif

@@ -1,6 +1,5 @@
 /* OSMesa's shaders, for raster_osmesa.c alone. Those of scenes begin with `transform`. */
-#ifndef SL_BENCH_RASTER_SHADERS_H
-#define SL_BENCH_RASTER_SHADERS_H
+#pragma once
 
 static const char transform[] =
     "layout(location = 0) in vec3 position;\n"
@@ -107,5 +106,3 @@ static const char halve_fragment[] =
     "    sum = (texelFetch(from, at, 0) + texelFetch(from, at + ivec2(1, 0), 0)) +\n"
     "          (texelFetch(from, at + ivec2(0, 1), 0) + texelFetch(from, at + ivec2(1, 1), 0));\n"
     "}\n";
-
-#endif

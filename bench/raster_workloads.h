@@ -1,6 +1,5 @@
 /* The workloads: what the papers ask of graphics hardware, on ours and on OSMesa. */
-#ifndef SL_BENCH_RASTER_WORKLOADS_H
-#define SL_BENCH_RASTER_WORKLOADS_H
+#pragma once
 
 #include "raster_measure.h"
 #include "raster_scenes.h"
@@ -19,5 +18,3 @@ void bench_splats(measurer *m, bench_scene *scene);
 void bench_fill(measurer *m);
 void bench_small_triangles(measurer *m);
 void bench_reduction(measurer *m);
-
-#endif

@@ -6,8 +6,7 @@
  *                                          └── priorities ── error diffusion ── samples ── into the cache
  *
  * Points lie on triangles, by barycentric weights: where objects move they go along. */
-#ifndef SL_BENCH_RENDER_CACHE_H
-#define SL_BENCH_RENDER_CACHE_H
+#pragma once
 
 #include "cache/shading_cache/renderers.h"
 
@@ -43,5 +42,3 @@ void render_cache_reference(const render_cache_settings *settings, size_t count,
 const float *render_cache_picture(const render_cache *cache);
 /* Of all frames together. */
 uint64_t render_cache_samples(const render_cache *cache);
-
-#endif

@@ -1,8 +1,7 @@
 /* Parts of the experiments on the shading cache: a scene with the sample renderers that the
  * cache itself uses, so that its rivals have the same; the cache, driven update by update; errors against
  * what those renderers say of each pixel, which is what all of them approach. */
-#ifndef SL_BENCH_SHADING_H
-#define SL_BENCH_SHADING_H
+#pragma once
 
 #include "cache/shading_cache/priority.h"
 #include "common.h"
@@ -60,5 +59,3 @@ double shading_rival_error(shading_world *w, render_cache *cache, bool wide_fill
 /* The path tracer on the cache's paths, that many samples a pixel of the whole picture: its error; *seconds:
  * of the processor. */
 double shading_path_error(shading_world *w, uint32_t samples, double *seconds);
-
-#endif

@@ -1,7 +1,6 @@
 /* The benchmarks' clocks in milliseconds, and medians. Processor time is what others on the machine
  * disturb least; wall time is what more threads are for. */
-#ifndef SL_BENCH_TIMING_H
-#define SL_BENCH_TIMING_H
+#pragma once
 
 #include "app/bench/results.h"
 #include "app/clock.h"
@@ -18,5 +17,3 @@ static inline double spread(double *values, int count) {
     double middle = median(values, count);
     return middle > 0.0 ? 0.5 * (values[count - 1 - count / 4] - values[count / 4]) / middle : 0.0;
 }
-
-#endif

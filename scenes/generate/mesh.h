@@ -4,8 +4,7 @@
  * tenth of a millimetre when they enter the mesh, so that a triangle is degenerate in the file exactly if it
  * was found to be so here (it is then left out). Only + - * / sqrt and base/math.h are used: the files are
  * the same on every machine. */
-#ifndef GEN_MESH_H
-#define GEN_MESH_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -188,5 +187,3 @@ void gen_room_walls(mesh *m); /* begins the mesh: walls, floor, window, curtains
 void gen_room_table(mesh *m); /* and the rug under it */
 void gen_room_chair(mesh *m, double x, double z, double degrees);
 void gen_room_sides(mesh *m); /* sofa, shelves, pictures */
-
-#endif

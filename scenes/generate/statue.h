@@ -1,6 +1,5 @@
 /* A robed figure as a signed distance, and its surface as triangles. */
-#ifndef GEN_STATUE_H
-#define GEN_STATUE_H
+#pragma once
 
 #include "mesh.h"
 
@@ -9,5 +8,3 @@
 double gen_statue_distance(v3 p);
 /* The statue's surface cut into cells of the given size: two triangles for each crossed edge of the grid. */
 void gen_statue(mesh *m, double cell);
-
-#endif

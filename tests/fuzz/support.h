@@ -2,8 +2,7 @@
  *
  * A target is a function LLVMFuzzerTestOneInput() in a file of its own. `make fuzz` links it with libFuzzer;
  * `make check` with replay.c, which hands it the files of tests/fuzz/corpus. */
-#ifndef SL_TESTS_FUZZ_SUPPORT_H
-#define SL_TESTS_FUZZ_SUPPORT_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -37,5 +36,3 @@ void fuzz_check_error(const sl_error *error);
  * the method that `choice` names, 4 pixels square: no pixel may be negative, and where lights and sizes are
  * within reason none may be NaN or infinite. */
 void fuzz_check_scene(sl_scene *scene, uint32_t choice);
-
-#endif

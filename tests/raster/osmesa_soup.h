@@ -1,7 +1,6 @@
 /* Shared by the comparisons with OSMesa: the same vertices through the same matrix, by the same rounded
  * operations. */
-#ifndef SL_TESTS_OSMESA_SOUP_H
-#define SL_TESTS_OSMESA_SOUP_H
+#pragma once
 
 #include <math.h>
 #include <stdio.h>
@@ -126,5 +125,3 @@ static inline const char *with_commas(uint64_t n, char text[32]) {
     text[out] = 0;
     return text;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* The plain opposite of sl_raster_id(): the whole pipeline in one readable file (plain.c), a triangle and a
  * pixel at a time. Slow, and the same bits. */
-#ifndef SL_TESTS_RASTER_PLAIN_H
-#define SL_TESTS_RASTER_PLAIN_H
+#pragma once
 
 #include "raster/raster.h"
 
@@ -13,5 +12,3 @@ void sl_plain_id(const sl_raster_mesh *mesh, const sl_scene *masks, const sl_vie
  * triangle t covers a pixel. */
 void sl_plain_layers(const sl_raster_mesh *mesh, const sl_view *view, int width, int height,
                      const float *number, float *sums);
-
-#endif

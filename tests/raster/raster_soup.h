@@ -1,7 +1,6 @@
 /* Random triangles of every kind that a rasterizer may treat differently, for comparisons with another
  * rasterizer, with double precision and with themselves. Every triangle has three vertices of its own. */
-#ifndef SL_TESTS_RASTER_SOUP_H
-#define SL_TESTS_RASTER_SOUP_H
+#pragma once
 
 #include "raster/raster.h"
 
@@ -40,5 +39,3 @@ sl_raster *soup_raster(const soup *soup);
 
 /* A configuration with sanitizers does a twentieth of the work. */
 size_t soup_share(size_t count);
-
-#endif

@@ -1,8 +1,7 @@
 /* Some work, again and again, with another allocation failing each time: whatever fails, the work comes to an
  * end, says in one line that memory ended (or did without, and gives the same result), loses no memory, and
  * can be done afterwards as if nothing had been. Trials run in children, since what they look for may crash. */
-#ifndef SL_TESTS_ALLOCATION_TRIALS_H
-#define SL_TESTS_ALLOCATION_TRIALS_H
+#pragma once
 
 #include "every_allocation.h"
 
@@ -243,5 +242,3 @@ static long try_named(const fault_case *c, long most) {
     if (list_only) printf("case %s\n", c->name);
     return list_only || (wanted_name && !strstr(c->name, wanted_name)) ? 0 : try_case(c, most);
 }
-
-#endif

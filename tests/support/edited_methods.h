@@ -1,6 +1,5 @@
 /* Methods that follow edits of the room. */
-#ifndef SL_TESTS_EDITED_METHODS_H
-#define SL_TESTS_EDITED_METHODS_H
+#pragma once
 
 #include "edited_room.h"
 #include "rendering.h"
@@ -43,5 +42,3 @@ static inline void follow(sl_method *method) {
     good(sl_method_edit(method, 0, &error), &error);
     finish(method);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* A small room, open in front, that is edited at random: what there is to edit, as it stands, from which the
  * same room can be built afresh. */
-#ifndef SL_TESTS_EDITED_ROOM_H
-#define SL_TESTS_EDITED_ROOM_H
+#pragma once
 
 #include "base/math.h"
 #include "base/random.h"
@@ -296,5 +295,3 @@ static inline sl_status edit_room(edited_room *r, const sl_scene *scene, room_ed
         return sl_edit_transform(e, OBJECT_BOX, r->transform[OBJECT_BOX - 1], error);
     }
 }
-
-#endif

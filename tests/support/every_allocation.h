@@ -2,8 +2,7 @@
  * open allocations are counted, and one that was chosen fails (or all of ours from there on: what libraries
  * ask for they get). A first run of some piece of work tells which of our call paths allocate, and each path's
  * first allocation is then made to fail, in children, which may crash. */
-#ifndef SL_TESTS_EVERY_ALLOCATION_H
-#define SL_TESTS_EVERY_ALLOCATION_H
+#pragma once
 
 #ifndef _GNU_SOURCE
 #error "tests/support/every_allocation.h needs _GNU_SOURCE"
@@ -251,5 +250,3 @@ SEEN void *operator_new_array(size_t size) {
     NEXT_ONE(one_size, "_Znam");
     return new_or_throw(real, size);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* A test program of its own that includes this has another sl_allocate(): it fails when told to, and knows
  * what is held. */
-#ifndef SL_TESTS_FAILING_MEMORY_H
-#define SL_TESTS_FAILING_MEMORY_H
+#pragma once
 
 #include <errno.h>
 #include <stdlib.h>
@@ -51,5 +50,3 @@ static inline long until_it_succeeds(attempt *call, void *context, bool keeps, l
         if (after_failure) after_failure(context);
     }
 }
-
-#endif

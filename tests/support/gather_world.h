@@ -1,7 +1,6 @@
 /* Small worlds for the gather's tests: quads and spheres with their own materials, and everything that a
  * gather needs. */
-#ifndef SL_TESTS_GATHER_WORLD_H
-#define SL_TESTS_GATHER_WORLD_H
+#pragma once
 
 #include "cache/hemisphere/gather.h"
 
@@ -65,5 +64,3 @@ sl_gather_point world_surface_point(const world *w, uint64_t number);
 sl_irradiance gather_once(world *w, const sl_gather_settings *settings, sl_vec3 p, sl_vec3 n);
 
 void assert_within(double value, double expected, double most_apart);
-
-#endif

@@ -1,6 +1,5 @@
 /* Hemispherical harmonics and a lobe's coefficients in plain loops, for tests to compare with. */
-#ifndef HARMONICS_SUPPORT_H
-#define HARMONICS_SUPPORT_H
+#pragma once
 
 #include <math.h>
 #include <string.h>
@@ -38,5 +37,3 @@ static inline void moved_lobe_look_up(const sl_moved_lobe *t, int order, sl_vec3
         cos_m = turned;
     }
 }
-
-#endif

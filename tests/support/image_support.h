@@ -1,7 +1,6 @@
 /* Shared by the tests of picture files: whole files as bytes, and EXR files written through OpenEXR itself
  * with every layout that it knows. */
-#ifndef TESTS_IMAGE_SUPPORT_H
-#define TESTS_IMAGE_SUPPORT_H
+#pragma once
 
 #include <openexr.h>
 #include <stddef.h>
@@ -37,5 +36,3 @@ void write_exr(const char *path, const exr_test_file *file);
 float test_value(int channel, int x, int y);
 uint16_t half_of(float value); /* for normal values that a half holds after truncation of its mantissa */
 bool same_bits(const float *a, const float *b, size_t count);
-
-#endif

@@ -1,7 +1,6 @@
 /* As little work as every method can be asked for: where what matters is that a picture is made, not which.
  */
-#ifndef SL_TESTS_LEAST_SETTINGS_H
-#define SL_TESTS_LEAST_SETTINGS_H
+#pragma once
 
 #include "cache/frame/settings.h"
 
@@ -31,5 +30,3 @@ static inline sl_settings least_settings(const char *method, int width, int heig
     s.shading_cache.area_samples = 4;
     return s;
 }
-
-#endif

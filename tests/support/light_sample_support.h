@@ -1,7 +1,6 @@
 /* Shared by the tests of single lights: a scene with everything around it, and samples of its lights at
  * points. */
-#ifndef TESTS_LIGHT_SAMPLE_SUPPORT_H
-#define TESTS_LIGHT_SAMPLE_SUPPORT_H
+#pragma once
 
 #include "unit_test.h"
 #include "cache/light/light_sample.h"
@@ -38,5 +37,3 @@ void assert_near(double value, double expected, double tolerance);
 double corner_form(double x, double y);
 /* F of a parallel rectangle x0..x1 by y0..y1 at distance h, seen from the origin. */
 double rectangle_form(double x0, double x1, double y0, double y1, double h);
-
-#endif

@@ -1,6 +1,5 @@
 /* A picture against the path tracer on the same paths. */
-#ifndef SL_TESTS_MATCHED_H
-#define SL_TESTS_MATCHED_H
+#pragma once
 
 #include "cache/frame/settings.h"
 
@@ -18,5 +17,3 @@ sl_comparison against_path_tracer(const sl_scene *scene, const sl_settings *sett
 matched matched_with_path_tracer(const sl_scene *scene, const sl_settings *settings, uint32_t spp);
 /* Every value of every layer is finite and not negative. */
 void assert_sound_picture(const sl_image *image, const char *what);
-
-#endif

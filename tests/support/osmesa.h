@@ -9,8 +9,7 @@
  * through EGL without a surface. Where neither is installed osmesa_open() says so, and nothing else of this
  * file may be called. Any other failure (a program that does not compile, an incomplete target, a GL error)
  * is a mistake of the caller: a message, then abort(). */
-#ifndef SL_TESTS_OSMESA_H
-#define SL_TESTS_OSMESA_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -110,5 +109,3 @@ void osmesa_draw(unsigned program, const osmesa_mesh *mesh, size_t first, size_t
 void osmesa_draw_all(unsigned program, const osmesa_mesh *mesh);
 /* Waits until everything is drawn. */
 void osmesa_finish(void);
-
-#endif

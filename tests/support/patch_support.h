@@ -1,7 +1,6 @@
 /* Shared by the tests of patches: scenes with their primitives and patches, whole levels of splits, and
  * everything that must hold of any hierarchy. */
-#ifndef TESTS_PATCH_SUPPORT_H
-#define TESTS_PATCH_SUPPORT_H
+#pragma once
 
 #include <stdlib.h>
 #include <string.h>
@@ -191,5 +190,3 @@ static inline uint64_t structure_of(const sl_patches *p) {
     }
     return sum;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Light from polygons in closed form, with gradients: what gathers and shadow maps are held against. */
-#ifndef SL_TESTS_POLYGON_TRUTH_H
-#define SL_TESTS_POLYGON_TRUTH_H
+#pragma once
 
 #include "base/math.h"
 #include "cache/hemisphere/gather_tables.h"
@@ -78,5 +77,3 @@ static inline double polygon_irradiance(sl_vec3d p, sl_vec3d n, const sl_vec3d *
     double irradiance = -sl_dotd(n, sl_cell_vector(v, kept));
     return irradiance > 0.0 ? irradiance : 0.0;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the rasterizer's tests: scenes from triangle lists, plain views, small renders. */
-#ifndef TESTS_RASTER_SUPPORT_H
-#define TESTS_RASTER_SUPPORT_H
+#pragma once
 
 #include <stdlib.h>
 #include <string.h>
@@ -147,5 +146,3 @@ static inline sl_scene *furnished_room(int balls, int n) {
     free(xyz);
     return scene;
 }
-
-#endif

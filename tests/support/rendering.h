@@ -1,7 +1,6 @@
 /* Shared by the tests of whole pictures: every function fails the test, with the library's message, where
  * anything fails. */
-#ifndef SL_TESTS_RENDERING_H
-#define SL_TESTS_RENDERING_H
+#pragma once
 
 #include "cache/frame/settings.h"
 
@@ -52,5 +51,3 @@ void pause_a_millisecond(void);
 /* Threads of this process, once no more than `expected` are left, or after ten seconds. Of 4,000 threads that
  * had been joined the system still listed 5 right after their end, and none 5 ms later. */
 int threads_left(int expected);
-
-#endif

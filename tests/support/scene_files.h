@@ -1,6 +1,5 @@
 /* A folder of files that a test writes and reads back. */
-#ifndef SL_TESTS_SCENE_FILES_H
-#define SL_TESTS_SCENE_FILES_H
+#pragma once
 
 #include "softlux.h"
 
@@ -13,5 +12,3 @@ const char *scene_file_copy(const char *from, const char *name); /* of a file of
 const char *scene_file_path(const char *name); /* one of 64, used in turn */
 int scene_files_remove(void); /* returns 0 */
 int scene_files_teardown(void **state); /* the same, after a group of tests */
-
-#endif

@@ -1,6 +1,5 @@
 /* Scenes made by hand. */
-#ifndef SL_TESTS_SCENE_PARTS_H
-#define SL_TESTS_SCENE_PARTS_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -35,5 +34,3 @@ typedef struct sl_scene_parts {
 sl_status sl_scene_build(const sl_scene_parts *parts, sl_scene **scene, sl_error *error);
 /* The same, and fails the test where that fails. */
 sl_scene *scene_built(const sl_scene_parts *parts);
-
-#endif

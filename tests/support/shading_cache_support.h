@@ -1,7 +1,6 @@
 /* Shared by tests of priorities, work, change and display: vertices with shading as if it had been computed,
  * displays of them. */
-#ifndef TESTS_SHADING_CACHE_SUPPORT_H
-#define TESTS_SHADING_CACHE_SUPPORT_H
+#pragma once
 
 #include "cache/patches/display/display.h"
 #include "patch_support.h"
@@ -33,5 +32,3 @@ static inline void display_discard(sl_display *display, hierarchy *h) {
 static inline void build_display(sl_display *display, const hierarchy *h) {
     assert_int_equal(sl_display_build(display, h->patches, NULL), SL_OK);
 }
-
-#endif

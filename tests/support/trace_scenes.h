@@ -1,6 +1,5 @@
 /* Small scenes made by hand for the tests of rays, lights and paths. */
-#ifndef TRACE_SCENES_H
-#define TRACE_SCENES_H
+#pragma once
 
 #include "trace/trace.h"
 
@@ -68,5 +67,3 @@ typedef struct traced_radiance {
 } traced_radiance;
 traced_radiance trace_along(const sl_scene *scene, const sl_tracer *tracer, const sl_transport *transport,
                             sl_vec3 origin, sl_vec3 direction, unsigned samples);
-
-#endif

@@ -1,6 +1,5 @@
 /* cmocka, and what its header needs before it. */
-#ifndef SL_TESTS_UNIT_TEST_H
-#define SL_TESTS_UNIT_TEST_H
+#pragma once
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,5 +7,3 @@
 #include <stdint.h>
 
 #include <cmocka.h>
-
-#endif

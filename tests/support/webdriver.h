@@ -1,6 +1,5 @@
 /* A browser for tests: headless Chromium through its WebDriver, spoken over a socket of this machine. */
-#ifndef SL_TESTS_WEBDRIVER_H
-#define SL_TESTS_WEBDRIVER_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -52,5 +51,3 @@ int browser_errors(browser *browser);
 #define KEY_HOME "\xee\x80\x91"
 #define KEY_RIGHT "\xee\x80\x94"
 #define KEY_DOWN "\xee\x80\x95"
-
-#endif

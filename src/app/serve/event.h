@@ -1,6 +1,5 @@
 /* Events of a world, made to scenes. */
-#ifndef SL_APP_SERVE_EVENT_H
-#define SL_APP_SERVE_EVENT_H
+#pragma once
 
 #include "app/serve/world.h"
 
@@ -8,5 +7,3 @@
 sl_sky *sl_sky_of(const sl_scene *scene);
 /* As sl_live_change.kind: equal where the later event is all that counts; 0: it is like none. */
 uint64_t sl_event_kind(const sl_item *items, size_t count);
-
-#endif

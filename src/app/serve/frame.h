@@ -1,6 +1,5 @@
 /* Pictures for viewers: a header (protocol.h) and a JPEG or PNG. */
-#ifndef SL_APP_SERVE_FRAME_H
-#define SL_APP_SERVE_FRAME_H
+#pragma once
 
 #include "app/serve/mail.h"
 #include "softlux.h"
@@ -15,5 +14,3 @@ typedef struct sl_frame_told {
 
 /* rgb: width * height of 3 bytes, rows from the top. For all viewers; NULL: no memory. */
 sl_packet *sl_packet_picture(const sl_frame_told *told, int width, int height, const uint8_t *rgb);
-
-#endif

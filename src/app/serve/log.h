@@ -1,6 +1,5 @@
 /* Logs that were kept, replayed. */
-#ifndef SL_APP_SERVE_LOG_H
-#define SL_APP_SERVE_LOG_H
+#pragma once
 
 #include "app/serve/stage_parts.h"
 
@@ -8,5 +7,3 @@
  * log when it was kept, to the bit. */
 sl_status sl_log_replay(const char *path, const char *scene, const sl_reading *reading, int show,
                         sl_image **picture, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* What the network's thread and the stage's hand each other: letters in, packets out. */
-#ifndef SL_APP_SERVE_MAIL_H
-#define SL_APP_SERVE_MAIL_H
+#pragma once
 
 #include "app/serve/protocol.h"
 #include "base/thread.h"
@@ -70,5 +69,3 @@ size_t sl_mail_offer(sl_mail *mail, const char *path);
 bool sl_mail_offered(sl_mail *mail, size_t number, char *path, size_t room);
 /* All packets, in order, now the caller's. */
 sl_packet *sl_mail_collect(sl_mail *mail);
-
-#endif

@@ -1,7 +1,6 @@
 /* The server: the page over HTTP, viewers over WebSockets. It knows nothing of scenes: what viewers say goes
  * to the mail as letters, packets from the mail go to them. */
-#ifndef SL_APP_SERVE_NETWORK_H
-#define SL_APP_SERVE_NETWORK_H
+#pragma once
 
 #include "app/serve/mail.h"
 #include "softlux.h"
@@ -37,5 +36,3 @@ bool sl_message_is_shallow(const char *text, size_t length);
 bool sl_host_is_ours(const char *header, const char *host, int port);
 /* The message of a letter, or NULL and why not. */
 cJSON *sl_message_parse(const char *text, size_t length, const char **reason);
-
-#endif

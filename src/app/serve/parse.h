@@ -1,7 +1,6 @@
 /* Messages from viewers, taken apart. SL_ERROR_INPUT: malformed; SL_ERROR_USAGE: well formed, and cannot
  * be. */
-#ifndef SL_APP_SERVE_PARSE_H
-#define SL_APP_SERVE_PARSE_H
+#pragma once
 
 #include "app/serve/world.h"
 
@@ -25,5 +24,3 @@ sl_status sl_take_camera(const cJSON *message, const sl_scene *scene, sl_camera 
 /* *count of at most SL_ITEMS. */
 sl_status sl_take_edits(const cJSON *message, const sl_world *world, sl_item *items, size_t *count,
                         sl_error *error);
-
-#endif

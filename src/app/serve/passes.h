@@ -1,6 +1,5 @@
 /* The passes of a side whose method is observed. */
-#ifndef SL_APP_SERVE_PASSES_H
-#define SL_APP_SERVE_PASSES_H
+#pragma once
 
 #include "app/serve/stage_parts.h"
 
@@ -14,5 +13,3 @@ void sl_passes_overlay(sl_passes *passes, const char *kind);
 void sl_passes_again(sl_passes *passes);
 /* Sends what is new, now and then. */
 void sl_passes_step(sl_stage *stage, sl_passes *passes, int side, double now);
-
-#endif

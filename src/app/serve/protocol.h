@@ -89,8 +89,7 @@
  *   a, 1: b) of other kinds; u32 number of the frame; u16 width; u16 height; u64 number of the newest event
  *   that it shows.
  * JPEG while things move, PNG once they rest. Numbers of frames rise, for all kinds together. */
-#ifndef SL_APP_SERVE_PROTOCOL_H
-#define SL_APP_SERVE_PROTOCOL_H
+#pragma once
 
 enum { SL_FRAME_HEADER = 24 };
 
@@ -114,5 +113,3 @@ enum {
     SL_SMALLEST_SIDE = 16,
     SL_LARGEST_SIDE = 2048
 };
-
-#endif

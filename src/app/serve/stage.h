@@ -1,7 +1,6 @@
 /* The stage: one scene, shown by one method or two side by side while they work on it, with all that viewers
  * do to it. No network is in it: messages come in, and packets go to the mail. */
-#ifndef SL_APP_SERVE_STAGE_H
-#define SL_APP_SERVE_STAGE_H
+#pragma once
 
 #include "app/options.h"
 #include "app/serve/mail.h"
@@ -26,5 +25,3 @@ void sl_stage_take(sl_stage *stage, sl_letter letter);
 double sl_stage_step(sl_stage *stage);
 /* Reads the mail and shows, until the mail is ended. */
 void sl_stage_run(sl_stage *stage);
-
-#endif

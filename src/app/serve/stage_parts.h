@@ -1,6 +1,5 @@
 /* The insides of a stage, for its own files. */
-#ifndef SL_APP_SERVE_STAGE_PARTS_H
-#define SL_APP_SERVE_STAGE_PARTS_H
+#pragma once
 
 #include "app/rate.h"
 #include "app/serve/frame.h"
@@ -128,5 +127,3 @@ sl_status sl_log_write(sl_stage *stage, const char *path, sl_error *error);
 sl_status sl_take_story(sl_stage *stage, const cJSON *message, sl_error *error);
 /* Adds a narrative's entry of a pass (or NULL): "title", "text", "equation", "function". */
 void sl_add_told(cJSON *to, const cJSON *told);
-
-#endif

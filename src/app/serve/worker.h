@@ -1,7 +1,6 @@
 /* What is computed beside the shows, at its own pace, on one thread: an exact picture, a path traced
  * reference that grows, and how wrong what is shown is. It has a copy of the scene of its own. */
-#ifndef SL_APP_SERVE_WORKER_H
-#define SL_APP_SERVE_WORKER_H
+#pragma once
 
 #include "app/serve/world.h"
 
@@ -47,5 +46,3 @@ void sl_worker_exact(sl_worker *worker, const sl_exact_job *job);
 /* Takes what is new; false: nothing. */
 bool sl_worker_take(sl_worker *worker, sl_work_done *done);
 void sl_work_forget(sl_work_done *done); /* its pictures */
-
-#endif

@@ -1,7 +1,6 @@
 /* The scene that a server shows: as it stands, what was done to it so far, and how that is undone. What is
  * done is an event, with a number, and can be done to any other copy of the scene, to the same bits. */
-#ifndef SL_APP_SERVE_WORLD_H
-#define SL_APP_SERVE_WORLD_H
+#pragma once
 
 #include "app/options.h"
 #include "cache/frame/live.h"
@@ -96,5 +95,3 @@ sl_status sl_world_edit(sl_world *world, const sl_item *items, size_t count, boo
 /* USAGE: there is nothing. */
 sl_status sl_world_undo(sl_world *world, unsigned *changes, sl_error *error);
 sl_status sl_world_redo(sl_world *world, unsigned *changes, sl_error *error);
-
-#endif

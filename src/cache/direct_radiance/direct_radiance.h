@@ -20,8 +20,7 @@
  * Mirrors, before the eye and before the lights, are followed by rays: there is no pass 4, the paper's
  * environment cubes, which show less of the same.
  */
-#ifndef SL_CACHE_DIRECT_RADIANCE_DIRECT_RADIANCE_H
-#define SL_CACHE_DIRECT_RADIANCE_DIRECT_RADIANCE_H
+#pragma once
 
 #include "cache/direct_radiance/lights.h"
 #include "cache/direct_radiance/map.h"
@@ -163,5 +162,3 @@ sl_status sl_flux_received(const sl_light_pass *pass, double *received, sl_error
  * tells of maps that hold less than half of the flux, of photons whose flux arrives more than 1.25 times, and
  * where (15), which divides by the square of the scene's diagonal, leaves next to nothing. */
 sl_status sl_radiance_stamp(const sl_radiance_state *state, sl_image *image, sl_error *error);
-
-#endif

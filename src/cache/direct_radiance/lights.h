@@ -9,8 +9,7 @@
  * What a light of the scene is, and which triangles are one area light, is told by cache/light/lights.h. A
  * planar area light is n x n points, a solid one (a bulb) 24 n x n points of its surface; fewer where lamps
  * are many. */
-#ifndef SL_CACHE_DIRECT_RADIANCE_LIGHTS_H
-#define SL_CACHE_DIRECT_RADIANCE_LIGHTS_H
+#pragma once
 
 #include "cache/light/depth_cube.h"
 #include "cache/light/lights.h"
@@ -51,5 +50,3 @@ sl_rgb sl_map_light_flux(const sl_map_light *light);
  * the texels of one) or lights are so many that their cubes would take more than 128 MiB. */
 sl_status sl_map_lights_draw_cubes(sl_map_lights *lights, const sl_scene *scene, const sl_raster *raster,
                                    int size, unsigned threads, sl_counters *counters, sl_error *error);
-
-#endif

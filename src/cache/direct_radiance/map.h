@@ -7,8 +7,7 @@
  * lies and however the surface is tilted there.
  *
  * Where a picture shows a mirror, rays find what the mirror lights: y is real, and b is the whole way. */
-#ifndef SL_CACHE_DIRECT_RADIANCE_MAP_H
-#define SL_CACHE_DIRECT_RADIANCE_MAP_H
+#pragma once
 
 #include "cache/direct_radiance/lights.h"
 #include "cache/frame/settings.h"
@@ -245,5 +244,3 @@ void sl_photon_add(sl_photon_maker *list, const sl_map_face *face, const sl_map_
 enum { SL_PHOTON_GROUPS = 4 }; /* surfaces of a block, at most */
 /* Appends a photon for each surface of the block whose lower left texel that is (photon_groups.c). */
 void sl_photon_groups_take(sl_photon_maker *list, const sl_map_face *face, int column, int row);
-
-#endif

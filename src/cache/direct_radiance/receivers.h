@@ -3,8 +3,7 @@
  *
  * Thirty-two by four pixels: rays of neighbours stay together, blocks of 4 x 4 stay whole, and a tile's
  * positions and normals stay in the nearest cache while all photons pass over them. */
-#ifndef SL_CACHE_DIRECT_RADIANCE_RECEIVERS_H
-#define SL_CACHE_DIRECT_RADIANCE_RECEIVERS_H
+#pragma once
 
 #include <float.h>
 #include <stddef.h>
@@ -261,5 +260,3 @@ SL_KERNELS(void, sl_receiver_lobe_power,
            (const sl_receiver_tile *tile, const sl_lobe_target *target, float *power));
 /* The mirrored directions of the eye, from where the eye is, which they replace. */
 SL_KERNELS(void, sl_receiver_mirror_eye, (sl_receiver_tile *tile));
-
-#endif

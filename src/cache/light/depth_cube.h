@@ -1,8 +1,7 @@
 /* Pictures that are taken from a light: the directions around it, and depth cubes, which tell what it sees. A
  * receiver is lit if its reciprocal planar depth is at least the stored one, less the most by which two
  * points of the receiver's own plane in one texel can differ (depth_cube_kernels.c). */
-#ifndef SL_CACHE_LIGHT_DEPTH_CUBE_H
-#define SL_CACHE_LIGHT_DEPTH_CUBE_H
+#pragma once
 
 #include "cache/light/light_kernels.h"
 #include "raster/raster.h"
@@ -78,5 +77,3 @@ void sl_depth_cube_release(sl_depth_cube *cube);
 static inline size_t sl_depth_cube_bytes(const sl_depth_cube *cube) {
     return sizeof *cube + cube->texels * sizeof *cube->depth;
 }
-
-#endif

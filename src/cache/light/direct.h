@@ -1,7 +1,6 @@
 /* Direct light of every pixel of a G-buffer, by shadow rays or by shadow maps: for methods whose own light is
  * indirect. direct_internal.h says in which order to read. */
-#ifndef SL_CACHE_DIRECT_H
-#define SL_CACHE_DIRECT_H
+#pragma once
 
 #include "cache/light/shadow_maps.h"
 #include "trace/trace.h"
@@ -39,5 +38,3 @@ bool sl_direct_is_mapped(const sl_direct *direct);
 enum { SL_DIRECT_ROWS = 64 }; /* enough of them for many threads */
 sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
                          float *const radiance[3], sl_counters *counters, sl_error *error);
-
-#endif

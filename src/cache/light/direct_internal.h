@@ -10,8 +10,7 @@
  *     direct_filter.c   the visible share, smoothed where it is noise
  *     light_kernels.c   the loops over a block of points
  */
-#ifndef SL_CACHE_DIRECT_INTERNAL_H
-#define SL_CACHE_DIRECT_INTERNAL_H
+#pragma once
 
 #include "cache/light/light_kernels.h"
 #include "cache/light/direct.h"
@@ -149,5 +148,3 @@ bool sl_row_scan_near(sl_row_scan *scan, int x);
 sl_bsdf sl_pixel_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel);
 bool sl_pixel_reflects(const sl_gbuffer *gbuffer, const sl_scene *scene, size_t pixel);
 bool sl_pixel_is_glossy(const sl_gbuffer *gbuffer, const sl_scene *scene, size_t pixel);
-
-#endif

@@ -1,6 +1,5 @@
 /* Emitters as a glossy lobe sees them. */
-#ifndef SL_CACHE_DIRECT_LAMPS_H
-#define SL_CACHE_DIRECT_LAMPS_H
+#pragma once
 
 #include "cache/light/direct_internal.h"
 #include "cache/light/near_light.h"
@@ -29,5 +28,3 @@ bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 positio
 bool sl_lamps_draw(const sl_lamps *lamps, const float u[2], sl_light_sample *sample);
 /* The density with which that would have drawn the direction that hit this triangle of an emitter. */
 float sl_lamps_pdf(const sl_lamps *lamps, sl_vec3 direction, uint32_t triangle, float distance);
-
-#endif

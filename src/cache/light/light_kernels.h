@@ -1,6 +1,5 @@
 /* The loops over points to be lit that are compiled for every instruction set. */
-#ifndef SL_CACHE_LIGHT_KERNELS_H
-#define SL_CACHE_LIGHT_KERNELS_H
+#pragma once
 
 #include "base/isa.h"
 #include "scene/scene.h"
@@ -126,5 +125,3 @@ typedef struct sl_aim_block {
 
 /* Chooses a side in proportion to its irradiance and a point of it by area. */
 SL_KERNELS(void, sl_direct_aim, (const sl_aim_block *block));
-
-#endif

@@ -13,8 +13,7 @@
  *   closed_forms.c     polygons clipped to the horizon (Lambert), tiny lights as points
  *   shadow_ray.c       rays: lights without extent, the estimator SL_LIGHT_RAYS, what a glossy lobe reflects
  */
-#ifndef SL_CACHE_LIGHT_SAMPLE_LIGHT_SAMPLE_H
-#define SL_CACHE_LIGHT_SAMPLE_LIGHT_SAMPLE_H
+#pragma once
 
 #include "cache/light/lights.h"
 #include "raster/raster.h"
@@ -127,5 +126,3 @@ typedef struct sl_light_picture {
     const float *weight;
 } sl_light_picture;
 sl_light_picture sl_light_last_picture(const sl_light_sample_scratch *scratch);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the estimators of a single light (light_sample.h tells in which order to read them). */
-#ifndef SL_CACHE_LIGHT_SAMPLE_INTERNAL_H
-#define SL_CACHE_LIGHT_SAMPLE_INTERNAL_H
+#pragma once
 
 #include "base/counters.h"
 #include "cache/light/light_sample.h"
@@ -109,5 +108,3 @@ double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampl
  * 0: none arrives. */
 double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *point, sl_vec3d *to_light,
                            double *distance);
-
-#endif

@@ -3,8 +3,7 @@
  * have one radiance and lie in one plane. Where they do not lie in one plane, what hangs together by common
  * corners is one light, planar or (a ball) not: four bulbs are four lights. A hollow of few planes, as a room
  * whose walls shine, is one light a plane. */
-#ifndef SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
-#define SL_CACHE_LIGHT_SAMPLE_LIGHTS_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -64,5 +63,3 @@ void sl_light_surface_release(sl_light_surface *surface);
  * corners 1 and 2. */
 sl_vec3d sl_light_surface_point(const sl_sampled_light *light, const sl_light_surface *surface,
                                 const double u[2], size_t *triangle, double weight[2]);
-
-#endif

@@ -2,8 +2,7 @@
  * one light at one point stays what it is, bit by bit, while neither the light nor the point has moved and
  * nothing that has moved was, or is, between them: the cone from the point around the light against the
  * boxes of what moved, before and after. Colours and powers change no sample. */
-#ifndef SL_CACHE_LIGHT_MOVES_H
-#define SL_CACHE_LIGHT_MOVES_H
+#pragma once
 
 #include "cache/light/lights.h"
 #include "scene/object_places.h"
@@ -33,5 +32,3 @@ static inline bool sl_has_triangle_moved(const sl_light_moves *moves, uint32_t t
 /* Tells whether a light may have another share (F) than before at any point within `reach` of a point that
  * has not moved. Never false where it has. */
 bool sl_light_may_differ(const sl_light_moves *moves, size_t light, sl_vec3 point, double reach);
-
-#endif

@@ -2,8 +2,7 @@
  * points spread evenly over its area tell little of what arrives: few of them fall on that part, and those
  * outweigh all others. So directions are chosen by solid angle (Arvo 1995), of its part above the horizon,
  * with nearly the density of the cosine. */
-#ifndef SL_CACHE_LIGHT_NEAR_LIGHT_H
-#define SL_CACHE_LIGHT_NEAR_LIGHT_H
+#pragma once
 
 #include "cache/light/light_kernels.h"
 
@@ -46,5 +45,3 @@ void sl_near_light_make(const sl_polygon_light *light, sl_vec3 p, sl_vec3 n, sl_
  * distance 0: it does not. */
 sl_vec3d sl_near_light_draw(const sl_near_light *near, double u1, double u2, double *density,
                             double *distance);
-
-#endif

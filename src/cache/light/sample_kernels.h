@@ -1,6 +1,5 @@
 /* The loops over the pixels of a light's picture and over rays, compiled for every instruction set. */
-#ifndef SL_CACHE_LIGHT_SAMPLE_KERNELS_H
-#define SL_CACHE_LIGHT_SAMPLE_KERNELS_H
+#pragma once
 
 #include "base/isa.h"
 #include "base/vec.h"
@@ -51,5 +50,3 @@ SL_KERNELS(void, sl_ray_places,
            (const float *u, const float *v, sl_vec3 corner, sl_vec3 e1, sl_vec3 e2, sl_vec3 normal,
             sl_aimed_rays *rays));
 SL_KERNELS(void, sl_ray_weights, (const sl_ray_receiver *receiver, sl_aimed_rays *rays));
-
-#endif

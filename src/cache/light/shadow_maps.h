@@ -14,8 +14,7 @@
  *   depth_cube_kernels.c what a cube says of a point
  *   light_kernels.c      Lambert's formula
  */
-#ifndef SL_CACHE_SHADOW_MAPS_H
-#define SL_CACHE_SHADOW_MAPS_H
+#pragma once
 
 #include "cache/light/light_kernels.h"
 #include "raster/raster.h"
@@ -62,5 +61,3 @@ typedef void sl_shadow_map_visitor(void *context, const sl_arrivals *arrivals, c
                                    sl_rgb colour);
 void sl_shadow_maps_each(const sl_shadow_maps *maps, const sl_light_points *points, unsigned parts,
                          sl_shadow_map_visitor *visit, void *context, sl_counters *counters);
-
-#endif

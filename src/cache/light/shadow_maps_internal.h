@@ -1,6 +1,5 @@
 /* Shared by the making of shadow maps and their use. */
-#ifndef SL_CACHE_LIGHT_SHADOW_MAPS_INTERNAL_H
-#define SL_CACHE_LIGHT_SHADOW_MAPS_INTERNAL_H
+#pragma once
 
 #include "cache/light/depth_cube.h"
 #include "cache/light/shadow_maps.h"
@@ -84,5 +83,3 @@ bool sl_can_interleave(const sl_mapped_emitter *emitter);
 /* Finds the shares of all samples that the points of two tiles see. */
 void sl_share_by_squares(const sl_shadow_maps *maps, const sl_mapped_emitter *emitter,
                          const sl_light_squares *squares, sl_light_shares *shares, sl_counters *counters);
-
-#endif

@@ -18,8 +18,7 @@
  *   ../reflect/       what mirrors show
  *   explanation.c     what made a pixel; what can be seen of photons and lights
  */
-#ifndef SL_CACHE_LIGHT_OCTREE_H
-#define SL_CACHE_LIGHT_OCTREE_H
+#pragma once
 
 #include "cache/frame/announce.h"
 #include "cache/frame/method.h"
@@ -178,5 +177,3 @@ void sl_octree_announce_photons(sl_announcer *announcer, const sl_photon_list *p
  */
 void sl_octree_announce_lights(sl_announcer *announcer, const sl_octree *octree,
                                const sl_voxel_lights *lights);
-
-#endif

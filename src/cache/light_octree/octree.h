@@ -5,8 +5,7 @@
  *
  * Boxes are closed, and wider by what rounding to float may have moved a vertex: every point of a surface,
  * worked out in float, lies in a leaf. */
-#ifndef SL_CACHE_LIGHT_OCTREE_OCTREE_H
-#define SL_CACHE_LIGHT_OCTREE_OCTREE_H
+#pragma once
 
 #include "base/morton.h"
 #include "base/vec.h"
@@ -93,5 +92,3 @@ typedef struct sl_cell_space {
 
 sl_cell_space sl_cell_space_of(const sl_scene *scene, sl_vec3d origin, double edge, int depth);
 sl_cell_triangle sl_cell_space_triangle(const sl_cell_space *space, uint32_t triangle);
-
-#endif

@@ -1,7 +1,6 @@
 /* Over how much surface gathered photons were strewn: a disc, the section of a tilted plane, or the scene's
  * own triangles within the ellipsoid less what no photon met. */
-#ifndef SL_CACHE_LIGHT_OCTREE_PHOTON_AREA_H
-#define SL_CACHE_LIGHT_OCTREE_PHOTON_AREA_H
+#pragma once
 
 #include "cache/light_octree/octree.h"
 
@@ -64,5 +63,3 @@ static inline void sl_place_sums_add(sl_place_sums *s, double x, double y) {
 /* Of an area of surface, the share that those photons say they were strewn over: 1 unless it is clearly less.
  */
 double sl_strewn_share(const sl_place_sums *places, double area);
-
-#endif

@@ -1,8 +1,7 @@
 /* Indirect light of a picture's pixels: from the octree, or by way of the atlas where light does
  * not depend on the view. Glossy surfaces, and what mirrors show, look into the octree in
  * either case. */
-#ifndef SL_CACHE_LIGHT_OCTREE_PIXELS_H
-#define SL_CACHE_LIGHT_OCTREE_PIXELS_H
+#pragma once
 
 #include "cache/light_octree/atlas/atlas.h"
 #include "cache/reflect/reflect.h"
@@ -39,5 +38,3 @@ sl_rgb sl_photons_radiance(sl_voxel_lights *lights, unsigned worker, const sl_su
 /* Three planes of the G-buffer's size, all of them written. */
 void sl_photons_light_pixels(const sl_scene *scene, const sl_gbuffer *gbuffer, sl_voxel_lights *lights,
                              unsigned threads, float *const indirect[3], sl_counters *counters);
-
-#endif

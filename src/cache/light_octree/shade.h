@@ -2,8 +2,7 @@
  * (n . d_j)+ in each of the eight voxels around, then their trilinear mean. Points that share their eight
  * voxels are shaded together: the octree is descended once for all of them, and the loop over their lights is
  * arithmetic alone. */
-#ifndef SL_CACHE_LIGHT_OCTREE_SHADE_H
-#define SL_CACHE_LIGHT_OCTREE_SHADE_H
+#pragma once
 
 #include "cache/light_octree/voxel_texture.h"
 
@@ -82,5 +81,3 @@ typedef struct sl_octree_seen {
 
 /* False where the point gets no light. */
 bool sl_octree_see(const sl_octree_shading *shading, const sl_octree_point *point, sl_octree_seen *seen);
-
-#endif

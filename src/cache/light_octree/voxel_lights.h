@@ -3,8 +3,7 @@
  *     leaf ── gather k photons about c_v ── area, E ── clusters of directions ── V_j, d_j, c_j
  *
  * Leaves do not depend on each other, so they may be done in batches, in any order and in parallel. */
-#ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_LIGHTS_H
-#define SL_CACHE_LIGHT_OCTREE_VOXEL_LIGHTS_H
+#pragma once
 
 #include "base/isa.h"
 #include "cache/frame/settings.h"
@@ -201,5 +200,3 @@ sl_voxel_area sl_voxel_areas(const sl_voxel_lights *lights, const sl_voxel_gathe
                              sl_voxel_worker *worker);
 void sl_voxel_light_set(sl_voxel_lights *lights, size_t index, sl_voxel_worker *worker,
                         sl_counters *counters);
-
-#endif

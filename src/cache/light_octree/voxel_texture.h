@@ -1,7 +1,6 @@
 /* The octree and its lights as the paper's hardware holds them: bricks of 2x2x2 RGBA8 texels in a 3D texture,
  * 24-bit addresses, and a texture of lights. */
-#ifndef SL_CACHE_LIGHT_OCTREE_VOXEL_TEXTURE_H
-#define SL_CACHE_LIGHT_OCTREE_VOXEL_TEXTURE_H
+#pragma once
 
 #include "cache/light_octree/voxel_lights.h"
 #include "raster/textures/textures.h"
@@ -53,5 +52,3 @@ size_t sl_voxel_texture_resident_bytes(const sl_voxel_texture *texture);
 /* Descends to a cell of the deepest level: the place of its leaf's first texel, or SIZE_MAX where it is void
  * or outside the root. fetches is added to. */
 size_t sl_voxel_texture_find(const sl_voxel_texture *texture, const int32_t cell[3], uint64_t *fetches);
-
-#endif

@@ -15,8 +15,7 @@
  *   coarse.c         levels and vertices; their values times the bounce's reflectance
  *   coarse_light.c   direct light at its vertices, by rays
  *   coarse_rounds.c  rounds in which all of them get it, some an update; gathers that see it */
-#ifndef SL_MULTI_MESH_COARSE_H
-#define SL_MULTI_MESH_COARSE_H
+#pragma once
 
 #include "cache/hemisphere/gather.h"
 #include "cache/patches/irradiance.h"
@@ -113,5 +112,3 @@ size_t sl_coarse_kept_bytes(const sl_coarse_kept *kept);
  * with which the gather was made; 0 where position or normals are no numbers. */
 sl_rgb sl_coarse_gather(const sl_scene *scene, const sl_gather *gather, const sl_mesh_point *at,
                         sl_gather_scratch *scratch, sl_counters *counters);
-
-#endif

@@ -18,8 +18,7 @@
  *   sl_is_unprobed(mesh, leaf)              it is to be probed instead: the caller looks at pixels of it
  *   sl_displayed_probed(mesh, leaf, ...)    it stays closed, or is cut after all
  */
-#ifndef SL_MULTI_MESH_DISPLAYED_H
-#define SL_MULTI_MESH_DISPLAYED_H
+#pragma once
 
 #include <math.h>
 #include <string.h>
@@ -295,5 +294,3 @@ void sl_displayed_rank(sl_displayed *d);
 static inline void sl_displayed_mark(sl_displayed *d, uint32_t leaf) {
     d->mesh->patch[leaf].flags |= SL_NODE_DIRTY;
 }
-
-#endif

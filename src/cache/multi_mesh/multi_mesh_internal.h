@@ -17,8 +17,7 @@
  * (image pass 1, display/pixels.c) and a mesh for each light, refined only where radiance asks for it
  * (irradiance.c); gathers are those of cache/hemisphere; single lights are sampled in cache/light. Here are
  * the method's state, and the functions of its parts. */
-#ifndef SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
-#define SL_MULTI_MESH_MULTI_MESH_INTERNAL_H
+#pragma once
 
 #include "cache/frame/announce.h"
 #include "cache/frame/method.h"
@@ -331,5 +330,3 @@ void sl_multi_mesh_announce_light_sample(sl_multi_mesh_state *s);
 void sl_multi_mesh_announce_edges(sl_multi_mesh_state *s, sl_component part);
 /* Those of the first lights' meshes. */
 void sl_multi_mesh_announce_lights(sl_multi_mesh_state *s);
-
-#endif

@@ -2,8 +2,7 @@
  * edges: so both sides of an edge show the same along it, and there are no T-vertices. A point's place in its
  * leaf's fan is the edge towards which it lies as seen from the centre (edge i runs from corner i to i + 1),
  * how far along that edge, and how far out from the centre, 0 to 1. */
-#ifndef SL_PATCHES_FAN_H
-#define SL_PATCHES_FAN_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -84,5 +83,3 @@ void sl_share_add(sl_vertex_shares *shares, uint32_t vertex, double weight);
  * the leaf is linear or bilinear. */
 sl_vertex_shares sl_leaf_shares(int corners, const uint32_t *corner, size_t count, const sl_fan_spoke *spoke,
                                 double a, double b);
-
-#endif

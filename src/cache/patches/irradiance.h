@@ -9,8 +9,7 @@
  *   another leaf                                    its edges are tested, then it is closed or cut, and on
  *
  * Samples that are not there yet are put on a list; once they are taken the fetch is made again: a round. */
-#ifndef SL_PATCHES_IRRADIANCE_H
-#define SL_PATCHES_IRRADIANCE_H
+#pragma once
 
 #include "cache/light/light_sample.h"
 #include "cache/light/moves.h"
@@ -71,5 +70,3 @@ sl_status sl_irradiance_meshes_follow(sl_irradiance_meshes *meshes, const sl_irr
 /* Sets whether what is known will do, whatever depth is wanted: samples are taken then only where there is
  * nothing to interpolate. */
 void sl_irradiance_meshes_spare(sl_irradiance_meshes *meshes, bool sparing);
-
-#endif

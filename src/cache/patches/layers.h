@@ -7,8 +7,7 @@
  * away.
  *
  * Kept where there are samples of both kinds and values are no means of several sets. */
-#ifndef SL_CACHE_PATCHES_LAYERS_H
-#define SL_CACHE_PATCHES_LAYERS_H
+#pragma once
 
 #include "cache/patches/patches.h"
 
@@ -57,5 +56,3 @@ void sl_layers_commit(sl_layers *layers, const sl_patches *patches, uint32_t ver
  * follow. Those that were sampled more lately than the ones they follow go the less of the way. */
 sl_status sl_layers_begin(sl_layers *layers, const sl_patches *patches, sl_error *error);
 void sl_layers_follow(sl_layers *layers, sl_patches *patches);
-
-#endif

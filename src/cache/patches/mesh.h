@@ -3,8 +3,7 @@
  * opposite to its corner i. A vertex whose value is known and that lies in the middle of an edge counts for
  * interpolation on both sides of it, be the triangles there split or not: so there are no T-vertices, and no
  * step of colour along edges. */
-#ifndef SL_PATCHES_MESH_H
-#define SL_PATCHES_MESH_H
+#pragma once
 
 #include "base/isa.h"
 #include "cache/patches/patches.h"
@@ -149,5 +148,3 @@ bool sl_mesh_interpolate(const sl_patches *mesh, const sl_patch_place *leaf, flo
                          float *value);
 /* ... of the leaf that holds a point of a face. */
 bool sl_mesh_value(const sl_patches *mesh, uint32_t face, float w1, float w2, float *value);
-
-#endif

@@ -1,6 +1,5 @@
 /* Between patches.c, patch_vertices.c and patch_around.c. */
-#ifndef SL_PATCHES_PATCH_PARTS_H
-#define SL_PATCHES_PATCH_PARTS_H
+#pragma once
 
 #include "base/random.h"
 #include "cache/patches/patches.h"
@@ -37,5 +36,3 @@ static inline uint32_t sl_pixels_of_children(const sl_patches *p, uint32_t first
 
 /* Takes one reference away; with the last the vertex is gone. */
 void sl_vertex_release(sl_patches *patches, uint32_t vertex);
-
-#endif

@@ -27,8 +27,7 @@
  *   mesh.h             values between vertices, for multi-mesh caching
  *   irradiance.h       a mesh for each light
  *   display/           drawn by the hardware; visible pixels by roots */
-#ifndef SL_PATCHES_PATCHES_H
-#define SL_PATCHES_PATCHES_H
+#pragma once
 
 #include "cache/patches/fan.h"
 #include "cache/patches/primitives.h"
@@ -315,5 +314,3 @@ typedef struct sl_edge_marking {
     const void *context;
 } sl_edge_marking;
 sl_mark *sl_patches_edge_marks(const sl_patches *patches, const sl_edge_marking *how, size_t *count);
-
-#endif

@@ -1,8 +1,7 @@
 /* Differences that an eye can tell on the display (Walter's threshold map). Errors are judged at the final
  * pixel: radiance through the tone map to grey levels 0 to 255, a difference against the threshold of the
  * darker of the two. */
-#ifndef SL_PATCHES_PERCEPTION_H
-#define SL_PATCHES_PERCEPTION_H
+#pragma once
 
 #include "base/math.h"
 #include "scene/scene.h"
@@ -32,5 +31,3 @@ float sl_display_threshold(const sl_perception *perception, float level);
 float sl_levels_contrast(const sl_perception *perception, float a, float b);
 /* Returns the largest of the channels'. */
 float sl_display_contrast(const sl_perception *perception, sl_rgb a, sl_rgb b);
-
-#endif

@@ -1,6 +1,5 @@
 /* Between primitives.c, primitive_points.c and primitive_edges.c. */
-#ifndef SL_PATCHES_PRIMITIVE_PARTS_H
-#define SL_PATCHES_PRIMITIVE_PARTS_H
+#pragma once
 
 #include "cache/patches/primitives.h"
 
@@ -24,5 +23,3 @@ static inline uint32_t sl_edge_along(const sl_primitives *p, uint32_t code, uint
 
 /* Finds which edges and corners are one. */
 sl_status sl_primitives_join(sl_primitives *primitives, sl_error *error);
-
-#endif

@@ -10,8 +10,7 @@
  *   primitive_edges.c   where roots meet: edges and corners on which shading is shared
  *
  * A root is a side of a primitive: 2 p its front, 2 p + 1 its back; light on them has nothing in common. */
-#ifndef SL_PATCHES_PRIMITIVES_H
-#define SL_PATCHES_PRIMITIVES_H
+#pragma once
 
 #include "cache/light/light_sample.h"
 #include "cache/patches/solids.h"
@@ -118,5 +117,3 @@ typedef struct sl_root_place {
 sl_root_place sl_root_canonical(const sl_primitives *primitives, sl_root_place place);
 /* k_d over the root's texture, averaged: what display levels of diffuse patches are reckoned with. */
 sl_rgb sl_root_mean_diffuse(const sl_primitives *primitives, uint32_t root);
-
-#endif

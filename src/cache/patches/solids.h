@@ -12,8 +12,7 @@
  *
  * A solid is at least a hundredth of its bounding box; what is wound inside out is none. Where solids run
  * through one another points next to the other's surface may count as outside. */
-#ifndef SL_PATCHES_SOLIDS_H
-#define SL_PATCHES_SOLIDS_H
+#pragma once
 
 #include "cache/light/light_sample.h"
 
@@ -33,5 +32,3 @@ bool sl_solids_hold(const sl_solids *solids, const sl_tracer *tracer, const sl_l
 bool sl_solids_eye_matters(const sl_solids *solids, sl_vec3 before, sl_vec3 now);
 /* Tells whether a triangle's back is the inner side of a sealed solid without light: nobody sees it. */
 bool sl_solids_hide_back(const sl_solids *solids, uint32_t triangle);
-
-#endif

@@ -1,8 +1,7 @@
 /* Change: what moves is found out by shading vertices again under the same samples (section on dynamic
  * scenes). Objects whose shading changes grow old all at once, and are shown with coarser patches until it
  * has settled. */
-#ifndef SL_SHADING_CACHE_CHANGE_H
-#define SL_SHADING_CACHE_CHANGE_H
+#pragma once
 
 #include "cache/shading_cache/priority.h"
 
@@ -72,5 +71,3 @@ void sl_fade_begin(sl_fades *fades, sl_patches *patches, uint32_t vertex, const 
 void sl_fades_go_on(sl_fades *fades, sl_patches *patches, float beta);
 void sl_fades_finish(sl_fades *fades, sl_patches *patches);
 void sl_fades_release(sl_fades *fades);
-
-#endif

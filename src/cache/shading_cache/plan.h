@@ -1,7 +1,6 @@
 /* The plan: settings completed, the paths, and which parts a scene needs (what is not needed does not
  * run). */
-#ifndef SL_SHADING_CACHE_PLAN_H
-#define SL_SHADING_CACHE_PLAN_H
+#pragma once
 
 #include "cache/frame/method.h"
 
@@ -24,5 +23,3 @@ void sl_shading_transport(const sl_settings *settings, sl_transport *transport);
 void sl_shading_plan_write(const sl_scene *scene, const sl_settings *settings, sl_plan_writer *writer);
 
 sl_memory_need sl_shading_need(const sl_scene *scene, const sl_settings *settings);
-
-#endif

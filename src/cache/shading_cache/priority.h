@@ -1,7 +1,6 @@
 /* Priorities of patches: the interpolation error that shows, in grey levels, and age; and their normalisation
  * over the pixels (section on the priority map). */
-#ifndef SL_SHADING_CACHE_PRIORITY_H
-#define SL_SHADING_CACHE_PRIORITY_H
+#pragma once
 
 #include "cache/patches/perception.h"
 #include "cache/patches/patches.h"
@@ -57,5 +56,3 @@ void sl_priorities_raise(size_t count, sl_leaf_priority *leaves, size_t picture_
  * a thousand lies above it, so that one outlier does not hide the rest. Where hi = lo, 0 for p = 0, else 1.
  * plain: (p - mean + 4 sigma) / (8 sigma), as printed. */
 void sl_priorities_normalise(size_t count, sl_leaf_priority *leaves, bool plain);
-
-#endif

@@ -8,8 +8,7 @@
  *   caustic_renderer.c         caustics by photons (cache/photons)
  *   renderers.c                a batch of requests on the workers
  */
-#ifndef SL_SHADING_CACHE_RENDERERS_H
-#define SL_SHADING_CACHE_RENDERERS_H
+#pragma once
 
 #include "cache/frame/settings.h"
 #include "cache/patches/layers.h"
@@ -99,5 +98,3 @@ bool sl_request_lobe(const sl_sample_request *request, sl_bsdf *lobe);
 void sl_request_sky_light(const sl_renderer_settings *settings, const sl_sequence *sequence,
                           const sl_sample_request *request, int samples, sl_sample *sample,
                           sl_counters *counters);
-
-#endif

@@ -1,7 +1,6 @@
 /* Which pixels get samples: hit-and-test over the id map, flood fill from the hits (sections on priority-
  * based selection and on flood fill). Both are in shading_cache.c. */
-#ifndef SL_SHADING_CACHE_SELECTION_H
-#define SL_SHADING_CACHE_SELECTION_H
+#pragma once
 
 #include "base/counters.h"
 #include "cache/shading_cache/priority.h"
@@ -53,5 +52,3 @@ bool sl_selection_take(sl_selection *s, uint32_t pixel, sl_choice_kind kind);
 void sl_hit_and_test(sl_selection *s);
 /* From the hits among the choices made so far. */
 sl_status sl_flood_fill(sl_selection *s, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* The state of one cache, which the parts of the shading cache share. */
-#ifndef SL_SHADING_CACHE_STATE_H
-#define SL_SHADING_CACHE_STATE_H
+#pragma once
 
 #include "cache/frame/announce.h"
 #include "cache/light/moves.h"
@@ -129,5 +128,3 @@ void sl_shading_announce_priorities(sl_shading_state *state);
 /* Leaves that were seen in the last update, by their edges; vertices with samples, in the colour of their
  * irradiance. */
 void sl_shading_announce_patches(sl_shading_state *state);
-
-#endif

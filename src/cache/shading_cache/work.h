@@ -1,6 +1,5 @@
 /* From chosen pixels to work: vertices to be shaded, patches to be split (section on processing requests). */
-#ifndef SL_SHADING_CACHE_WORK_H
-#define SL_SHADING_CACHE_WORK_H
+#pragma once
 
 #include "cache/shading_cache/change.h"
 #include "cache/shading_cache/selection.h"
@@ -48,5 +47,3 @@ bool sl_patch_is_finished(const sl_patches *patches, const sl_work_settings *set
 sl_status sl_work_out(sl_patches *patches, const sl_work_settings *settings, size_t count,
                       const sl_chosen_place *places, uint32_t *vertex, size_t *vertex_count,
                       sl_counters *counters, sl_error *error);
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by the tests of sample photons: scenes with one light, and the pictures taken from it. */
-#ifndef TESTS_RADIANCE_MAPS_H
-#define TESTS_RADIANCE_MAPS_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -175,5 +174,3 @@ static inline double flux_irradiance(const sl_map_photons *photons, sl_vec3d x, 
     }
     return sum;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* Shared by the tests of Direct Radiance Mapping's passes 6 and 7: receivers placed by hand, and photons made
  * on the CPU in shapes whose light is known. Every function fails the test where anything fails. */
-#ifndef SL_TESTS_RECEIVER_SUPPORT_H
-#define SL_TESTS_RECEIVER_SUPPORT_H
+#pragma once
 
 #include "cache/direct_radiance/direct_radiance.h"
 
@@ -67,5 +66,3 @@ sl_rgb sl_photon_irradiance(const sl_map_photons *photons, size_t photon, sl_pho
                             sl_vec3 n, sl_vec3 shading);
 /* Sum of all photons by the plain form, one channel. */
 double irradiance_at(const sl_map_photons *photons, sl_photon_weight weight, sl_vec3d x, sl_vec3d n);
-
-#endif

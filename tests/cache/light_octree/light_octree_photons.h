@@ -1,6 +1,5 @@
 /* Photons strewn by hand, and lights of voxels made from them. */
-#ifndef TESTS_LIGHT_OCTREE_PHOTONS_H
-#define TESTS_LIGHT_OCTREE_PHOTONS_H
+#pragma once
 
 #include "light_octree_support.h"
 
@@ -99,5 +98,3 @@ static inline sl_photon_list *even_floor(size_t count, float e, uint64_t seed) {
     strew_evenly(list, count, sl_v3(0, 0, 0), sl_v3(0, 0, 4), sl_v3(4, 0, 0), sl_v3(0, 1, 0), e, seed);
     return list;
 }
-
-#endif

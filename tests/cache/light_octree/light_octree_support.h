@@ -1,6 +1,5 @@
 /* Shared by the light octree's tests: octrees of scenes, and lights of voxels made by hand. */
-#ifndef TESTS_LIGHT_OCTREE_SUPPORT_H
-#define TESTS_LIGHT_OCTREE_SUPPORT_H
+#pragma once
 
 #include "raster_support.h"
 
@@ -145,5 +144,3 @@ static inline sl_vec3 random_on(const sl_scene *scene, uint64_t key, uint64_t in
             p2 = sl_scene_position(scene, scene->vertex[2][*triangle]);
     return sl_add(sl_add(sl_scale(p0, 1.0f - a - b), sl_scale(p1, a)), sl_scale(p2, b));
 }
-
-#endif

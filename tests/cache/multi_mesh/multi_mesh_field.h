@@ -1,7 +1,6 @@
 /* Shared by tests of displayed meshes: a mesh over a scene, seen by a camera, whose samples come from a
  * field, a function of position and nothing else. Every function fails the test where anything fails. */
-#ifndef TESTS_MULTI_MESH_FIELD_H
-#define TESTS_MULTI_MESH_FIELD_H
+#pragma once
 
 #include <math.h>
 
@@ -215,5 +214,3 @@ static inline sl_scene *striped_room(void) {
     scene->camera = room_camera(sl_v3(2, 1.5f, 4.9f), sl_v3(2.2f, 1.2f, 0));
     return scene;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Shared by tests of coarse meshes and gathers. */
-#ifndef TESTS_MULTI_MESH_GATHER_SUPPORT_H
-#define TESTS_MULTI_MESH_GATHER_SUPPORT_H
+#pragma once
 
 #include <stdlib.h>
 #include <string.h>
@@ -92,5 +91,3 @@ static inline sl_rgb coarse_colour(const sl_coarse *c, uint32_t face, float w1, 
 static inline sl_rgb take(gathering *g, const sl_mesh_point *point) {
     return sl_coarse_gather(g->scene, g->gather, point, g->scratch, &g->counters);
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Sample renderers of the shading cache for tests: a scene with its tracer, and requests at its points. */
-#ifndef SL_TESTS_RENDERER_SUPPORT_H
-#define SL_TESTS_RENDERER_SUPPORT_H
+#pragma once
 
 #include <math.h>
 #include <stdio.h>
@@ -38,5 +37,3 @@ sl_sample_request request_at(sl_vec3 position, sl_vec3 normal);
 
 /* The same irradiance everywhere. */
 sl_sample_renderer constant_renderer(sl_rgb irradiance);
-
-#endif

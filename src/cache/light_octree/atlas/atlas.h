@@ -8,8 +8,7 @@
  *   texels.c     which surface point each texel holds, so that filtering finds no seams
  *   bake.c       light into the texels, and from there to pixels
  */
-#ifndef SL_CACHE_LIGHT_OCTREE_ATLAS_H
-#define SL_CACHE_LIGHT_OCTREE_ATLAS_H
+#pragma once
 
 #include "cache/light_octree/shade.h"
 #include "raster/raster.h"
@@ -94,5 +93,3 @@ sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_sc
  * Pixels of neither side, or of one that was never filled, stay as they are. */
 void sl_atlas_apply(const sl_atlas_canvas *canvas, const sl_gbuffer *gbuffer, const uint8_t *side,
                     unsigned threads, float *const out[3], sl_counters *counters);
-
-#endif

@@ -1,7 +1,6 @@
 /* Data that the steps of the atlas hand to each other. Faces are the scene's triangles; corner 3 f + k is
  * corner k of face f, and the half-edge 3 f + k runs from that corner to the next one of its face. */
-#ifndef SL_CACHE_LIGHT_OCTREE_ATLAS_PARTS_H
-#define SL_CACHE_LIGHT_OCTREE_ATLAS_PARTS_H
+#pragma once
 
 #include "cache/light_octree/atlas/atlas.h"
 
@@ -56,5 +55,3 @@ typedef struct sl_atlas_place {
  */
 sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *faces, int size, int gutter,
                         sl_atlas_place *place, double *density, int *needed, sl_error *error);
-
-#endif

@@ -1,7 +1,6 @@
 /* Two copies of what is shown: frames are drawn from one while an update writes to the other. A frame never
  * waits; an update that would write to what an unfinished frame reads does, or leaves it. */
-#ifndef SL_PATCHES_DISPLAY_COPIES_H
-#define SL_PATCHES_DISPLAY_COPIES_H
+#pragma once
 
 #include <stdint.h>
 
@@ -46,5 +45,3 @@ static inline void sl_copies_swap(sl_copies *c) {
     c->builds++;
     sl_monitor_leave(&c->swap);
 }
-
-#endif

@@ -13,8 +13,7 @@
  *   tessellate.c     curved surfaces, from the view: chord within half a pixel; never shaded
  *   draw.c           id map, Gouraud, texture, emission
  */
-#ifndef SL_PATCHES_DISPLAY_H
-#define SL_PATCHES_DISPLAY_H
+#pragma once
 
 #include "cache/patches/display/copies.h"
 #include "cache/patches/patches.h"
@@ -160,5 +159,3 @@ sl_status sl_tessellate(sl_window *window, sl_error *error);
 /* The same triangles, where their surfaces are now. */
 sl_status sl_tessellation_move(sl_window *window, sl_error *error);
 void sl_tessellation_release(sl_tessellation *tessellation);
-
-#endif

@@ -1,7 +1,6 @@
 /* From a point of a root to its leaf in the display arrays, and to what the leaf shows there: the same leaf
  * as sl_patch_locate() finds. */
-#ifndef SL_PATCHES_LEAF_LOOKUP_H
-#define SL_PATCHES_LEAF_LOOKUP_H
+#pragma once
 
 #include <string.h>
 
@@ -199,5 +198,3 @@ typedef struct sl_shown_root {
 /* draw.c: tells of a pixel of the last frame in the display's own window what it shows, L_e + kd E / pi +
  * L_s, in parts, by the functions that draw it; diffuse with its texture. pixel: bottom row first. */
 void sl_display_pixel(sl_display *display, size_t pixel, sl_shown_root *shown);
-
-#endif

@@ -1,8 +1,7 @@
 /* The id map's pixels in the order of the faces (roots of plane primitives) that they show: what "visible
  * sizes" (image pass 1) come to, and what each mesh deals down its quadtrees to know exactly which pixels
  * show which leaf. */
-#ifndef SL_PATCHES_PIXELS_H
-#define SL_PATCHES_PIXELS_H
+#pragma once
 
 #include "cache/patches/primitives.h"
 #include "raster/raster.h"
@@ -28,5 +27,3 @@ sl_status sl_visible_pixels_sort(const sl_primitives *primitives, const sl_raste
                                  const sl_view *view, const uint32_t *id, unsigned threads,
                                  sl_visible_pixels **pixels, sl_counters *counters, sl_error *error);
 void sl_visible_pixels_destroy(sl_visible_pixels *pixels);
-
-#endif
