@@ -130,7 +130,7 @@ void sl_octree_announce_picture(sl_octree_state *s, const char *name, const char
 /* The G-buffer, with what mirrors show; and the next rows of direct light (method.c). */
 sl_status sl_octree_draw_gbuffer(sl_octree_state *s, sl_error *error);
 sl_status sl_octree_light_rows(sl_octree_state *s, sl_error *error);
-/* What comes after a G-buffer, and after direct light. */
+/* Begins the light of a new G-buffer; announces direct light that is done. */
 void sl_octree_begin_light(sl_octree_state *s);
 void sl_octree_announce_direct(sl_octree_state *s);
 sl_octree_shading sl_octree_state_shading(const sl_octree_state *s);
@@ -143,7 +143,7 @@ sl_photon_options sl_octree_photon_options(const sl_octree_state *s);
 sl_status sl_octree_show_level_of(sl_octree_state *s, const sl_photon_tree *tree, int depth, sl_error *error);
 sl_status sl_octree_light_picture(sl_octree_state *s, bool moves, sl_error *error);
 sl_octree_pixels sl_octree_pixels_of(const sl_octree_state *s, const sl_octree_shading *shading, bool moves);
-/* What comes after that; lit: each pixel has light of its own. */
+/* Announces indirect light that is done; lit: each pixel has its own. */
 void sl_octree_show_light(sl_octree_state *s, bool lit);
 
 /* A whole frame: G-buffer, direct light, octree where light has changed, pixels (motion.c). */

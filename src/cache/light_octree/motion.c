@@ -252,7 +252,7 @@ static sl_status draw_strips(sl_octree_state *s, sl_error *error) {
     return SL_OK;
 }
 
-/* What needs the whole G-buffer first: mirrors, light by rays, an atlas, photons at pixels. */
+/* Draws what needs the whole G-buffer first: mirrors, light by rays, an atlas, photons at pixels. */
 static sl_status draw_in_steps(sl_octree_state *s, sl_error *error) {
     sl_status status = sl_octree_draw_gbuffer(s, error);
     if (status == SL_OK) status = light_directly(s, error);

@@ -50,7 +50,7 @@ static bool shows(const sl_multi_mesh_state *s, bool (*has)(const sl_material *)
     return false;
 }
 
-/* What shows nothing is black. */
+/* Allocates planes of what materials show; pixels that show nothing are black. */
 static bool allocate(const sl_multi_mesh_state *s, sl_materials_seen *m) {
     const size_t pixels = sl_settings_pixels(&s->settings);
     const bool sky = s->scene->environment.present && s->visible->count < pixels,

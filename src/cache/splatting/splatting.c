@@ -3,7 +3,7 @@
  * splat_kernels.c.
  *
  *     step 1   G-buffer                                     the first update of a view
- *     step 1b  direct light                                 one update for every SL_DIRECT_ROWS rows
+ *     step 1b  direct light                                 one update; by rays one for SL_DIRECT_ROWS rows
  *     step 2   splat the records of earlier views           nothing at the start
  *     step 3   read back the sums of weights                kept on this side: the same sums
  *     step 4   new records where a pixel is uncovered       one update a batch (traversal.c)
