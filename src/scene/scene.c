@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/grow.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/print.h"
@@ -235,8 +236,7 @@ static void clear_part(void *context, size_t index, unsigned worker) {
     (void)worker;
     const clearing *c = context;
     float *plane = c->plane + index / c->parts * c->pixels;
-    const size_t first = index % c->parts * CLEARED, left = c->pixels - first,
-                 end = first + (left < CLEARED ? left : CLEARED);
+    const size_t first = index % c->parts * CLEARED, end = sl_fewer(first + CLEARED, c->pixels);
     for (sl_pixel_run r = sl_sub_frame_run(c->at, first, end); r.first < r.end;
          r = sl_sub_frame_run(c->at, r.end, end))
         memset(plane + r.first, 0, (r.end - r.first) * sizeof *plane);

@@ -2,6 +2,7 @@
  * them: push sums of (w E, w) with w = 1 for covered pixels down a pyramid of 2x2 sums, then pull the coarser
  * mean wherever the finer level has nothing. Irradiance is filled, not radiance, so textures stay sharp. */
 #include "base/error.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/splatting/splatting.h"
@@ -24,8 +25,7 @@ typedef struct {
 static void push_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const level *fine = ((const step *)context)->fine, *coarse = ((const step *)context)->coarse;
-    const size_t width = (size_t)fine->width, below = 2 * row + 2,
-                 end = below < (size_t)fine->height ? below : (size_t)fine->height;
+    const size_t width = (size_t)fine->width, end = sl_fewer(2 * row + 2, (size_t)fine->height);
     for (size_t y = 2 * row; y < end; y++) {
         for (size_t x = 0; x < width; x++) {
             float *to = coarse->sum[row * (size_t)coarse->width + x / 2];
