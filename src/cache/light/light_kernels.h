@@ -88,8 +88,8 @@ void sl_light_sides_release(sl_light_sides *sides);
 SL_KERNELS(void, sl_light_arrive,
            (const sl_light_points *points, const sl_light_source *source, sl_arrivals *arrivals));
 
-/* Which points look in which depth cubes: `each` in the first, as many that follow in the second, and so on;
- * after the last points the first ones come again. Of several cubes all are of one size and kind, and their
+/* Points and the depth cubes that they look in: `each` in the first, as many that follow in the second, and so
+ * on; after the last points the first ones come again. Of several cubes all are of one size and kind, and their
  * points are a multiple of each; cubes x each is at most SL_LIGHT_BLOCK. */
 typedef struct sl_cube_looks {
     size_t cubes, each;

@@ -78,7 +78,7 @@ typedef struct sl_light_squares {
 /* Finds the places of pixels that are sorted so. */
 void sl_order_squares(uint8_t place[SL_LIGHT_BLOCK]);
 void sl_sort_by_squares(const sl_shadow_maps *maps, const sl_light_points *points, sl_light_squares *squares);
-/* False: of so few samples there is nothing to share. */
+/* Tells whether an emitter has enough samples for the pixels of a square to share. */
 bool sl_can_interleave(const sl_mapped_emitter *emitter);
 /* Finds the shares of all samples that the points of two tiles see. */
 void sl_share_by_squares(const sl_shadow_maps *maps, const sl_mapped_emitter *emitter,

@@ -7,8 +7,8 @@
 #include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "cache/light_octree/light_octree.h"
 
 #include <math.h>
@@ -183,7 +183,7 @@ typedef struct strip_end {
     sl_error error;
 } strip_end;
 
-/* The rows of a G-buffer's `pixels` from `first` on. */
+/* Returns rows of a G-buffer, from pixel `first` on. */
 static sl_gbuffer part_of(const sl_gbuffer *g, size_t first, int rows) {
     return (sl_gbuffer){.width = g->width, .height = rows, .id = g->id + first,
                         .position_x = g->position_x + first, .position_y = g->position_y + first,
