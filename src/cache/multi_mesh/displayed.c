@@ -244,7 +244,7 @@ typedef struct draw_job {
 } draw_job;
 
 static void draw_lanes(const draw_job *job, uint32_t patch, uint32_t first, uint32_t count,
-                       const sl_patch_place *shown, const sl_mesh_fan *fan) {
+                       const sl_patch_place *shown, const sl_fan_shown *fan) {
     const sl_visible_pixels *pixels = job->d->pixels;
     float w1[SL_FAN_LANES], w2[SL_FAN_LANES], value[3][SL_FAN_LANES];
     uint32_t pixel[SL_FAN_LANES];
@@ -268,9 +268,10 @@ static void draw_leaf(const draw_job *job, const sl_patch_place *leaf) {
     sl_patch_place shown = *leaf;
     sl_mesh_fan fan;
     bool known = sl_mesh_fan_shown(job->d->mesh, &shown, job->d->settings.hanging, &fan);
+    const sl_fan_shown values = sl_mesh_fan_shows(&fan);
     for (uint32_t first = 0; first < count; first += SL_FAN_LANES) {
         const uint32_t some = count - first < SL_FAN_LANES ? count - first : SL_FAN_LANES;
-        draw_lanes(job, leaf->patch, first, some, &shown, known ? &fan : NULL);
+        draw_lanes(job, leaf->patch, first, some, &shown, known ? &values : NULL);
     }
 }
 

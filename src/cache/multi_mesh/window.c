@@ -23,14 +23,22 @@ struct sl_mesh_frames {
 };
 typedef struct mesh_copies mesh_copies;
 
-/* What a leaf shows; a worker keeps the last ones. */
+/* What a leaf shows. */
 typedef struct shown_leaf {
     sl_patch_place found, at; /* itself, and the nearest of it and its ancestors where anything is known */
-    sl_mesh_fan fan;
+    sl_fan_shown fan;         /* in its worker's room */
     bool known;
 } shown_leaf;
 
-enum { LEAVES = 256 };
+/* A worker's leaves of a mesh, by their numbers' last digits: kept for as long as the same copies are shown,
+ * so that a camera that moves finds what it saw before. */
+enum { LEAVES = 1 << 15, SPOKES = 1 << 16, VALUES = 3 * LEAVES + SPOKES };
+typedef struct kept_leaves {
+    shown_leaf leaf[LEAVES];
+    float value[VALUES][3];
+    sl_fan_spoke spoke[SPOKES];
+    size_t values, spokes;    /* in use */
+} kept_leaves;
 
 typedef struct window {
     sl_mesh_frames *frames;
@@ -41,7 +49,8 @@ typedef struct window {
     uint32_t made;             /* the world for which they were found */
     unsigned threads;
     uint32_t *id;
-    shown_leaf *leaves;        /* LEAVES for each mesh, for each thread */
+    kept_leaves **kept;        /* for each mesh, for each thread; NULL: not needed yet */
+    uint64_t kept_of;          /* the copies that they are of */
 } window;
 
 /* ---- the update's side ----------------------------------------------------------------------- */
@@ -98,19 +107,22 @@ sl_status sl_multi_mesh_show(sl_multi_mesh_state *s, sl_error *error) {
 
 /* ---- the window's side ----------------------------------------------------------------------- */
 
+static size_t kept_count(const window *w) { return SL_COMPONENTS * (size_t)sl_thread_count(w->threads); }
+
 static void window_destroy(void *it) {
     window *w = it;
     if (!w) return;
+    for (size_t i = 0; w->kept && i < kept_count(w); i++) sl_free(w->kept[i]);
     sl_primitives_destroy(w->primitives);
     sl_raster_destroy(w->raster);
-    SL_FREE_ALL(w->id, w->leaves, w);
+    SL_FREE_ALL(w->id, w->kept, w);
 }
 
 static sl_status window_open(window *w, sl_error *error) {
     size_t pixels = sl_settings_pixels(&w->settings);
     w->id = sl_allocate(pixels, sizeof *w->id);
-    w->leaves = sl_allocate_unset(sl_thread_count(w->threads), SL_COMPONENTS * LEAVES * sizeof *w->leaves);
-    if (!w->id || !w->leaves) return sl_fail_memory(error, "frames beside updates");
+    w->kept = sl_allocate(kept_count(w), sizeof *w->kept);
+    if (!w->id || !w->kept) return sl_fail_memory(error, "frames beside updates");
     sl_status status = sl_raster_create(w->scene, w->threads, &w->raster, error);
     return status == SL_OK ? sl_primitives_of_triangles(w->scene, &w->primitives, error) : status;
 }
@@ -147,27 +159,45 @@ static sl_status follow_structure(window *w, uint32_t made, sl_error *error) {
     return sl_primitives_of_triangles(w->scene, &w->primitives, error);
 }
 
-/* Each row of pixels comes back to the leaves of the one before. */
+static void forget_leaves(kept_leaves *k) {
+    for (size_t i = 0; i < LEAVES; i++) k->leaf[i].found.patch = SL_NO_INDEX;
+    k->values = k->spokes = 0;
+}
+
+static sl_fan_shown keep_fan(const sl_mesh_fan *fan, kept_leaves *k) {
+    sl_fan_shown kept = sl_mesh_fan_shows(fan);
+    kept.value = memcpy(k->value + k->values, fan->value, (3 + fan->count) * sizeof *fan->value);
+    kept.spoke = memcpy(k->spoke + k->spokes, fan->spoke, fan->count * sizeof *fan->spoke);
+    k->values += 3 + fan->count;
+    k->spokes += fan->count;
+    return kept;
+}
+
+/* Makes it anew where another of the same last digits was; room that this leaves unused is had back when
+ * there is none left. */
+static void make_leaf(const sl_patches *mesh, uint32_t found, kept_leaves *k) {
+    sl_mesh_fan fan;
+    if (k->values + SL_FAN_VERTICES > VALUES || k->spokes + SL_FAN_VERTICES > SPOKES) forget_leaves(k);
+    shown_leaf *leaf = &k->leaf[found % LEAVES];
+    leaf->found = leaf->at = sl_patch_place_of(mesh, found);
+    leaf->known = sl_mesh_fan_shown(mesh, &leaf->at, true, &fan);
+    if (leaf->known) leaf->fan = keep_fan(&fan, k);
+}
+
+/* root: its patch. */
 static const shown_leaf *find_leaf(const sl_patches *mesh, uint32_t root, float w1, float w2,
-                                   shown_leaf *leaves) {
+                                   kept_leaves *k) {
     double a, b;
     sl_mesh_clamp_weights(w1, w2, &a, &b);
     const uint32_t found = sl_patch_leaf_at(mesh, root, 3, a, b);
-    shown_leaf *leaf = &leaves[found % LEAVES];
-    if (found == leaf->found.patch && found != SL_NO_INDEX) return leaf;
-    leaf->found.patch = found;
-    leaf->known = false;
-    if (found == SL_NO_INDEX) return leaf;
-    leaf->found = leaf->at = sl_patch_place_of(mesh, found);
-    leaf->known = sl_mesh_fan_shown(mesh, &leaf->at, true, &leaf->fan);
-    return leaf;
+    if (k->leaf[found % LEAVES].found.patch != found) make_leaf(mesh, found, k);
+    return &k->leaf[found % LEAVES];
 }
 
 /* Returns how many of the points have the first one's leaf, whose values these are. */
 static size_t values_of(const shown_leaf *leaf, sl_isa isa, size_t count, const float *w1, const float *w2,
                         float value[3][SL_FAN_LANES]) {
     float a[SL_FAN_LANES], b[SL_FAN_LANES];
-    if (leaf->found.patch == SL_NO_INDEX) return 1;
     const size_t run = SL_KERNEL_OF(isa, sl_mesh_run)(&leaf->found, count, w1, w2, a, b);
     if (!leaf->known) return run;
     if (leaf->at.patch != leaf->found.patch)
@@ -200,19 +230,25 @@ static void places(const void *context, uint32_t triangle, float *value) {
     sl_root_corner_parameters(((const drawing *)context)->window->primitives, triangle, value);
 }
 
-/* Most pixels are in the leaf of the one before. Where a mesh knows nothing `otherwise` shows. */
-static void light_piece(const drawing *d, size_t part, shown_leaf *leaves, piece *p) {
+static void set_light(piece *p, size_t part, sl_rgb light) {
+    const float colour[3] = {light.r, light.g, light.b};
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < p->count; i++) p->light[part][c][i] = colour[c];
+}
+
+/* Most pixels are in the leaf of the one before. Where a mesh knows nothing ambient light is shown. */
+static void light_piece(const drawing *d, size_t part, kept_leaves *kept, piece *p) {
     const sl_patches *mesh = d->set->part[part];
     const uint32_t root = sl_patches_find_root(mesh, p->face);
-    const sl_rgb otherwise = part == SL_INDIRECT ? d->set->ambient : sl_grey(0.0f);
-    const float colour[3] = {otherwise.r, otherwise.g, otherwise.b};
+    set_light(p, part, part == SL_INDIRECT ? d->set->ambient : sl_grey(0.0f));
+    if (root == SL_NO_INDEX) return;
     for (size_t i = 0; i < p->count;) {
         const size_t left = p->count - i < SL_FAN_LANES ? p->count - i : SL_FAN_LANES;
         float value[3][SL_FAN_LANES];
-        const shown_leaf *leaf = find_leaf(mesh, root, p->w1[i], p->w2[i], leaves);
+        const shown_leaf *leaf = find_leaf(mesh, root, p->w1[i], p->w2[i], kept);
         const size_t run = values_of(leaf, d->isa, left, p->w1 + i, p->w2 + i, value);
-        for (size_t l = 0; l < run; l++, i++)
-            for (int c = 0; c < 3; c++) p->light[part][c][i] = leaf->known ? value[c][l] : colour[c];
+        for (int c = 0; c < 3 && leaf->known; c++) memcpy(&p->light[part][c][i], value[c], run * sizeof(float));
+        i += run;
     }
 }
 
@@ -261,7 +297,7 @@ static size_t length_of_piece(const drawing *d, const sl_gouraud_pixels *p, size
 
 static void draw_strip(void *context, const sl_gouraud_pixels *p) {
     const drawing *d = context;
-    shown_leaf *leaves = d->window->leaves + p->worker * SL_COMPONENTS * LEAVES;
+    kept_leaves *const *kept = d->window->kept + p->worker * SL_COMPONENTS;
     piece now = {.triangle = SL_NO_INDEX};
     for (size_t i = 0; i < p->count; i += now.count) {
         now.count = p->id[i] == SL_NO_INDEX ? 1 : length_of_piece(d, p, i);
@@ -277,18 +313,26 @@ static void draw_strip(void *context, const sl_gouraud_pixels *p) {
         now.w2 = p->value[1] + i;
         for (int c = 0; c < 3; c++) now.diffuse[c] = p->diffuse[c] + i;
         for (size_t part = 0; part < SL_COMPONENTS; part++)
-            if (d->set->part[part]) light_piece(d, part, leaves + part * LEAVES, &now);
+            if (d->set->part[part]) light_piece(d, part, kept[part], &now);
         put_piece(d, &now);
     }
 }
 
-static void forget_leaves(const window *w) {
-    for (size_t i = 0; i < sl_thread_count(w->threads) * SL_COMPONENTS * LEAVES; i++)
-        w->leaves[i].found.patch = SL_NO_INDEX;
+/* Makes what keeps leaves of the meshes that there are; other copies' leaves are forgotten. */
+static sl_status follow_copies(window *w, const mesh_copies *set, uint64_t versions, sl_error *error) {
+    for (size_t i = 0; i < kept_count(w); i++) {
+        kept_leaves *k = w->kept[i];
+        const bool made = !k && set->part[i % SL_COMPONENTS];
+        if (made) k = w->kept[i] = sl_allocate_unset(1, sizeof *k);
+        if (made && !k) return sl_fail_memory(error, "frames beside updates");
+        if (made || (k && w->kept_of != versions)) forget_leaves(k);
+    }
+    w->kept_of = versions;
+    return SL_OK;
 }
 
-static sl_status draw_set(window *w, const mesh_copies *set, sl_image *image, sl_counters *counters,
-                          sl_error *error) {
+static sl_status draw_set(window *w, const mesh_copies *set, uint64_t versions, sl_image *image,
+                          sl_counters *counters, sl_error *error) {
     drawing d = {.window = w,
                  .set = set,
                  .view = sl_view_scene(w->scene, w->settings.width, w->settings.height),
@@ -298,11 +342,11 @@ static sl_status draw_set(window *w, const mesh_copies *set, sl_image *image, sl
     const sl_gouraud_pass pass = {
         .channels = 2, .corners = places, .textured = true, .shade = draw_strip, .context = &d};
     sl_status status = follow_structure(w, set->made, error);
+    if (status == SL_OK) status = follow_copies(w, set, versions, error);
     if (status == SL_OK) status = sl_raster_id(w->raster, &d.view, w->threads, &target, counters, error);
     if (status != SL_OK) return status;
     for (size_t i = 0; i < SL_COMPONENTS; i++)
         if (set->part[i]) set->part[i]->primitives = w->primitives;
-    forget_leaves(w);
     sl_raster_gouraud(w->raster, &d.view, w->threads, w->id, &pass, counters);
     return SL_OK;
 }
@@ -312,7 +356,8 @@ static sl_status window_draw(void *it, sl_image *image, uint64_t *versions, sl_c
     window *w = it;
     const int set = sl_copies_take(&w->frames->copies, versions);
     /* before the first it is black, as it was made */
-    sl_status status = *versions ? draw_set(w, &w->frames->set[set], image, counters, error) : SL_OK;
+    sl_status status =
+        *versions ? draw_set(w, &w->frames->set[set], *versions, image, counters, error) : SL_OK;
     sl_copies_give_back(&w->frames->copies, set);
     return status;
 }

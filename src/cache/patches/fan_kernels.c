@@ -6,7 +6,9 @@ enum { LANES = SL_FAN_LANES };
 size_t SL_KERNEL(sl_mesh_run)(const sl_patch_place *place, size_t count, const float *w1, const float *w2,
                               float *leaf_w1, float *leaf_w2) {
     const double margin = 1e-9; /* beyond what rounding could do */
-    const sl_patch_place leaf = *place;
+    /* powers of two: as exact as sl_patch_local()'s divisions */
+    const double u = (double)place->u[0], v = (double)place->v[0], per_u = 1.0 / ((double)place->u[1] - u),
+                 per_v = 1.0 / ((double)place->v[2] - v);
     int32_t inside[LANES];
     float a_of[LANES] = {0.0f}, b_of[LANES] = {0.0f};
     for (size_t l = 0; l < count; l++) {
@@ -17,7 +19,8 @@ size_t SL_KERNEL(sl_mesh_run)(const sl_patch_place *place, size_t count, const f
     for (int l = 0; l < LANES; l++) {
         double a, b;
         sl_mesh_clamp_weights(a_of[l], b_of[l], &a, &b);
-        sl_patch_local(&leaf, a * SL_PATCH_DYADIC, b * SL_PATCH_DYADIC, &a, &b);
+        a = (a * SL_PATCH_DYADIC - u) * per_u;
+        b = (b * SL_PATCH_DYADIC - v) * per_v;
         inside[l] = (a > margin) & (b > margin) & (a + b < 1.0 - margin);
         leaf_w1[l] = (float)a;
         leaf_w2[l] = (float)b;
@@ -29,7 +32,7 @@ size_t SL_KERNEL(sl_mesh_run)(const sl_patch_place *place, size_t count, const f
 
 /* ---- values ---- */
 
-static inline void flat_values(const sl_mesh_fan *fan, const float *w1, const float *w2,
+static inline void flat_values(const sl_fan_shown *fan, const float *w1, const float *w2,
                                float value[3][SL_FAN_LANES]) {
     const float(*of)[3] = fan->value;
     for (int c = 0; c < fan->channels; c++) {
@@ -60,7 +63,7 @@ static inline void find_places(const float *w1, const float *w2, fan_lanes *p) {
     }
 }
 
-static inline void find_pieces(const sl_mesh_fan *fan, fan_lanes *p) {
+static inline void find_pieces(const sl_fan_shown *fan, fan_lanes *p) {
     for (size_t k = 0; k < fan->count; k++) {
         const int32_t at = fan->spoke[k].along, edge = fan->spoke[k].edge,
                       vertex = (int32_t)fan->spoke[k].vertex;
@@ -76,7 +79,7 @@ static inline void find_pieces(const sl_mesh_fan *fan, fan_lanes *p) {
     }
 }
 
-static inline void fan_values(const sl_mesh_fan *fan, const float *w1, const float *w2,
+static inline void fan_values(const sl_fan_shown *fan, const float *w1, const float *w2,
                               float value[3][SL_FAN_LANES]) {
     fan_lanes p;
     float s[LANES], a[3][LANES], b[3][LANES];
@@ -98,7 +101,7 @@ static inline void fan_values(const sl_mesh_fan *fan, const float *w1, const flo
     }
 }
 
-void SL_KERNEL(sl_mesh_fan_values)(const sl_mesh_fan *fan, const float *w1, const float *w2,
+void SL_KERNEL(sl_mesh_fan_values)(const sl_fan_shown *fan, const float *w1, const float *w2,
                                    float value[3][SL_FAN_LANES]) {
     float a[LANES], b[LANES];
 #pragma omp simd

@@ -127,6 +127,18 @@ typedef struct sl_mesh_fan {
     sl_fan_spoke spoke[SL_FAN_VERTICES - 3];
     float centre[3];
 } sl_mesh_fan;
+/* What a fan's values are made of, in the fan or where it is kept. */
+typedef struct sl_fan_shown {
+    int channels;
+    size_t count;                          /* spokes */
+    const float (*value)[3];               /* of the corners, then of the spokes */
+    const sl_fan_spoke *spoke;
+    float centre[3];
+} sl_fan_shown;
+static inline sl_fan_shown sl_mesh_fan_shows(const sl_mesh_fan *fan) {
+    return (sl_fan_shown){fan->channels, fan->count, fan->value, fan->spoke,
+                          {fan->centre[0], fan->centre[1], fan->centre[2]}};
+}
 /* hanging: false ignores what lies on edges. Where a corner is not known yet, or all are invalid: false. */
 bool sl_mesh_fan_make(const sl_patches *mesh, const sl_patch_place *leaf, bool hanging, sl_mesh_fan *fan);
 /* The same of the nearest of a patch and its ancestors that has one, as it is shown. */
@@ -141,7 +153,7 @@ SL_KERNELS(size_t, sl_mesh_run, (const sl_patch_place *leaf, size_t count, const
                                  float *leaf_w1, float *leaf_w2));
 /* Gives all lanes' values, a row a channel. */
 SL_KERNELS(void, sl_mesh_fan_values,
-           (const sl_mesh_fan *fan, const float *w1, const float *w2, float value[3][SL_FAN_LANES]));
+           (const sl_fan_shown *fan, const float *w1, const float *w2, float value[3][SL_FAN_LANES]));
 
 /* The same for one point, by weights of the leaf's own corners. */
 bool sl_mesh_interpolate(const sl_patches *mesh, const sl_patch_place *leaf, float w1, float w2, bool hanging,

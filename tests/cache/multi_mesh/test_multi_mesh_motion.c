@@ -413,6 +413,41 @@ static void where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_h
     sl_scene_destroy(scene);
 }
 
+static sl_image *drawn_by(const sl_window_class *class, void *window) {
+    sl_image *image = blank_image(SIDE, SIDE, 3);
+    uint64_t versions;
+    sl_counters counters = {{0}};
+    assert_int_equal(class->draw(window, image, &versions, &counters, NULL), SL_OK);
+    assert_true(versions > 0);
+    return image;
+}
+
+static void leaves_kept_from_frame_to_frame_show_what_a_new_window_shows(void **state) {
+    sl_scene *scene = moving_room(), *copy;
+    const sl_settings settings = mesh_settings(2);
+    sl_method *method = created_method(scene, &settings);
+    const sl_window_class *class = method->class->window;
+    void *window, *other;
+    assert_int_equal(sl_scene_copy(scene, &copy, NULL), SL_OK);
+    assert_int_equal(class->create(method->state, copy, 2, &window, NULL), SL_OK);
+    while (!update(method)) {}
+    for (int k = 0; k < 12; k++) {
+        if (k % 3 == 2) move_to(method, scene, 3.0 + 0.08 * k); /* the lamp alone */
+        assert_true(sl_camera_look_at(&copy->camera, sl_v3(0.04f * (float)k, 0.0f, 0.98f),
+                                      sl_v3(0.0f, 0.0f, 0.0f), sl_v3(0.0f, 1.0f, 0.0f), 1.4f));
+        assert_int_equal(class->move(window, NULL), SL_OK);
+        assert_int_equal(class->create(method->state, copy, 2, &other, NULL), SL_OK);
+        sl_image *seen = drawn_by(class, window), *fresh = drawn_by(class, other);
+        assert_true(same_picture(seen, fresh));
+        destroy_pictures(seen, fresh);
+        class->destroy(other);
+    }
+    class->destroy(window);
+    sl_method_destroy(method);
+    sl_scene_copy_destroy(copy);
+    sl_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_follows_four_hundred_moves_and_leaves_are_cut_all_the_while),
@@ -426,6 +461,7 @@ int main(void) {
         cmocka_unit_test(while_something_moves_an_update_cuts_until_nothing_large_is_coarse),
         cmocka_unit_test(gathers_see_a_texture_that_gets_another_colour_while_things_move),
         cmocka_unit_test(where_the_eye_walks_from_the_start_light_is_shown_before_all_roots_have_some),
+        cmocka_unit_test(leaves_kept_from_frame_to_frame_show_what_a_new_window_shows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

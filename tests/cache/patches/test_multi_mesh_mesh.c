@@ -231,9 +231,10 @@ static void points_in_lanes_have_the_values_of_one_after_another_to_the_bit(void
         lanes_along_a_line(i, w1, w2);
         sl_patch_place leaf = sl_mesh_locate(w.mesh, face, w1[0], w2[0]);
         assert_true(sl_mesh_fan_make(w.mesh, &leaf, true, &fan));
+        const sl_fan_shown shown = sl_mesh_fan_shows(&fan);
         for (int isa = 0; isa <= (int)sl_isa_best(); isa++) {
             size_t run = SL_KERNEL_OF((sl_isa)isa, sl_mesh_run)(&leaf, SL_FAN_LANES, w1, w2, a, b);
-            SL_KERNEL_OF((sl_isa)isa, sl_mesh_fan_values)(&fan, a, b, value);
+            SL_KERNEL_OF((sl_isa)isa, sl_mesh_fan_values)(&shown, a, b, value);
             assert_true(run >= 1 && run <= SL_FAN_LANES);
             together += run - 1;
             for (size_t l = 0; l < run; l++) {
