@@ -14,6 +14,10 @@ enum { GENERATIONS = 2 };
 static const double few_uncovered[GENERATIONS] = {0.015, 0.04};
 /* Nor more records than that, of a place full of small things. */
 static const size_t most_records[GENERATIONS] = {4000, 5000};
+/* Where light bounces often it does so between small things, and what records are off by comes back with
+ * every bounce: where a picture is to be fine they lie nearer to each other, and are so many times more. */
+enum { MANY_BOUNCES = 10, FINE_TIMES = 4 };
+static const double finest_accuracy = 0.3, fine_radius = 0.4, fine_uncovered = 0.35;
 /* So many more points out of all records' reach than where the cache was made: the camera sees more than it
  * did; or it has gone elsewhere. */
 #define MANY_MISSED 0.01f
@@ -32,12 +36,12 @@ sl_second_settings sl_second_settings_for(const sl_gather_settings *visible, dou
                             .minimum_radius = 0.014};
     /* Twice as coarse, with a sixth of the rays: a visible gather takes the mean of thousands of look-ups. */
     double coarser = 2.0 * accuracy;
-    s.accuracy = coarser < 0.3 ? 0.3 : coarser > 0.6 ? 0.6 : coarser;
+    s.accuracy = coarser < finest_accuracy ? finest_accuracy : coarser > 0.6 ? 0.6 : coarser;
     s.gather.kind = SL_GATHER_RAYS;
     s.gather.background = NULL; /* the sky lights what a gather sees by samples, as lamps do */
     s.gather.harmonics_order = 0;
     /* Each bounce brings the noise of the gathers back once more. */
-    s.gather.size = visible->size / 5 * (bounces > 10 ? 3 : 2);
+    s.gather.size = visible->size / 5 * (bounces > MANY_BOUNCES ? 3 : 2);
     if (s.gather.size < 12) s.gather.size = 12;
     return s;
 }
@@ -76,14 +80,15 @@ static sl_status find_places(sl_second_cache *cache, unsigned origins_wanted, si
     for (size_t generation = 0; status == SL_OK && generation < GENERATIONS; generation++) {
         sl_probed seen;
         size_t before = cache->list.count;
-        const size_t room = most < most_records[generation] ? most : most_records[generation];
+        const size_t room = sl_fewer(most, most_records[generation] * (cache->fine ? FINE_TIMES : 1));
+        const double few = few_uncovered[generation] * (cache->fine ? fine_uncovered : 1.0);
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
         if (count == 0 || cache->list.count - start >= most) break;
         status = sl_probe_from(cache->scene, cache->tracer, s, from, count, origins_wanted, generation,
                                &seen, counters, error);
         if (status == SL_OK)
-            status = sl_cover_points(cache, &seen, few_uncovered[generation], start + room, counters, error);
+            status = sl_cover_points(cache, &seen, few, start + room, counters, error);
         sl_probed_free(&seen);
         first = before;
     }
@@ -142,10 +147,26 @@ static sl_status check_points(const sl_second_cache *cache, float *missed, sl_co
 
 /* ---- its life ---- */
 
+/* Tells whether light bounces between so many small things that records of a fine picture are to be finer. */
+static bool is_too_coarse(const sl_second_cache *cache) {
+    const sl_second_settings *s = &cache->settings;
+    return s->bounces > MANY_BOUNCES && s->accuracy <= finest_accuracy && !s->quick &&
+           cache->list.count >= most_records[0];
+}
+
+static sl_status find_finer_places(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
+    sl_second_list_free(&cache->list);
+    sl_record_octree_free(&cache->octree);
+    cache->fine = true;
+    cache->radii.minimum_reach *= fine_radius;
+    return find_places(cache, ORIGINS, SIZE_MAX, counters, error);
+}
+
 /* Gathers live as long as light bounces. */
 static sl_status make_records(sl_second_cache *cache, sl_counters *counters, sl_error *error) {
     sl_status status = sl_second_open_gathers(cache, error);
     if (status == SL_OK) status = find_places(cache, ORIGINS, SIZE_MAX, counters, error);
+    if (status == SL_OK && is_too_coarse(cache)) status = find_finer_places(cache, counters, error);
     if (status == SL_OK) status = sl_let_light_bounce(cache, counters, error);
     if (status == SL_OK) status = check_points(cache, &cache->report.missed, counters, error);
     sl_gathers_destroy(&cache->gathers);

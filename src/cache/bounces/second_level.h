@@ -118,6 +118,7 @@ struct sl_second_cache {
     const sl_tracer *tracer;
     sl_gathers gathers; /* only while light bounces */
     sl_radius_rules radii;     /* of the records */
+    bool fine;                 /* they are more, and nearer to each other, than as a rule */
     sl_second_list list;
     sl_record_octree octree;
     sl_weight_rules rules;

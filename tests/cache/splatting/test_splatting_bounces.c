@@ -54,6 +54,55 @@ static sl_irradiance irradiance_at(bouncer *b, const sl_gather_point *point) {
     return e;
 }
 
+/* ---- where records lie ---- */
+
+static sl_second_cache *cache_of(world *w, double accuracy, uint32_t bounces) {
+    const sl_gather_settings visible = ray_gather(40);
+    sl_second_settings settings = sl_second_settings_for(&visible, accuracy, bounces);
+    sl_second_cache *cache;
+    settings.gather.size = 4;
+    settings.threads = 2;
+    assert_int_equal(sl_second_cache_create(w->scene, w->tracer, &settings, &cache, &w->counters, NULL),
+                     SL_OK);
+    return cache;
+}
+
+static world *room_of_posts(int posts) {
+    world *w = world_new();
+    const uint32_t wall = world_material(w, sl_grey(0.8f), sl_grey(0.0f));
+    const uint32_t all[6] = {wall, wall, wall, wall, wall, wall};
+    world_box(w, sl_v3(-1, -1, -1), sl_v3(1, 1, 1), true, all);
+    for (int i = 0; i < posts * posts; i++) {
+        const float x = -0.9f + 1.8f * (float)(i % posts) / (float)posts,
+                    z = -0.9f + 1.8f * (float)(i / posts) / (float)posts;
+        world_box(w, sl_v3(x, -1.0f, z), sl_v3(x + 0.04f, -0.2f, z + 0.04f), false, all);
+    }
+    world_build(w);
+    look_from(w, sl_v3(0.0f, 0.6f, 0.95f), sl_v3(0.0f, -0.6f, 0.0f));
+    return w;
+}
+
+static void where_light_bounces_often_between_small_things_records_of_fine_pictures_are_finer(void **state) {
+    static const struct {
+        int posts;
+        double accuracy;
+        uint32_t bounces;
+        bool finer;
+    } of[] = {{16, 0.15, 12, true}, {16, 0.15, 10, false}, {16, 0.3, 12, false}, {1, 0.15, 12, false}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        world *w = room_of_posts(of[i].posts);
+        sl_second_cache *cache = cache_of(w, of[i].accuracy, of[i].bounces);
+        const double reach = (double)sl_second_cache_reach(cache), as_a_rule =
+            0.014 * sl_scene_central_diagonal(w->scene);
+        const size_t records = sl_second_cache_report(cache).records;
+        print_message("%zu records, at least %.4f apart\n", records, reach);
+        assert_true(of[i].finer ? reach < 0.5 * as_a_rule : reach > 0.99 * as_a_rule);
+        assert_true(of[i].finer ? records > 8000 : records < 6000);
+        sl_second_cache_destroy(cache);
+        world_free(w);
+    }
+}
+
 /* ---- the way in ---- */
 
 static void shine_evenly(const void *context, const sl_second_points *points, float *r, float *g, float *b,
@@ -423,6 +472,7 @@ static void a_scene_without_anything_to_see_has_no_second_level_records(void **s
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(where_light_bounces_often_between_small_things_records_of_fine_pictures_are_finer),
         cmocka_unit_test(what_the_hits_receive_is_reflected),
         cmocka_unit_test(light_is_known_at_the_very_place_of_a_record),
         cmocka_unit_test(the_furnace_sums_the_series),
