@@ -274,10 +274,12 @@ static void all_pixels_are_judged_and_surfaces_beside_a_lamp_by_themselves(void 
     double planted[2];
     sl_error_estimate e = estimate_beside_a_lamp(0.0, planted);
     assert_true(planted[1] < 0.6 * planted[0]);
-    assert_true(fabs(e.rel_rmse - planted[0]) < 0.05 * planted[0] && e.bound > planted[0]);
+    assert_true(fabs(e.rel_rmse - planted[0]) < 0.05 * planted[0]);
+    assert_true(e.bound > planted[0] && e.bound < 1.1 * planted[0]);
     e = estimate_beside_a_lamp(1.0 / 3.0, planted);
     assert_true(planted[1] > planted[0]);
-    assert_true(fabs(e.rel_rmse - planted[1]) < 0.05 * planted[1] && e.bound > planted[1]);
+    assert_true(fabs(e.rel_rmse - planted[1]) < 0.05 * planted[1]);
+    assert_true(e.bound > planted[1] && e.bound < 1.1 * planted[1]);
 }
 
 static unsigned surfaces_in(const sl_scene *scene, sl_pixel_filter filter, const float *within) {
@@ -407,9 +409,12 @@ static void the_bound_is_that_of_student_and_the_rule_of_three(void **state) {
     double mean = 43.6, shares = 90.0 * (9.0 * 39.6 * 39.6 + 356.4 * 356.4);
     assert_true(fabs(e.rmse * e.rmse - mean) < 1e-9);
     assert_true(e.least == 0.0);
-    /* One pixel has nine tenths of the variance, so 1.23 degrees of freedom: t is between 2.9 and 6.3. */
-    double least = mean + 2.92 * sqrt(shares) / 100.0 + 3.0 * 9.0 * 400.0 / 100.0;
-    assert_true(isinf(e.bound) || e.bound > sqrt(least) / e.mean);
+    /* One pixel has nine tenths of the variance: 1.23 degrees of freedom, between t = 6.314 of one and 2.920
+     * of two. */
+    const double t = 2.920 + 2.0 * (0.9 * 0.9 + 0.1 * 0.1 / 9.0 - 0.5) * (6.314 - 2.920),
+                 most = mean + t * sqrt(shares) / 100.0 + 3.0 * 9.0 * 400.0 / 100.0,
+                 spread = t * sqrt(90.0 * (9.0 * 1.8 * 1.8 + 16.2 * 16.2)) / 100.0;
+    assert_true(fabs(e.bound * (e.mean - spread) / sqrt(most) - 1.0) < 1e-9);
     assert_true(e.resolution == 0.0 || isinf(e.resolution)); /* p and q agree */
     /* If all pixels were looked at, only their noise is left: here none. */
     for (int i = 0; i < 10; i++) pixels[i] = sl_audit_pixel_of(x, i ? off : far_off, i ? off : far_off, 1.0);
@@ -434,7 +439,7 @@ static void noise_of_the_probes_themselves_widens_the_bounds(void **state) {
     double noise = 1.812 * sqrt(10.0 * 20.0 * 20.0) + 3.0 * 9.0 * 2.0,
            difference = 1.812 * sqrt(10.0 * 10.0) / 100.0;
     assert_true(fabs(e.resolution - sqrt(noise / 100.0) / (30.0 - difference)) < 1e-9);
-    assert_true(e.bound > e.resolution);
+    assert_true(e.bound > e.resolution && e.bound < 2.0 * e.resolution);
 }
 
 int main(void) {

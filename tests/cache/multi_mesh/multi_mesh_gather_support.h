@@ -30,14 +30,15 @@ static inline sl_gather_settings usual_settings(void) {
 
 /* Takes the scene over. */
 static inline gathering gathering_of(sl_scene *scene, float edge, int depth,
-                                     sl_gather_settings *settings) {
+                                     const sl_gather_settings *settings) {
     gathering g = {.scene = scene};
     assert_int_equal(sl_raster_create(scene, 1, &g.raster, NULL), SL_OK);
     assert_int_equal(sl_primitives_of_triangles(scene, &g.primitives, NULL), SL_OK);
     assert_int_equal(sl_coarse_create(scene, g.primitives, edge, depth, &g.coarse, NULL), SL_OK);
-    sl_lattice_colours colours = {g.coarse->face, g.coarse->colour};
-    settings->colours = &colours;
-    assert_int_equal(sl_gather_create(scene, g.raster, NULL, settings, 1, &g.gather, NULL), SL_OK);
+    const sl_lattice_colours colours = {g.coarse->face, g.coarse->colour};
+    sl_gather_settings coloured = *settings;
+    coloured.colours = &colours;
+    assert_int_equal(sl_gather_create(scene, g.raster, NULL, &coloured, 1, &g.gather, NULL), SL_OK);
     assert_int_equal(sl_gather_scratch_create(g.gather, &g.scratch, NULL), SL_OK);
     return g;
 }
