@@ -79,8 +79,8 @@ static inline int sl_octree_way(const sl_record_octree *t, float px, float py, f
 
 /* ---- irradiance at points (look_up_kernels.c) ---- */
 
-/* Adds the irradiance at points to three planes; light NULL: only weighs them, with the same bits. weight, if
- * not NULL: gets the sums of w; missed: whether no record reaches the point. Returns how many points none
+/* Adds the irradiance at points to three planes; light NULL: only weighs them, with the same bits. weight,
+ * if not NULL: gets the sums of w; missed: whether no record reaches the point. Returns how many points none
  * reaches. */
 SL_KERNELS(uint64_t, sl_look_up,
            (const sl_second_cache *cache, const sl_second_points *points, float *const light[3],
@@ -94,7 +94,8 @@ typedef struct sl_second_link {
     float share[3];
 } sl_second_link;
 
-/* One worker's sums while it looks: share[record], below 0 where there is none; and which records have one. */
+/* One worker's sums while it looks: share[record], below 0 where there is none; and which records have one.
+ */
 typedef struct sl_link_sums {
     float (*share)[3];
     uint32_t *touched;

@@ -34,6 +34,7 @@ typedef struct shown_leaf {
  * so that a camera that moves finds what it saw before. */
 enum { LEAVES = 1 << 15, SPOKES = 1 << 16, VALUES = 3 * LEAVES + SPOKES };
 typedef struct kept_leaves {
+    uint32_t patch[LEAVES];   /* SL_NO_INDEX: none */
     shown_leaf leaf[LEAVES];
     float value[VALUES][3];
     sl_fan_spoke spoke[SPOKES];
@@ -160,7 +161,7 @@ static sl_status follow_structure(window *w, uint32_t made, sl_error *error) {
 }
 
 static void forget_leaves(kept_leaves *k) {
-    for (size_t i = 0; i < LEAVES; i++) k->leaf[i].found.patch = SL_NO_INDEX;
+    for (size_t i = 0; i < LEAVES; i++) k->patch[i] = SL_NO_INDEX;
     k->values = k->spokes = 0;
 }
 
@@ -179,6 +180,7 @@ static void make_leaf(const sl_patches *mesh, uint32_t found, kept_leaves *k) {
     sl_mesh_fan fan;
     if (k->values + SL_FAN_VERTICES > VALUES || k->spokes + SL_FAN_VERTICES > SPOKES) forget_leaves(k);
     shown_leaf *leaf = &k->leaf[found % LEAVES];
+    k->patch[found % LEAVES] = found;
     leaf->found = leaf->at = sl_patch_place_of(mesh, found);
     leaf->known = sl_mesh_fan_shown(mesh, &leaf->at, true, &fan);
     if (leaf->known) leaf->fan = keep_fan(&fan, k);
@@ -190,7 +192,7 @@ static const shown_leaf *find_leaf(const sl_patches *mesh, uint32_t root, float 
     double a, b;
     sl_mesh_clamp_weights(w1, w2, &a, &b);
     const uint32_t found = sl_patch_leaf_at(mesh, root, 3, a, b);
-    if (k->leaf[found % LEAVES].found.patch != found) make_leaf(mesh, found, k);
+    if (k->patch[found % LEAVES] != found) make_leaf(mesh, found, k);
     return &k->leaf[found % LEAVES];
 }
 
@@ -247,7 +249,8 @@ static void light_piece(const drawing *d, size_t part, kept_leaves *kept, piece 
         float value[3][SL_FAN_LANES];
         const shown_leaf *leaf = find_leaf(mesh, root, p->w1[i], p->w2[i], kept);
         const size_t run = values_of(leaf, d->isa, left, p->w1 + i, p->w2 + i, value);
-        for (int c = 0; c < 3 && leaf->known; c++) memcpy(&p->light[part][c][i], value[c], run * sizeof(float));
+        for (int c = 0; c < 3 && leaf->known; c++)
+            memcpy(&p->light[part][c][i], value[c], run * sizeof(float));
         i += run;
     }
 }
