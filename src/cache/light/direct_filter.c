@@ -11,6 +11,7 @@ typedef struct {
     const sl_direct_sums *sums;
     const sl_gbuffer *gbuffer;
     int row;
+    bool lit_alike; /* only what is lit alike is averaged */
 } window;
 
 static float ratio(const sl_direct_sums *s, int c, size_t k) {
@@ -51,6 +52,17 @@ static bool same_surface(const sl_gbuffer *g, size_t i, size_t j) {
                             sl_is_chord(d, sum_of(g->normal_x, g->normal_y, g->normal_z, i, j)));
 }
 
+static float unoccluded(const sl_direct_sums *s, size_t k) {
+    return s->exact[0][k] + s->exact[1][k] + s->exact[2][k];
+}
+
+/* Tells whether about as much would arrive at both, were nothing in the way. Beside an emitter that is near,
+ * neighbours' shares are shares of other light. */
+static bool is_lit_alike(const sl_direct_sums *s, size_t a, size_t b) {
+    const float TIMES = 1.1f, x = unoccluded(s, a), y = unoccluded(s, b);
+    return x <= TIMES * y && y <= TIMES * x;
+}
+
 typedef struct {
     size_t count;
     size_t pixel[(2 * RADIUS + 1) * (2 * RADIUS + 1)]; /* in the sums */
@@ -69,7 +81,9 @@ static void find_neighbours(const window *w, int x, neighbours *n) {
             int column = x + u, row = w->row + v;
             if (column < 0 || column >= g->width || row < 0 || row >= g->height) continue;
             size_t i = (size_t)row * width + (size_t)column, k = i - s->first;
-            if (!(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f) || !same_surface(g, centre, i)) continue;
+            if (!(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f) ||
+                !same_surface(g, centre, i) || (w->lit_alike && !is_lit_alike(s, centre - s->first, k)))
+                continue;
             n->pixel[n->count] = k;
             n->share[n->count++] = visible_share(s, k);
             n->scatter += s->scatter[k];
@@ -122,8 +136,8 @@ static void smooth(const window *w, int x, size_t k) {
 }
 
 void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
-                          bool smoothed) {
-    const window w = {s, gbuffer, row};
+                          sl_smoothing smoothing) {
+    const window w = {s, gbuffer, row, smoothing == SL_SMOOTH_LIT_ALIKE};
     sl_row_scan scatter = sl_row_scan_start(s, s->scatter, gbuffer, row, RADIUS);
     for (size_t i = run.first; i < run.end; i++) {
         const size_t k = i - s->first;
@@ -131,6 +145,6 @@ void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, in
         const bool sampled = s->samples[k] > 0.0f;
         for (int c = 0; c < 3; c++) s->light[c][k] = sampled ? ratio(s, c, k) : 0.0f;
         if (!sampled || !(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f)) continue;
-        if (smoothed && sl_row_scan_near(&scatter, x)) smooth(&w, x, k);
+        if (smoothing != SL_SMOOTH_NOTHING && sl_row_scan_near(&scatter, x)) smooth(&w, x, k);
     }
 }

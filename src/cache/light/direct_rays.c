@@ -160,14 +160,14 @@ void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_ai
 
 /* Those that pixels around are asked for, by the penumbrae and by the filter, and the light itself, are what
  * passes give to other ranks; all else is of use to a pixel's own alone. */
-enum { PLANES = 23, PENUMBRA_PLANE = 0, FILTER_PLANES = 1, LIGHT_PLANES = 9, PLANES_WITHIN = 12 };
+enum { PLANES = 23, PENUMBRA_PLANE = 0, FILTER_PLANES = 1, LIGHT_PLANES = 12, PLANES_WITHIN = 15 };
 
 /* Not set: the first pass clears them row by row. */
 static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
     float **const planes[PLANES] = {
         &sums->partly,    &sums->seen[0],   &sums->seen[1],   &sums->seen[2],   &sums->all[0],
-        &sums->all[1],    &sums->all[2],    &sums->samples,   &sums->scatter,   &sums->light[0],
-        &sums->light[1],  &sums->light[2],  &sums->exact[0],  &sums->exact[1],  &sums->exact[2],
+        &sums->all[1],    &sums->all[2],    &sums->samples,   &sums->scatter,   &sums->exact[0],
+        &sums->exact[1],  &sums->exact[2],  &sums->light[0],  &sums->light[1],  &sums->light[2],
         &sums->plain[0],  &sums->plain[1],  &sums->plain[2],  &sums->glossy[0], &sums->glossy[1],
         &sums->glossy[2], &sums->odd_seen,  &sums->odd_all};
     sums->first = first;
@@ -287,12 +287,18 @@ static void finish_run(const pass *p, size_t first, size_t end, unsigned worker,
     }
 }
 
+/* Returns what is averaged: of a film little, since the mean of sub-frames that are all blurred alike does not
+ * converge. */
+static sl_smoothing smoothing_of(const sl_direct *direct) {
+    const unsigned share = direct->scene->sub_frame.share;
+    if (share > SMOOTHED_SHARE && refines_penumbrae(direct)) return SL_SMOOTH_NOTHING;
+    return share > 0 ? SL_SMOOTH_LIT_ALIKE : SL_SMOOTH_ALL;
+}
+
 static void finish_row(const pass *p, int y, unsigned worker, sl_counters *counters) {
-    const sl_direct *direct = p->direct;
-    const bool smooth = direct->scene->sub_frame.share <= SMOOTHED_SHARE || !refines_penumbrae(direct);
     const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
-        sl_direct_filter_run(p->sums, p->gbuffer, y, r, smooth);
+        sl_direct_filter_run(p->sums, p->gbuffer, y, r, smoothing_of(p->direct));
         finish_run(p, r.first, r.end, worker, counters);
     }
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, width);
