@@ -287,8 +287,8 @@ static void finish_run(const pass *p, size_t first, size_t end, unsigned worker,
     }
 }
 
-/* Returns what is averaged: of a film little, since the mean of sub-frames that are all blurred alike does not
- * converge. */
+/* Returns what is averaged: of a film little, since the mean of sub-frames that are all blurred alike does
+ * not converge. */
 static sl_smoothing smoothing_of(const sl_direct *direct) {
     const unsigned share = direct->scene->sub_frame.share;
     if (share > SMOOTHED_SHARE && refines_penumbrae(direct)) return SL_SMOOTH_NOTHING;
