@@ -14,10 +14,11 @@ enum { GENERATIONS = 2 };
 static const double few_uncovered[GENERATIONS] = {0.015, 0.04};
 /* Nor more records than that, of a place full of small things. */
 static const size_t most_records[GENERATIONS] = {4000, 5000};
-/* Where light bounces often it does so between small things, and what records are off by comes back with
- * every bounce: where a picture is to be fine they lie nearer to each other, and are so many times more. */
+/* Of a fine picture far fewer look-ups may miss: nearly all light may come through a gap of a door. And where
+ * light bounces often it does so between small things, and what records are off by comes back with every
+ * bounce: there they lie nearer to each other, and are so many times more. */
 enum { MANY_BOUNCES = 10, FINE_TIMES = 4 };
-static const double finest_accuracy = 0.3, fine_radius = 0.4, fine_uncovered = 0.35;
+static const double finest_accuracy = 0.3, fine_radius = 0.4, fine_uncovered = 0.02;
 /* So many more points out of all records' reach than where the cache was made: the camera sees more than it
  * did; or it has gone elsewhere. */
 #define MANY_MISSED 0.01f
@@ -68,6 +69,8 @@ static sl_radius_rules radii_of(const sl_second_settings *s, const sl_scene *sce
                              .metric = SL_METRIC_HARMONIC};
 }
 
+static bool is_fine(const sl_second_settings *s) { return s->accuracy <= finest_accuracy && !s->quick; }
+
 /* Covers what gathers at visible points (about so many origins) see, and what gathers there see, by about
  * `most` records. */
 static sl_status find_places(sl_second_cache *cache, unsigned origins_wanted, size_t most,
@@ -81,7 +84,7 @@ static sl_status find_places(sl_second_cache *cache, unsigned origins_wanted, si
         sl_probed seen;
         size_t before = cache->list.count;
         const size_t room = sl_fewer(most, most_records[generation] * (cache->fine ? FINE_TIMES : 1));
-        const double few = few_uncovered[generation] * (cache->fine ? fine_uncovered : 1.0);
+        const double few = few_uncovered[generation] * (is_fine(s) ? fine_uncovered : 1.0);
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
         if (count == 0 || cache->list.count - start >= most) break;
@@ -150,8 +153,7 @@ static sl_status check_points(const sl_second_cache *cache, float *missed, sl_co
 /* Tells whether light bounces between so many small things that records of a fine picture are to be finer. */
 static bool is_too_coarse(const sl_second_cache *cache) {
     const sl_second_settings *s = &cache->settings;
-    return s->bounces > MANY_BOUNCES && s->accuracy <= finest_accuracy && !s->quick &&
-           cache->list.count >= most_records[0];
+    return is_fine(s) && s->bounces > MANY_BOUNCES && cache->list.count >= most_records[0];
 }
 
 static sl_status find_finer_places(sl_second_cache *cache, sl_counters *counters, sl_error *error) {

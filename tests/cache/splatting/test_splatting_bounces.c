@@ -95,9 +95,11 @@ static void where_light_bounces_often_between_small_things_records_of_fine_pictu
         const double reach = (double)sl_second_cache_reach(cache), as_a_rule =
             0.014 * sl_scene_central_diagonal(w->scene);
         const size_t records = sl_second_cache_report(cache).records;
-        print_message("%zu records, at least %.4f apart\n", records, reach);
+        const float missed = sl_second_cache_report(cache).missed;
+        print_message("%zu records, at least %.4f apart; %.4f missed\n", records, reach, (double)missed);
         assert_true(of[i].finer ? reach < 0.5 * as_a_rule : reach > 0.99 * as_a_rule);
         assert_true(of[i].finer ? records > 8000 : records < 6000);
+        assert_true(of[i].posts > 1 || missed < 0.001f); /* records are few enough to be everywhere */
         sl_second_cache_destroy(cache);
         world_free(w);
     }
