@@ -268,7 +268,7 @@ static void draw_leaf(const draw_job *job, const sl_patch_place *leaf) {
     sl_patch_place shown = *leaf;
     sl_mesh_fan fan;
     bool known = sl_mesh_fan_shown(job->d->mesh, &shown, job->d->settings.hanging, &fan);
-    const sl_fan_shown values = sl_mesh_fan_shows(&fan);
+    const sl_fan_shown values = known ? sl_mesh_fan_shows(&fan) : (sl_fan_shown){0};
     for (uint32_t first = 0; first < count; first += SL_FAN_LANES) {
         const uint32_t some = count - first < SL_FAN_LANES ? count - first : SL_FAN_LANES;
         draw_lanes(job, leaf->patch, first, some, &shown, known ? &values : NULL);
