@@ -69,7 +69,9 @@ static sl_radius_rules radii_of(const sl_second_settings *s, const sl_scene *sce
                              .metric = SL_METRIC_HARMONIC};
 }
 
-static bool is_fine(const sl_second_settings *s) { return s->accuracy <= finest_accuracy && !s->quick; }
+static bool is_picture_fine(const sl_second_settings *s) {
+    return s->accuracy <= finest_accuracy && !s->quick;
+}
 
 /* Covers what gathers at visible points (about so many origins) see, and what gathers there see, by about
  * `most` records. */
@@ -84,7 +86,7 @@ static sl_status find_places(sl_second_cache *cache, unsigned origins_wanted, si
         sl_probed seen;
         size_t before = cache->list.count;
         const size_t room = sl_fewer(most, most_records[generation] * (cache->fine ? FINE_TIMES : 1));
-        const double few = few_uncovered[generation] * (is_fine(s) ? fine_uncovered : 1.0);
+        const double few = few_uncovered[generation] * (is_picture_fine(s) ? fine_uncovered : 1.0);
         const sl_gather_point *from = generation == 0 ? origins.points : cache->list.points + first;
         size_t count = generation == 0 ? origins.count : cache->list.count - first;
         if (count == 0 || cache->list.count - start >= most) break;
@@ -153,7 +155,7 @@ static sl_status check_points(const sl_second_cache *cache, float *missed, sl_co
 /* Tells whether light bounces between so many small things that records of a fine picture are to be finer. */
 static bool is_too_coarse(const sl_second_cache *cache) {
     const sl_second_settings *s = &cache->settings;
-    return is_fine(s) && s->bounces > MANY_BOUNCES && cache->list.count >= most_records[0];
+    return is_picture_fine(s) && s->bounces > MANY_BOUNCES && cache->list.count >= most_records[0];
 }
 
 static sl_status find_finer_places(sl_second_cache *cache, sl_counters *counters, sl_error *error) {

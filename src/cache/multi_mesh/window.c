@@ -30,8 +30,8 @@ typedef struct shown_leaf {
     bool known;
 } shown_leaf;
 
-/* A worker's leaves of a mesh, by their numbers' last digits: kept for as long as the same copies are shown,
- * so that a camera that moves finds what it saw before. */
+/* A worker's leaves of a mesh, each in the place of its number modulo LEAVES: kept for as long as the same
+ * copies are shown, so that a camera that moves finds what it saw before. */
 enum { LEAVES = 1 << 15, SPOKES = 1 << 16, VALUES = 3 * LEAVES + SPOKES };
 typedef struct kept_leaves {
     uint32_t patch[LEAVES];   /* SL_NO_INDEX: none */
@@ -174,8 +174,7 @@ static sl_fan_shown keep_fan(const sl_mesh_fan *fan, kept_leaves *k) {
     return kept;
 }
 
-/* Makes it anew where another of the same last digits was; room that this leaves unused is had back when
- * there is none left. */
+/* Makes a leaf, in place of another that may be there. Where room for values ends all are forgotten. */
 static void make_leaf(const sl_patches *mesh, uint32_t found, kept_leaves *k) {
     sl_mesh_fan fan;
     if (k->values + SL_FAN_VERTICES > VALUES || k->spokes + SL_FAN_VERTICES > SPOKES) forget_leaves(k);
@@ -238,7 +237,7 @@ static void set_light(piece *p, size_t part, sl_rgb light) {
         for (size_t i = 0; i < p->count; i++) p->light[part][c][i] = colour[c];
 }
 
-/* Most pixels are in the leaf of the one before. Where a mesh knows nothing ambient light is shown. */
+/* Lights pixels of a face, leaf by leaf. Where a mesh knows nothing ambient light is shown. */
 static void light_piece(const drawing *d, size_t part, kept_leaves *kept, piece *p) {
     const sl_patches *mesh = d->set->part[part];
     const uint32_t root = sl_patches_find_root(mesh, p->face);

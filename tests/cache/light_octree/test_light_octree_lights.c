@@ -445,7 +445,8 @@ static void next_to_nothing_gives_finite_lights_or_none(void **state) {
             double e = irradiance_on(l.lights, i, sl_v3(0, 1, 0));
             assert_true(isfinite(e) && e >= 0.0 && isfinite(l.lights->set[i].rms_angle));
             dark += l.lights->set[i].lights == 0;
-            const bool has_photons = l.lights->set[i].photons > 0; /* of no extent: they may tell nothing */
+            const bool has_photons = l.lights->set[i].photons > 0;
+            /* at one place they may tell nothing */
             assert_true(kind == 2 ? e == 0.0 || has_photons : (e > 0.0) == has_photons);
         }
         assert_true(l.counters.value[SL_COUNT_LEAVES] == l.octree->leaf_count &&
