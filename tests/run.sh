@@ -21,12 +21,14 @@ printf '%s\n' "$@" | xargs -P 2 -I{} sh -c '
 
 passed=$(grep -lx ok "$out"/*.result 2>/dev/null | wc -l)
 failed=$(grep -lx FAILED "$out"/*.result 2>/dev/null | wc -l)
+names=
 for name in $(grep -lx FAILED "$out"/*.result 2>/dev/null); do
+    names="$names $(basename "${name%.result}")"
     echo "---- $name"
     grep -v '^\[ *\(OK\|RUN\) *\]' "${name%.result}.log" | tail -n 40
 done
 cases=$(cat "$out"/*.log | grep -c '^\[ *OK *\]')
 skipped=$(cat "$out"/*.log | grep -c '^\[ *SKIPPED *\] [a-z]')
-echo "$build: $passed programs passed, $failed failed ($cases cases, $skipped skipped)"
+echo "$build: $passed programs passed, $failed failed ($cases cases, $skipped skipped)${names:+; failed:$names}"
 cat "$out"/*.log | grep '^skip' | sort -u
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

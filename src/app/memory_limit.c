@@ -31,9 +31,19 @@ static double while_rendering(const sl_settings *settings) {
     return (double)settings->memory_bytes + reserve + reserve_of_thread * threads;
 }
 
+/* Else glibc gives no block back that is as large as one that was freed before, and what is free between
+ * those in use is taken all the same. */
+static void return_freed_memory(void) {
+    enum { OF_ITS_OWN = 1 << 20 }; /* bytes */
+    mallopt(M_MMAP_THRESHOLD, OF_ITS_OWN);
+}
+
 sl_status sl_load_within_memory(const char *path, const sl_load_options *load, const sl_settings *settings,
                                 sl_scene **scene, sl_error *error) {
-    if (settings->memory_bytes) limit_data(fmax((double)settings->memory_bytes - of_files, of_files));
+    if (settings->memory_bytes) {
+        return_freed_memory();
+        limit_data(fmax((double)settings->memory_bytes - of_files, of_files));
+    }
     sl_status status = sl_scene_load_with(path, load, scene, error);
     if (settings->memory_bytes) limit_data(while_rendering(settings));
     bool by_reader =
