@@ -270,7 +270,7 @@ static float contrast_around(const sl_film *f, int x, int y) {
 /* Returns how many samples leave, of such a contrast, no more than a share of the picture's mean: n samples
  * that are spread well are off by about half the contrast over n^(3/4) at an edge. */
 static unsigned samples_for(const sl_film *f, float contrast, double mean, unsigned least) {
-    const double tolerance = 0.02, needed = 0.5 * (double)contrast / (tolerance * mean);
+    const double tolerance = 0.015, needed = 0.5 * (double)contrast / (tolerance * mean);
     unsigned n = least;
     while (n < f->samples && sqrt(n * sqrt(n)) < needed) n *= 4;
     return smaller(n, f->samples);

@@ -25,6 +25,7 @@ sl_status sl_direct_create(const sl_scene *scene, const sl_tracer *tracer, const
     d->settings = *settings;
     d->isa = sl_isa_best();
     d->offset = 1e-5f * scene->scale;
+    sl_sequence_make(&d->sequence);
     for (size_t i = 0; i < scene->material_count; i++)
         d->glossy |= sl_material_is_glossy(&scene->materials[i]);
     sl_status status =

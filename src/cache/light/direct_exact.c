@@ -103,8 +103,8 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
                  light_samples *s) {
     sl_light_points points = sl_lit_points(block);
     sl_aim_block aims[CHUNK];
-    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, 0, SL_LIGHT_BLOCK, s->u0,
-                     s->u1, s->u2);
+    sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, SL_STREAM_SHARES,
+                     SL_LIGHT_BLOCK, s->u0, s->u1, s->u2);
     for (uint32_t k = 0; k < s->samples; k++) {
         size_t lane = (size_t)k * SL_LIGHT_BLOCK;
         aims[k] = (sl_aim_block){

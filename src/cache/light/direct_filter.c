@@ -120,19 +120,25 @@ bool sl_row_scan_near(sl_row_scan *s, int x) {
     return s->last >= x - s->radius;
 }
 
-/* Replaces the pixel's own share, column x of the row, by the mean. */
+/* Replaces the pixel's own share, column x of the row, by the mean; where all are lit alike by what all of
+ * their samples say together, since the ratio of few is biased. */
 static void smooth(const window *w, int x, size_t k) {
     const sl_direct_sums *s = w->sums;
     neighbours n;
     find_neighbours(w, x, &n);
-    float own = visible_share(s, k), weights = 0.0f, sum[3] = {0.0f, 0.0f, 0.0f};
+    float own = visible_share(s, k), weights[3] = {0.0f, 0.0f, 0.0f}, sum[3] = {0.0f, 0.0f, 0.0f};
     if (!(n.scatter > 1e-8f)) return;
     for (size_t j = 0; j < n.count; j++) {
-        float weight = likeness(n.share[j] - own, 2.0f * n.scatter) * s->samples[n.pixel[j]];
-        weights += weight;
-        for (int c = 0; c < 3; c++) sum[c] += weight * ratio(s, c, n.pixel[j]);
+        const size_t i = n.pixel[j];
+        const float weight = likeness(n.share[j] - own, 2.0f * n.scatter) * s->samples[i];
+        for (int c = 0; c < 3; c++) {
+            const float all = w->lit_alike ? weight * s->all[c][i] : weight;
+            sum[c] += all * ratio(s, c, i);
+            weights[c] += all;
+        }
     }
-    for (int c = 0; c < 3 && weights > 0.0f; c++) s->light[c][k] = sum[c] / weights;
+    for (int c = 0; c < 3; c++)
+        if (weights[c] > 0.0f) s->light[c][k] = sum[c] / weights[c];
 }
 
 void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,

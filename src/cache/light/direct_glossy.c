@@ -127,7 +127,7 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
     q.lobe_count = (float)lobes;
     float u[2];
     for (uint32_t s = 0; s < lights; s++) {
-        sl_direct_point_2d(direct, &one, 0, s, 3, u);
+        sl_direct_point_2d(direct, &one, 0, s, SL_STREAM_LAMPS, u);
         add_light_sample(&q, u, counters);
     }
     end_light_samples(&q, counters);
@@ -136,7 +136,7 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
     float off = q.irradiance > 0.0f ? exact / q.irradiance : 0.0f;
     if (!by_angle && off > 0.0f && isfinite(off)) q.sum = sl_rgb_scale(q.sum, off);
     for (uint32_t s = 0; s < lobes; s++) {
-        sl_direct_point_2d(direct, &one, 0, s, 4, u);
+        sl_direct_point_2d(direct, &one, 0, s, SL_STREAM_LOBE, u);
         add_lobe_sample(&q, u, counters);
     }
     end_lobe_samples(&q, counters);

@@ -15,6 +15,7 @@
 #include "cache/light/light_kernels.h"
 #include "cache/light/direct.h"
 #include "trace/bsdf.h"
+#include "trace/sequence.h"
 
 /* beyond, the closed form of all costs more than the noise that it saves */
 enum { SL_EXACT_EMITTERS_MAX = 256 };
@@ -31,6 +32,7 @@ struct sl_direct {
     sl_light_sampler *sampler;      /* of that; NULL where there is nothing to sample */
     /* of emitters that are lit by the closed form; none: emitters are sampled */
     sl_light_sides sides;
+    sl_sequence sequence;           /* of a film's pixels */
     bool glossy;                    /* the scene has glossy materials */
     bool interleaves;
 };
@@ -76,6 +78,10 @@ typedef struct sl_direct_sums {
 typedef struct sl_sample_range {
     uint32_t first, end;
 } sl_sample_range;
+
+/* Streams of random numbers: for emitters' visible shares, which may be smoothed; the sun; emitters that are
+ * sampled; lamps in a glossy lobe; its directions. */
+enum { SL_STREAM_SHARES, SL_STREAM_SUN, SL_STREAM_EMITTERS, SL_STREAM_LAMPS, SL_STREAM_LOBE };
 
 /* Three numbers in [0,1) for each sample of each point: those of a sample stride after those of the one
  * before. */

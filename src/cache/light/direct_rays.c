@@ -31,9 +31,7 @@ enum {
     FILTER_MARGIN = 2,
     MARGIN = PENUMBRA_MARGIN + FILTER_MARGIN,
     SAMPLED_ROWS = 4,
-    /* Shared out among more sub-frames, the mean of a penumbra's many samples is smooth; smoothed in each of
-     * them alike, penumbrae narrower than the filter would be blurred. */
-    SMOOTHED_SHARE = 4
+    MANY_SAMPLES = 16 /* of a film's pixel */
 };
 
 static int larger(int a, int b) { return a > b ? a : b; }
@@ -90,13 +88,49 @@ static uint32_t turn_of(const sl_direct *direct, uint32_t rank) {
     return direct->scene->sub_frame.turn * SL_SAMPLE_TILE * SL_SAMPLE_TILE + rank;
 }
 
-/* The pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of
+/* Tells whether a pixel has samples in other sub-frames, too, and many of them all. */
+static bool is_shared_out(const sl_direct *direct) { return direct->scene->sub_frame.share > 1; }
+static bool has_many(const sl_direct *direct) {
+    return is_shared_out(direct) && direct->settings.light_samples >= MANY_SAMPLES;
+}
+
+/* Finds point `sample`, of `all` in this sub-frame, of the pixel's own sequence. It is one of all sub-frames
+ * that share as this one does. */
+static void own_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint64_t stream,
+                      uint32_t sample, uint32_t all, float point[3]) {
+    const sl_sub_frame *now = &direct->scene->sub_frame;
+    const uint64_t key =
+        block->tile_key[i] + (uint64_t)now->share * SL_SAMPLE_TILE * SL_SAMPLE_TILE + block->rank[i];
+    sl_sequence_point(&direct->sequence, key, (uint32_t)stream, now->turn * all + sample, point);
+}
+
+static void own_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
+                       uint64_t stream, size_t stride, float *const u[3]) {
+    const uint32_t all = samples_with_refinement(direct);
+    for (size_t i = 0; i < block->count; i++) {
+        for (uint32_t sample = range.first; sample < range.end; sample++) {
+            const size_t to = (sample - range.first) * stride + i;
+            float point[3];
+            own_point(direct, block, i, stream, sample, all, point);
+            u[0][to] = point[2]; /* the first two are spread best together */
+            u[1][to] = point[0];
+            u[2][to] = point[1];
+        }
+    }
+}
+
+/* Of a film a pixel has a sequence of its own. Where it is smoothed for want of samples, and in one picture,
+ * the pixels of a tile of 8 x 8 take turns, in Z order, at one sequence (Roberts' R3), so that neighbours of
  * every size share samples that are spread evenly (Ahmed and Wonka 2020): what pixels are smoothed with then
  * tells most. */
 void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
                       uint64_t stream, size_t stride, float *u0, float *u1, float *u2) {
     static const uint32_t step[3] = {3518319155u, 2882110345u, 2360945575u}; /* powers of 1/g, g^4 = g + 1 */
     float *const u[3] = {u0, u1, u2};
+    if (stream == SL_STREAM_SHARES ? has_many(direct) : is_shared_out(direct)) {
+        own_points(direct, block, range, stream, stride, u);
+        return;
+    }
     const uint32_t all = samples_with_refinement(direct);
     for (uint64_t d = 0; d < 3; d++) {
         uint32_t start[SL_LIGHT_BLOCK];
@@ -117,7 +151,14 @@ void sl_direct_points(const sl_direct *direct, const sl_lit_block *block, sl_sam
 void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size_t i, uint32_t sample,
                         uint64_t stream, float u[2]) {
     static const uint32_t step[2] = {3242174889u, 2447445414u}; /* of g^3 = g + 1 */
-    uint32_t index = turn_of(direct, block->rank[i]) * 2 * sl_direct_samples(direct) + sample;
+    const uint32_t all = 2 * sl_direct_samples(direct);
+    if (is_shared_out(direct)) {
+        float point[3];
+        own_point(direct, block, i, stream, sample, all, point);
+        u[0] = point[0], u[1] = point[1];
+        return;
+    }
+    uint32_t index = turn_of(direct, block->rank[i]) * all + sample;
     for (uint64_t d = 0; d < 2; d++)
         u[d] = sl_unit_of_bits(sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]);
 }
@@ -288,11 +329,10 @@ static void finish_run(const pass *p, size_t first, size_t end, unsigned worker,
 }
 
 /* Returns what is averaged: of a film little, since the mean of sub-frames that are all blurred alike does
- * not converge. */
+ * not converge, and the mean of a penumbra's many samples is smooth. */
 static sl_smoothing smoothing_of(const sl_direct *direct) {
-    const unsigned share = direct->scene->sub_frame.share;
-    if (share > SMOOTHED_SHARE && refines_penumbrae(direct)) return SL_SMOOTH_NOTHING;
-    return share > 0 ? SL_SMOOTH_LIT_ALIKE : SL_SMOOTH_ALL;
+    if (has_many(direct) && refines_penumbrae(direct)) return SL_SMOOTH_NOTHING;
+    return direct->scene->sub_frame.share > 0 ? SL_SMOOTH_LIT_ALIKE : SL_SMOOTH_ALL;
 }
 
 static void finish_row(const pass *p, int y, unsigned worker, sl_counters *counters) {

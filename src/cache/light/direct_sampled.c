@@ -103,7 +103,8 @@ void sl_direct_sampled(const sl_direct *direct, const sl_lit_block *block, bool 
     float scale = 1.0f / (float)sl_direct_samples(direct);
     for (uint32_t sample = 0; sample < sl_direct_samples(direct); sample++) {
         float u0[SL_LIGHT_BLOCK], u1[SL_LIGHT_BLOCK], u2[SL_LIGHT_BLOCK];
-        sl_direct_points(direct, block, (sl_sample_range){sample, sample + 1}, sun ? 1 : 2, 0, u0, u1, u2);
+        sl_direct_points(direct, block, (sl_sample_range){sample, sample + 1},
+                         sun ? SL_STREAM_SUN : SL_STREAM_EMITTERS, 0, u0, u1, u2);
         for (size_t i = 0; i < block->count; i++) {
             sl_light_sample light;
             if (draw(direct, block, i, sun, (float[3]){u0[i], u1[i], u2[i]}, &light))

@@ -214,17 +214,41 @@ static void few_samples_of_a_penumbra_are_those_of_many_but_for_noise(void **sta
     sl_scene_destroy(scene);
 }
 
-static void shared_out_among_many_sub_frames_a_narrow_penumbra_stays_narrow(void **state) {
-    enum { SUB_FRAMES = 32 };
-    sl_scene *scene = half_hidden(0.4f, 0.0f, 0.0f);
-    picture *many = direct_light(scene, (options){512, 1, 2, false, 64}), *mean = calloc(1, sizeof *mean);
+/* Of so many sub-frames, among eight of which 16 samples of a pixel are shared out. */
+static picture *mean_of_sub_frames(sl_scene *scene, unsigned sub_frames) {
+    picture *mean = calloc(1, sizeof *mean);
     assert_non_null(mean);
     scene->sub_frame.share = 8;
-    for (unsigned *turn = &scene->sub_frame.turn; *turn < SUB_FRAMES; ++*turn) {
+    for (unsigned turn = 0; turn < sub_frames; turn++) {
+        scene->sub_frame.turn = turn;
         picture *p = direct_light(scene, (options){16, 2, 2, false, 64});
-        for (size_t i = 0; i < 3 * PIXELS; i++) mean->rgb[i] += p->rgb[i] / SUB_FRAMES;
+        for (size_t i = 0; i < 3 * PIXELS; i++) mean->rgb[i] += p->rgb[i] / (float)sub_frames;
         picture_free(p);
     }
+    return mean;
+}
+
+/* Eight times as many random samples would leave .35 of the error. */
+static void a_film_s_light_samples_of_a_pixel_are_spread_over_its_sub_frames(void **state) {
+    for (int glossy = 0; glossy < 2; glossy++) {
+        sl_scene *scene = half_hidden(1.0f, glossy ? 0.4f : 0.0f, 30.0f);
+        picture *many = direct_light(scene, (options){2048, 1, 2, false, 64}),
+                *few = mean_of_sub_frames(scene, 4), *all = mean_of_sub_frames(scene, 32);
+        print_message("glossy %d: rms %.5f of 4, %.5f of 32, bias %+.5f\n", glossy, difference(few, many),
+                      difference(all, many), mean_of(all) / mean_of(many) - 1.0);
+        assert_true(difference(all, many) < 0.28 * difference(few, many));
+        assert_true(fabs(mean_of(all) / mean_of(many) - 1.0) < 0.002);
+        picture_free(many);
+        picture_free(few);
+        picture_free(all);
+        sl_scene_destroy(scene);
+    }
+}
+
+static void shared_out_among_many_sub_frames_a_narrow_penumbra_stays_narrow(void **state) {
+    sl_scene *scene = half_hidden(0.4f, 0.0f, 0.0f);
+    picture *many = direct_light(scene, (options){512, 1, 2, false, 64}),
+            *mean = mean_of_sub_frames(scene, 32);
     print_message("rms %.4f, bias %+.5f\n", difference(mean, many), mean_of(mean) / mean_of(many) - 1.0);
     assert_true(difference(mean, many) < 0.01);
     picture_free(many);
@@ -526,6 +550,7 @@ int main(void) {
         cmocka_unit_test(a_point_light_on_a_floor_is_the_closed_form_by_rays_and_by_maps),
         cmocka_unit_test(unoccluded_emitters_have_no_noise_and_many_have_no_bias),
         cmocka_unit_test(few_samples_of_a_penumbra_are_those_of_many_but_for_noise),
+        cmocka_unit_test(a_film_s_light_samples_of_a_pixel_are_spread_over_its_sub_frames),
         cmocka_unit_test(shared_out_among_many_sub_frames_a_narrow_penumbra_stays_narrow),
         cmocka_unit_test(shares_are_averaged_on_a_film_only_where_as_much_light_would_arrive),
         cmocka_unit_test(between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them),
