@@ -11,7 +11,6 @@ typedef struct {
     const sl_direct_sums *sums;
     const sl_gbuffer *gbuffer;
     int row;
-    bool lit_alike; /* only what is lit alike is averaged */
 } window;
 
 static float ratio(const sl_direct_sums *s, int c, size_t k) {
@@ -52,17 +51,6 @@ static bool same_surface(const sl_gbuffer *g, size_t i, size_t j) {
                             sl_is_chord(d, sum_of(g->normal_x, g->normal_y, g->normal_z, i, j)));
 }
 
-static float unoccluded(const sl_direct_sums *s, size_t k) {
-    return s->exact[0][k] + s->exact[1][k] + s->exact[2][k];
-}
-
-/* Tells whether about as much would arrive at both, were nothing in the way. Beside an emitter that is near,
- * neighbours' shares are shares of other light. */
-static bool is_lit_alike(const sl_direct_sums *s, size_t a, size_t b) {
-    const float TIMES = 1.1f, x = unoccluded(s, a), y = unoccluded(s, b);
-    return x <= TIMES * y && y <= TIMES * x;
-}
-
 typedef struct {
     size_t count;
     size_t pixel[(2 * RADIUS + 1) * (2 * RADIUS + 1)]; /* in the sums */
@@ -81,9 +69,7 @@ static void find_neighbours(const window *w, int x, neighbours *n) {
             int column = x + u, row = w->row + v;
             if (column < 0 || column >= g->width || row < 0 || row >= g->height) continue;
             size_t i = (size_t)row * width + (size_t)column, k = i - s->first;
-            if (!(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f) ||
-                !same_surface(g, centre, i) || (w->lit_alike && !is_lit_alike(s, centre - s->first, k)))
-                continue;
+            if (!(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f) || !same_surface(g, centre, i)) continue;
             n->pixel[n->count] = k;
             n->share[n->count++] = visible_share(s, k);
             n->scatter += s->scatter[k];
@@ -120,30 +106,24 @@ bool sl_row_scan_near(sl_row_scan *s, int x) {
     return s->last >= x - s->radius;
 }
 
-/* Replaces the pixel's own share, column x of the row, by the mean; where all are lit alike by what all of
- * their samples say together, since the ratio of few is biased. */
+/* Replaces the pixel's own share, column x of the row, by the mean. */
 static void smooth(const window *w, int x, size_t k) {
     const sl_direct_sums *s = w->sums;
     neighbours n;
     find_neighbours(w, x, &n);
-    float own = visible_share(s, k), weights[3] = {0.0f, 0.0f, 0.0f}, sum[3] = {0.0f, 0.0f, 0.0f};
+    float own = visible_share(s, k), weights = 0.0f, sum[3] = {0.0f, 0.0f, 0.0f};
     if (!(n.scatter > 1e-8f)) return;
     for (size_t j = 0; j < n.count; j++) {
-        const size_t i = n.pixel[j];
-        const float weight = likeness(n.share[j] - own, 2.0f * n.scatter) * s->samples[i];
-        for (int c = 0; c < 3; c++) {
-            const float all = w->lit_alike ? weight * s->all[c][i] : weight;
-            sum[c] += all * ratio(s, c, i);
-            weights[c] += all;
-        }
+        float weight = likeness(n.share[j] - own, 2.0f * n.scatter) * s->samples[n.pixel[j]];
+        weights += weight;
+        for (int c = 0; c < 3; c++) sum[c] += weight * ratio(s, c, n.pixel[j]);
     }
-    for (int c = 0; c < 3; c++)
-        if (weights[c] > 0.0f) s->light[c][k] = sum[c] / weights[c];
+    for (int c = 0; c < 3 && weights > 0.0f; c++) s->light[c][k] = sum[c] / weights;
 }
 
 void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
-                          sl_smoothing smoothing) {
-    const window w = {s, gbuffer, row, smoothing == SL_SMOOTH_LIT_ALIKE};
+                          bool smoothed) {
+    const window w = {s, gbuffer, row};
     sl_row_scan scatter = sl_row_scan_start(s, s->scatter, gbuffer, row, RADIUS);
     for (size_t i = run.first; i < run.end; i++) {
         const size_t k = i - s->first;
@@ -151,6 +131,6 @@ void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, in
         const bool sampled = s->samples[k] > 0.0f;
         for (int c = 0; c < 3; c++) s->light[c][k] = sampled ? ratio(s, c, k) : 0.0f;
         if (!sampled || !(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f)) continue;
-        if (smoothing != SL_SMOOTH_NOTHING && sl_row_scan_near(&scatter, x)) smooth(&w, x, k);
+        if (smoothed && sl_row_scan_near(&scatter, x)) smooth(&w, x, k);
     }
 }

@@ -132,11 +132,9 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
                       uint32_t samples, sl_direct_scratch *scratch, sl_counters *counters);
 /* Scatter of sums [first, first + count). */
 void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t count);
-/* Of neighbours' shares all are averaged, or of those alone where about as much would arrive unoccluded. */
-typedef enum sl_smoothing { SL_SMOOTH_NOTHING, SL_SMOOTH_ALL, SL_SMOOTH_LIT_ALIKE } sl_smoothing;
 /* The visible share of pixels of one row, smoothed or as it is: into the planes of light. */
 void sl_direct_filter_run(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
-                          sl_smoothing smoothing);
+                          bool smoothed);
 
 /* ---- what is near, pixel by pixel along a row ---- */
 

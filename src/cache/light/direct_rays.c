@@ -23,7 +23,7 @@ enum {
     PILOT_MIN = 4,
     PILOT_MIN_SHARED = 2, /* of each of a pixel's sub-frames */
     PENUMBRA_FACTOR = 4,
-    PENUMBRA_EMITTERS_MAX = 16, /* under many emitters every pixel lies in some penumbra */
+    PENUMBRA_EMITTERS_MAX = 16, /* of one picture: under many emitters every pixel lies in some penumbra */
     /* Penumbrae are found by few samples, which may all agree by chance; refining only where they do not
      * would darken the faint edges of shadows and brighten the others. So pixels this near to a known
      * penumbra are refined as well. */
@@ -37,8 +37,14 @@ enum {
 static int larger(int a, int b) { return a > b ? a : b; }
 static int smaller(int a, int b) { return a < b ? a : b; }
 
+/* Tells whether a pixel has samples in other sub-frames, too, and many of them all. */
+static bool is_shared_out(const sl_direct *direct) { return direct->scene->sub_frame.share > 1; }
+static bool has_many(const sl_direct *direct) {
+    return is_shared_out(direct) && direct->settings.light_samples >= MANY_SAMPLES;
+}
+
 static bool refines_penumbrae(const sl_direct *direct) {
-    return direct->sides.count <= PENUMBRA_EMITTERS_MAX;
+    return has_many(direct) || direct->sides.count <= PENUMBRA_EMITTERS_MAX;
 }
 
 static uint32_t samples_with_refinement(const sl_direct *direct) {
@@ -86,12 +92,6 @@ void sl_lit_block_add(const sl_direct *direct, const sl_gbuffer *g, size_t p, sl
 /* Returns whose turn it is: the pixels of a tile, then those of the next sub-frame. */
 static uint32_t turn_of(const sl_direct *direct, uint32_t rank) {
     return direct->scene->sub_frame.turn * SL_SAMPLE_TILE * SL_SAMPLE_TILE + rank;
-}
-
-/* Tells whether a pixel has samples in other sub-frames, too, and many of them all. */
-static bool is_shared_out(const sl_direct *direct) { return direct->scene->sub_frame.share > 1; }
-static bool has_many(const sl_direct *direct) {
-    return is_shared_out(direct) && direct->settings.light_samples >= MANY_SAMPLES;
 }
 
 /* Finds point `sample`, of `all` in this sub-frame, of the pixel's own sequence. It is one of all sub-frames
@@ -328,17 +328,11 @@ static void finish_run(const pass *p, size_t first, size_t end, unsigned worker,
     }
 }
 
-/* Returns what is averaged: of a film little, since the mean of sub-frames that are all blurred alike does
- * not converge, and the mean of a penumbra's many samples is smooth. */
-static sl_smoothing smoothing_of(const sl_direct *direct) {
-    if (has_many(direct) && refines_penumbrae(direct)) return SL_SMOOTH_NOTHING;
-    return direct->scene->sub_frame.share > 0 ? SL_SMOOTH_LIT_ALIKE : SL_SMOOTH_ALL;
-}
-
 static void finish_row(const pass *p, int y, unsigned worker, sl_counters *counters) {
     const size_t width = (size_t)p->gbuffer->width, row = (size_t)y * width;
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
-        sl_direct_filter_run(p->sums, p->gbuffer, y, r, smoothing_of(p->direct));
+        /* The mean of sub-frames that are all blurred alike does not converge, and that of many is smooth. */
+        sl_direct_filter_run(p->sums, p->gbuffer, y, r, !has_many(p->direct));
         finish_run(p, r.first, r.end, worker, counters);
     }
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, width);

@@ -8,7 +8,7 @@
 
 #include "unit_test.h"
 #include "base/math.h"
-#include "cache/light/direct_internal.h"
+#include "cache/light/direct.h"
 #include "rendering.h"
 #include "trace_scenes.h"
 #include "polygon_truth.h"
@@ -181,13 +181,20 @@ static void unoccluded_emitters_have_no_noise_and_many_have_no_bias(void **state
     }
 }
 
-/* A lamp half hidden by a plate so far above the floor: as wide a penumbra. */
-static sl_scene *half_hidden(float height, float specular, float exponent) {
+/* Lamps, side by side in rows, half hidden by a plate so far above the floor: as wide a penumbra. */
+static sl_scene *half_hidden_lamps(int rows, float height, float specular, float exponent) {
     trace_mesh mesh = a_floor(0.5f, specular, exponent);
     uint32_t lamp = trace_mesh_lamp(&mesh, 20.0f), plate = trace_mesh_diffuse(&mesh, 0.3f);
-    trace_mesh_quad(&mesh, sl_v3(-0.5f, 3, -0.5f), sl_v3(1, 0, 0), sl_v3(0, 0, 1), lamp);
+    const float side = 1.0f / (float)rows;
+    for (int i = 0; i < rows * rows; i++)
+        trace_mesh_quad(&mesh, sl_v3(side * (float)(i % rows) - 0.5f, 3, side * (float)(i / rows) - 0.5f),
+                        sl_v3(side, 0, 0), sl_v3(0, 0, side), lamp);
     trace_mesh_box(&mesh, sl_v3(-1.0f, height, -1.0f), sl_v3(0.1f, height + 0.05f, 1.0f), false, plate);
     return trace_mesh_build(&mesh);
+}
+
+static sl_scene *half_hidden(float height, float specular, float exponent) {
+    return half_hidden_lamps(1, height, specular, exponent);
 }
 
 static void few_samples_of_a_penumbra_are_those_of_many_but_for_noise(void **state) {
@@ -230,11 +237,12 @@ static picture *mean_of_sub_frames(sl_scene *scene, unsigned sub_frames) {
 
 /* Eight times as many random samples would leave .35 of the error. */
 static void a_film_s_light_samples_of_a_pixel_are_spread_over_its_sub_frames(void **state) {
-    for (int glossy = 0; glossy < 2; glossy++) {
-        sl_scene *scene = half_hidden(1.0f, glossy ? 0.4f : 0.0f, 30.0f);
+    for (int run = 0; run < 3; run++) {
+        sl_scene *scene = half_hidden_lamps(run == 2 ? 5 : 1, 1.0f, run == 1 ? 0.4f : 0.0f, 30.0f);
         picture *many = direct_light(scene, (options){2048, 1, 2, false, 64}),
                 *few = mean_of_sub_frames(scene, 4), *all = mean_of_sub_frames(scene, 32);
-        print_message("glossy %d: rms %.5f of 4, %.5f of 32, bias %+.5f\n", glossy, difference(few, many),
+        print_message("%s: rms %.5f of 4, %.5f of 32, bias %+.5f\n",
+                      run == 2 ? "25 lamps" : run == 1 ? "a glossy floor" : "a lamp", difference(few, many),
                       difference(all, many), mean_of(all) / mean_of(many) - 1.0);
         assert_true(difference(all, many) < 0.28 * difference(few, many));
         assert_true(fabs(mean_of(all) / mean_of(many) - 1.0) < 0.002);
@@ -254,50 +262,6 @@ static void shared_out_among_many_sub_frames_a_narrow_penumbra_stays_narrow(void
     picture_free(many);
     picture_free(mean);
     sl_scene_destroy(scene);
-}
-
-/* The smoothed shares of a row of a plane, of which the right half would receive `times` as much light as the
- * left: noisy ones, of .3 in the mean there, and .6 on the left. */
-static void smooth_a_row(float times, sl_smoothing smoothing, float share[16]) {
-    enum { WIDTH = 16 };
-    float ones[WIDTH], seen[WIDTH], exact[WIDTH], scatter[WIDTH], light[3][WIDTH];
-    sl_gbuffer *g;
-    assert_int_equal(sl_gbuffer_create(WIDTH, 1, &g, NULL), SL_OK);
-    for (int x = 0; x < WIDTH; x++) {
-        const bool right = x >= WIDTH / 2;
-        ones[x] = 1.0f;
-        seen[x] = (right ? 0.3f : 0.6f) + (x % 2 ? 0.2f : -0.2f);
-        exact[x] = right ? times : 1.0f;
-        scatter[x] = 0.04f;
-        g->position_x[x] = (float)x;
-        g->position_y[x] = g->position_z[x] = 0.0f;
-        g->normal_x[x] = g->geometric_x[x] = g->normal_z[x] = g->geometric_z[x] = 0.0f;
-        g->normal_y[x] = g->geometric_y[x] = 1.0f;
-    }
-    const sl_direct_sums sums = {.count = WIDTH, .exact = {exact, exact, exact}, .seen = {seen, seen, seen},
-                                 .all = {ones, ones, ones}, .samples = ones, .scatter = scatter,
-                                 .light = {light[0], light[1], light[2]}};
-    sl_direct_filter_run(&sums, g, 0, (sl_pixel_run){0, WIDTH}, smoothing);
-    memcpy(share, light[1], WIDTH * sizeof *share);
-    sl_gbuffer_destroy(g);
-}
-
-/* Beside an emitter the share that is visible is one of more light than farther away. */
-static void shares_are_averaged_on_a_film_only_where_as_much_light_would_arrive(void **state) {
-    float all[16], film[16], even[16], noisy[16];
-    smooth_a_row(1.5f, SL_SMOOTH_ALL, all);
-    smooth_a_row(1.5f, SL_SMOOTH_LIT_ALIKE, film);
-    smooth_a_row(1.05f, SL_SMOOTH_LIT_ALIKE, even);
-    smooth_a_row(1.5f, SL_SMOOTH_NOTHING, noisy);
-    assert_memory_equal(all, even, sizeof all);
-    print_message("%.3f, %.3f beside the border; %.3f, %.3f with those across it\n", (double)film[7],
-                  (double)film[8], (double)all[7], (double)all[8]);
-    assert_true(fabsf(film[6] - 0.6f) < 0.08f && fabsf(film[9] - 0.3f) < 0.08f);
-    assert_true(film[7] - film[8] > all[7] - all[8] + 0.1f);
-    for (int x = 0; x < 16; x++) {
-        assert_true(fabsf(noisy[x] - (x < 8 ? 0.6f : 0.3f)) > 0.19f);
-        assert_true((x >= 6 && x < 10) || film[x] == all[x]);
-    }
 }
 
 /* ---- window frames ------------------------------------------------------------ */
@@ -552,7 +516,6 @@ int main(void) {
         cmocka_unit_test(few_samples_of_a_penumbra_are_those_of_many_but_for_noise),
         cmocka_unit_test(a_film_s_light_samples_of_a_pixel_are_spread_over_its_sub_frames),
         cmocka_unit_test(shared_out_among_many_sub_frames_a_narrow_penumbra_stays_narrow),
-        cmocka_unit_test(shares_are_averaged_on_a_film_only_where_as_much_light_would_arrive),
         cmocka_unit_test(between_two_posts_on_a_wide_lamp_shines_the_lamp_between_them),
         cmocka_unit_test(few_samples_show_a_lamp_in_a_lobe_however_near_and_wide_it_is),
         cmocka_unit_test(the_sun_on_an_open_plane_is_the_sum_of_its_texels),
