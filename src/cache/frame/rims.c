@@ -5,7 +5,7 @@
 #include "base/memory.h"
 
 /* pixels of a block, both ways; samples of a close-up, both ways */
-enum { BLOCK = 8, SIDE = 352 };
+enum { BLOCK = 8, SIDE = 880 };
 
 /* sine and cosine of the angle whose tangent is the golden ratio's inverse */
 static const double turn_sine = 0.52573111211913359, turn_cosine = 0.85065080835203993;

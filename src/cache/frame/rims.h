@@ -1,7 +1,7 @@
 /* Rims of lamps. A lamp is hundreds of times as bright as what it lights: a pixel at its edge is wrong by
  * several times the picture's mean if its share of the lamp is off by a hundredth. So the light that such
  * pixels see of lamps and sky is taken from a close-up: the hardware draws the identifiers of a few pixels
- * with about a thousand samples each, on a grid that is turned, so that no edge along rows or columns falls
+ * with six thousand samples each, on a grid that is turned, so that no edge along rows or columns falls
  * between its lines. */
 #pragma once
 
