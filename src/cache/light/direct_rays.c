@@ -54,7 +54,7 @@ static uint32_t samples_with_refinement(const sl_direct *direct) {
 /* Of the first pass: what all agree on needs few, the others get more anyway. */
 static uint32_t pilot_samples(const sl_direct *direct) {
     const uint32_t samples = sl_direct_samples(direct), quarter = (samples + 3) / 4,
-                   least = direct->scene->sub_frame.share > 1 ? PILOT_MIN_SHARED : PILOT_MIN;
+                   least = is_shared_out(direct) ? PILOT_MIN_SHARED : PILOT_MIN;
     if (!refines_penumbrae(direct)) return samples;
     return quarter < least ? (uint32_t)sl_fewer(samples, least) : quarter;
 }
@@ -94,8 +94,8 @@ static uint32_t turn_of(const sl_direct *direct, uint32_t rank) {
     return direct->scene->sub_frame.turn * SL_SAMPLE_TILE * SL_SAMPLE_TILE + rank;
 }
 
-/* Finds point `sample`, of `all` in this sub-frame, of the pixel's own sequence. It is one of all sub-frames
- * that share as this one does. */
+/* Finds point `sample`, of `all` in this sub-frame, of the pixel's own sequence: one over the pilot, and one
+ * over the sub-frames behind it, which have fewer. */
 static void own_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint64_t stream,
                       uint32_t sample, uint32_t all, float point[3]) {
     const sl_sub_frame *now = &direct->scene->sub_frame;
@@ -158,7 +158,7 @@ void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size
         u[0] = point[0], u[1] = point[1];
         return;
     }
-    uint32_t index = turn_of(direct, block->rank[i]) * all + sample;
+    const uint32_t index = block->rank[i] * all + sample;
     for (uint64_t d = 0; d < 2; d++)
         u[d] = sl_unit_of_bits(sl_random_bits(block->tile_key[i], 3 * stream + d) + index * step[d]);
 }
