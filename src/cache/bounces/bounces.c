@@ -16,8 +16,9 @@ static const double few_uncovered[GENERATIONS] = {0.015, 0.04};
 static const size_t most_records[GENERATIONS] = {4000, 5000};
 /* Of a fine picture far fewer look-ups may miss: nearly all light may come through a gap of a door. And where
  * light bounces often it does so between small things, and what records are off by comes back with every
- * bounce: there they lie nearer to each other, and are so many times more. */
-enum { MANY_BOUNCES = 10, FINE_TIMES = 4 };
+ * bounce: there they lie nearer to each other, are found from so many times more origins, and may be so many
+ * times more. */
+enum { MANY_BOUNCES = 10, FINE_ORIGINS = 4, FINE_TIMES = 16 };
 static const double finest_accuracy = 0.3, fine_radius = 0.4, fine_uncovered = 0.02;
 /* So many more points out of all records' reach than where the cache was made: the camera sees more than it
  * did; or it has gone elsewhere. */
@@ -163,7 +164,7 @@ static sl_status find_finer_places(sl_second_cache *cache, sl_counters *counters
     sl_record_octree_free(&cache->octree);
     cache->fine = true;
     cache->radii.minimum_reach *= fine_radius;
-    return find_places(cache, ORIGINS, SIZE_MAX, counters, error);
+    return find_places(cache, FINE_ORIGINS * ORIGINS, SIZE_MAX, counters, error);
 }
 
 /* Gathers live as long as light bounces. */

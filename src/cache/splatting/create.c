@@ -64,6 +64,7 @@ static float covered_weight(const sl_splat_state *s, float accuracy) {
 static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
     const sl_gbuffer *g = s->gbuffer;
     float a = (float)sl_splat_accuracy(s, cache->class), scale = s->scene->scale;
+    const bool depends_on_view = !s->settings.records_per_frame;
     const sl_camera *camera = &s->scene->camera;
     /* Pictures of more than 400 rows show more, but not in proportion: there what is told in pixels goes with
      * the root of the rows. */
@@ -80,7 +81,8 @@ static void prepare_pass(const sl_splat_state *s, sl_record_cache *cache) {
         .weights = {a, 1.0f / a, 1e-5f * scale},
         .covered_weight = covered_weight(s, a),
         .radii = {.accuracy = (double)a,
-                  .minimum_pixels = s->settings.records_per_frame ? 0.0 : s->plan.minimum_pixels,
+                  .minimum_pixels = depends_on_view ? s->plan.minimum_pixels : 0.0,
+                  .steep = depends_on_view && s->scene->sub_frame.share > 0 ? s->plan.steep : 0.0,
                   .minimum_reach = minimum_reach(s, footprint_per_depth),
                   .maximum_radius = 0.1 * (double)s->scene->diagonal,
                   .guard = true,

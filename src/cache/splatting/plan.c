@@ -7,12 +7,13 @@
 /* The table of options has the accuracies. */
 static const struct {
     double minimum_pixels;
+    double steep;           /* of films whose records belong to the view (sl_radius_rules) */
     int gather_size;        /* N x N */
     uint32_t light_samples; /* a pixel */
 } by_quality[] = {
-    [SL_QUALITY_DRAFT] = {6.0, 20, 8},
-    [SL_QUALITY_NORMAL] = {4.0, 32, 16},
-    [SL_QUALITY_HIGH] = {2.0, 52, 64},
+    [SL_QUALITY_DRAFT] = {6.0, 0.0, 20, 8},
+    [SL_QUALITY_NORMAL] = {4.0, 0.0, 32, 16},
+    [SL_QUALITY_HIGH] = {2.0, 0.2, 52, 64},
 };
 
 void sl_splat_complete(sl_settings *settings) {
@@ -47,6 +48,7 @@ sl_splat_plan sl_splat_plan_make(const sl_scene *scene, const sl_settings *setti
     bool light = features.light;
     return (sl_splat_plan){
         .minimum_pixels = by_quality[settings->quality].minimum_pixels,
+        .steep = by_quality[settings->quality].steep,
         .gather = chosen_gather(settings),
         .metric = chosen_metric(settings),
         .harmonics_order = settings->harmonics_order ? settings->harmonics_order : sl_glossy_order_for(scene),

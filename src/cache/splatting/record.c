@@ -50,6 +50,14 @@ static double positive_radius(const sl_record *r, double radius) {
     return mean > 0.0 && slope * radius > mean ? mean / slope : radius;
 }
 
+/* a R_min of rule 3. Within a footprint or two light can fall off so steeply that no extrapolation follows
+ * it. */
+static double least_reach(const sl_record *r, const sl_radius_rules *rules, double footprint) {
+    double reach = rules->minimum_pixels > 0.0 ? rules->minimum_pixels * footprint : rules->minimum_reach;
+    double change = (double)translational_length(r) * reach, mean = (double)sl_rgb_mean(r->irradiance);
+    return rules->steep > 0.0 && change > rules->steep * mean ? 0.5 * reach : reach;
+}
+
 /* Rule 2: a R does not reach past a wall that the record sees. r / cos theta' is the distance to the hit's
  * plane divided by cos^2, so concave surfaces are not punished. The lowest ray of a plane gather meets a wall
  * at distance d with r / cos theta' = d (1 + t^2) / t^2. */
@@ -71,9 +79,7 @@ sl_record sl_record_make(const sl_gather_point *point, const sl_irradiance *irra
         r.rotational_length[c] = length_of(r.rotational[c]);
     }
     double maximum = rules->maximum_radius / rules->accuracy;
-    double reach =
-        rules->minimum_pixels > 0.0 ? rules->minimum_pixels * (double)footprint : rules->minimum_reach;
-    double minimum = reach / rules->accuracy;
+    double minimum = least_reach(&r, rules, (double)footprint) / rules->accuracy;
     if (minimum > maximum) minimum = maximum;
     double radius = metric_radius(irradiance, rules, (double)footprint);
     if (!(radius <= maximum)) radius = maximum; /* sees nothing, or an infinite mean */

@@ -64,6 +64,7 @@ typedef struct sl_record {
 typedef struct sl_radius_rules {
     double accuracy;           /* a */
     double minimum_pixels;     /* aR_min in footprints of a pixel at the record; 0: it is minimum_reach */
+    double steep;              /* share of Y that may change within aR_min before it halves; 0: it does not */
     double maximum_radius;     /* aR_max = diagonal / 10 */
     bool guard;
     sl_gather_kind gather;
@@ -84,10 +85,11 @@ typedef struct sl_radius_rules {
  *   2  R <= s^2 rho_min / a        the guard: a R ends before the walls that the gather has seen. rho_min is
  *                                  the least r / cos theta' over its hits, theta' the angle there;
  *                                  s^2 = t^2 / (1 + t^2) for a plane of half side t, else 1
- *   3  R >= R_min                  a R_min is minimum_pixels footprints of a pixel, or minimum_reach. Where R
- *                                  then breaks rule 1, grad_t E is scaled by sigma Y / (R |grad_t Y|), at
- *                                  R_min with max(1, 0.33 sigma) for sigma; where R breaks rule 2, walls end
- *                                  it (record_walls.c)
+ *   3  R >= R_min                  a R_min is minimum_pixels footprints of a pixel, or minimum_reach; half of
+ *                                  it where |grad_t Y| a R_min > steep Y. Where R then breaks rule 1,
+ *                                  grad_t E is scaled by sigma Y / (R |grad_t Y|), at R_min with
+ *                                  max(1, 0.33 sigma) for sigma; where R breaks rule 2, walls end it
+ *                                  (record_walls.c)
  *   4  R <= R_max                  a R_max is maximum_radius; R_min is never above it
  *   5  R_i / sigma <= R_j / sigma + |p_i - p_j| for all j, then R >= R_min again: neighbour clamping
  *                                  (Krivanek et al. 2006)

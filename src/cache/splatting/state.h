@@ -18,6 +18,7 @@ typedef struct sl_splat_plan {
     /* aR_min in footprints of a pixel (of fewer and larger ones, beyond 400 rows): below, records cost more
      * than they tell */
     double minimum_pixels;
+    double steep; /* sl_radius_rules */
     sl_gather_settings gather;
     sl_radius_metric metric; /* of irradiance records, decided */
     int harmonics_order;    /* n of radiance records */

@@ -99,6 +99,7 @@ static void where_light_bounces_often_between_small_things_records_of_fine_pictu
         print_message("%zu records, at least %.4f apart; %.4f missed\n", records, reach, (double)missed);
         assert_true(of[i].finer ? reach < 0.5 * as_a_rule : reach > 0.99 * as_a_rule);
         assert_true(of[i].finer ? records > 8000 : records < 6000);
+        assert_true(!of[i].finer || missed < 0.002f);
         assert_true(of[i].posts > 1 || missed < 0.001f); /* records are few enough to be everywhere */
         sl_second_cache_destroy(cache);
         world_free(w);

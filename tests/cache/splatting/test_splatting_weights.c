@@ -336,6 +336,22 @@ static void the_minimum_radius_overrides_the_guard_and_the_gradient_shrinks(void
     assert_true(r.translational[0].x * r.radius <= 1.0001f);
 }
 
+static void the_least_reach_halves_where_light_is_steep_within_it(void **state) {
+    const float footprint = 0.1f; /* 1.5 of them are the least reach */
+    for (int i = 0; i < 2; i++) {
+        sl_radius_rules rules = rules_with(0.5, 100.0, true);
+        rules.steep = i ? 0.2 : 0.0;
+        sl_irradiance gentle = seen(1.0f, 1.3f, 0.001f, 1e-4f), steep = seen(1.0f, 1.4f, 0.001f, 1e-4f),
+                      dark = seen(0.0f, 0.0f, 0.001f, 1e-4f);
+        sl_record r = sl_record_make(&at_origin, &gentle, &rules, footprint);
+        assert_true(fabsf(0.5f * r.radius - 0.15f) < 1e-6f);
+        r = sl_record_make(&at_origin, &steep, &rules, footprint);
+        assert_true(fabsf(0.5f * r.radius - (i ? 0.075f : 0.15f)) < 1e-6f && r.minimum_radius == r.radius);
+        r = sl_record_make(&at_origin, &dark, &rules, footprint);
+        assert_true(fabsf(0.5f * r.radius - 0.15f) < 1e-6f);
+    }
+}
+
 static void seeing_nothing_gives_the_maximum_radius(void **state) {
     sl_radius_rules rules = rules_with(0.25, 2.0, true);
     sl_irradiance e = seen(0.0f, 0.0f, INFINITY, INFINITY);
@@ -405,6 +421,7 @@ int main(void) {
         cmocka_unit_test(the_guard_keeps_a_record_from_reaching_through_a_wall),
         cmocka_unit_test(the_guard_knows_how_low_a_plane_sees),
         cmocka_unit_test(the_minimum_radius_overrides_the_guard_and_the_gradient_shrinks),
+        cmocka_unit_test(the_least_reach_halves_where_light_is_steep_within_it),
         cmocka_unit_test(seeing_nothing_gives_the_maximum_radius),
         cmocka_unit_test(clamped_radii_are_lipschitz_and_do_not_depend_on_the_order),
     };
