@@ -55,9 +55,12 @@ sl_status sl_load_within_memory(const char *path, const sl_load_options *load, c
                    (double)settings->memory_bytes / 0x1p20);
 }
 
+/* Heaps of single threads go back to the system as soon as they are empty, whatever is to be kept: all
+ * threads use one. */
 void sl_keep_freed_memory(const sl_settings *settings) {
     enum { KEPT = 512 << 20, FROM_HEAP = 32 << 20 };
     if (settings->memory_bytes) return;
+    mallopt(M_ARENA_MAX, 1);
     mallopt(M_TRIM_THRESHOLD, KEPT);
     mallopt(M_MMAP_THRESHOLD, FROM_HEAP);
 }

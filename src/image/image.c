@@ -101,6 +101,11 @@ sl_status sl_image_create_unset(int width, int height, int channels, const char 
     return create(width, height, channels, channel_names, false, image, error);
 }
 
+void sl_image_clear(sl_image *image) {
+    memset(image->planes, 0, (size_t)image->width * (size_t)image->height * (size_t)image->channels *
+                                 sizeof *image->planes);
+}
+
 void sl_image_destroy(sl_image *image) {
     if (!image) return;
     for (size_t i = 0; i < image->metadata_count; i++) sl_free(image->metadata[i].value);

@@ -7,3 +7,5 @@
 /* sl_image_create() but for the planes' values, which are anything. */
 sl_status sl_image_create_unset(int width, int height, int channels, const char *const *channel_names,
                                 sl_image **image, sl_error *error);
+/* Makes all planes black. */
+void sl_image_clear(sl_image *image);

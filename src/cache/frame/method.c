@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "image/tone.h"
+#include "image/unset.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -326,7 +327,7 @@ sl_status sl_method_resolve_colours(sl_method *m, sl_image **image, sl_error *er
     sl_status status = check_health(m, error);
     *image = NULL;
     if (status == SL_OK)
-        status = sl_image_create(m->settings.width, m->settings.height, 3, NULL, image, error);
+        status = sl_image_create_unset(m->settings.width, m->settings.height, 3, NULL, image, error);
     if (status == SL_OK)
         status = alone ? m->class->resolve_colours(m->state, *image, error)
                        : colours_of_picture(m, *image, error);

@@ -70,7 +70,7 @@ typedef struct sl_method_class {
     /* *image: NULL; or the picture of an earlier sub-frame, of which what this one does not show may stay.
      * What is given then is that one, or another. */
     sl_status (*resolve)(void *state, sl_image **image, sl_error *error);
-    /* The same picture's R, G and B alone, in one of no other layers; NULL: resolve() does. */
+    /* Writes all of the same picture's R, G and B into one of no other layers; NULL: resolve() does. */
     sl_status (*resolve_colours)(void *state, sl_image *image, sl_error *error);
     /* Triangles that its centres show, rows from the bottom; NULL, or gives NULL: nobody knows. */
     const uint32_t *(*ids)(const void *state);

@@ -18,6 +18,7 @@
 
 #include "base/error.h"
 #include "cache/splatting/state.h"
+#include "image/unset.h"
 
 #include <string.h>
 
@@ -223,7 +224,10 @@ static sl_status splat_new_records(sl_splat_state *s, sl_error *error) {
 static sl_status splat_resolve_colours(void *state, sl_image *image, sl_error *error) {
     sl_splat_state *s = state;
     sl_status status = splat_new_records(s, error);
-    return status == SL_OK && s->phase > SL_PHASE_GBUFFER ? sl_splat_compose(s, image, error) : status;
+    if (status != SL_OK) return status;
+    if (s->phase > SL_PHASE_GBUFFER) return sl_splat_compose(s, image, error);
+    sl_image_clear(image); /* nothing is drawn yet */
+    return SL_OK;
 }
 
 static sl_status splat_resolve(void *state, sl_image **image, sl_error *error) {
