@@ -80,15 +80,15 @@ static bool is_contrast(const pass *p, size_t one, size_t other) {
     const float SEEN = 0.1f;
     for (size_t c = 0; c < 3; c++) {
         const float *plane = p->picture->planes + c * pixels_of(p->a), a = plane[one], b = plane[other];
-        if (fabsf(a - b) > SEEN * fmaxf(a, b)) return true;
+        if (fabsf(a - b) > SEEN * (a > b ? a : b)) return true;
     }
     return false;
 }
 
 static bool is_edge(const pass *p, size_t x, size_t row, size_t other_x, size_t other_row) {
     const size_t width = (size_t)p->a->width;
-    return !is_same_surface(p->scene, p->id[row * width + x], p->id[other_row * width + other_x]) &&
-           is_contrast(p, place_of(p->a, x, row), place_of(p->a, other_x, other_row));
+    return is_contrast(p, place_of(p->a, x, row), place_of(p->a, other_x, other_row)) &&
+           !is_same_surface(p->scene, p->id[row * width + x], p->id[other_row * width + other_x]);
 }
 
 /* Most pixels show the triangle that those around show. */
