@@ -2,7 +2,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/light_octree/light_octree.h"
-#include "image/unset.h"
 
 /* The sky in the octree rises above its own mean by this factor at most. */
 static const double sky_contrast = 10.0;
@@ -215,10 +214,8 @@ static sl_status octree_resolve(void *state, sl_image **image, sl_error *error) 
 }
 
 static sl_status octree_resolve_colours(void *state, sl_image *image, sl_error *error) {
-    const sl_octree_state *s = state;
     (void)error;
-    if (s->phase == SL_OCTREE_PHASE_GBUFFER) sl_image_clear(image); /* nothing is drawn yet */
-    else sl_octree_compose(s, image);
+    sl_octree_compose(state, image);
     return SL_OK;
 }
 

@@ -12,15 +12,16 @@ static const char *const layer_names[LAYERS] = {"R",          "G",          "B",
                                                 "direct.B",   "indirect.R", "indirect.G", "indirect.B"};
 
 sl_status sl_octree_create_image(const sl_octree_state *s, sl_image **image, sl_error *error) {
-    const bool drawn = s->phase != SL_OCTREE_PHASE_GBUFFER;
-    return (drawn ? sl_image_create_unset : sl_image_create)(s->gbuffer->width, s->gbuffer->height, LAYERS,
-                                                             layer_names, image, error);
+    return sl_image_create_unset(s->gbuffer->width, s->gbuffer->height, LAYERS, layer_names, image, error);
 }
 
 void sl_octree_compose(const sl_octree_state *s, sl_image *image) {
     const sl_gbuffer *g = s->gbuffer;
     float *const *direct = s->direct_light, *const *indirect = s->indirect_light;
-    if (s->phase == SL_OCTREE_PHASE_GBUFFER) return; /* nothing is drawn yet */
+    if (s->phase == SL_OCTREE_PHASE_GBUFFER) { /* nothing is drawn yet */
+        sl_image_clear(image);
+        return;
+    }
     const sl_view view = sl_view_scene(s->scene, g->width, g->height);
     const sl_composition composition = {
         .scene = s->scene, .view = &view, .gbuffer = g, .reflections = s->reflections,

@@ -72,7 +72,7 @@ static void what_is_shown_follows_what_moves(void **state) {
     }
 }
 
-/* Memory that nobody has cleared is not black here. */
+/* Memory that nobody has cleared holds numbers below 0 here. */
 static void colours_for_frames_are_the_pictures(void **state) {
     static const char *const names[3] = {"R", "G", "B"};
     mallopt(M_PERTURB, 0x5a);
@@ -85,6 +85,7 @@ static void colours_for_frames_are_the_pictures(void **state) {
         else assert_int_equal(sl_method_resolve(method, &picture, NULL), SL_OK); /* nothing is drawn yet */
         assert_int_equal(sl_method_resolve_colours(method, &colours, NULL), SL_OK);
         assert_int_equal(colours->channels, 3);
+        for (int i = 0; i < 3 * W * H; i++) assert_true(colours->planes[i] >= 0.0f);
         for (int c = 0; c < 3; c++)
             assert_memory_equal(colours->planes + c * W * H, sl_image_channel(picture, names[c]),
                                 W * H * sizeof(float));
