@@ -6,8 +6,8 @@
 
 #include <stdint.h>
 
-/* The generator matrices, applied a byte of the index at a time. Dimension 0 is the radical inverse and needs
- * none. */
+/* The generator matrices, applied a byte of the index at a time; what they give has its bits in reverse, as
+ * the scramble wants them. Dimension 0 is the radical inverse, whose reverse is the index: it needs none. */
 typedef struct sl_sequence {
     uint32_t by_byte[2][4][256];
 } sl_sequence;
