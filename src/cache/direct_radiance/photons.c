@@ -299,15 +299,11 @@ static bool meet_plane(const corner_rays *rays, sl_vec3d origin, sl_vec3d direct
 }
 
 static sl_polygon_light triangle_of(sl_vec3 a, sl_vec3 b, sl_vec3 c, sl_vec3 normal) {
-    sl_vec3 winding = sl_cross(sl_sub(b, a), sl_sub(c, a)),
-            centre = sl_scale(sl_add(sl_add(a, b), c), 1.0f / 3.0f);
-    bool turned = sl_dot(winding, normal) < 0.0f;
+    const sl_vec3 winding = sl_cross(sl_sub(b, a), sl_sub(c, a));
+    const bool turned = sl_dot(winding, normal) < 0.0f;
     sl_polygon_light t = {
         .corner = {a, turned ? c : b, turned ? b : c}, .normal = normal, .area = 0.5f * sl_length(winding)};
-    for (int k = 0; k < 3; k++) {
-        sl_vec3 d = sl_sub(t.corner[k], centre);
-        t.extent_squared = fmaxf(t.extent_squared, sl_dot(d, d));
-    }
+    sl_polygon_light_bound(&t);
     return t;
 }
 

@@ -231,7 +231,8 @@ static float form_of(const sl_gather_hits *h, const sl_polygon_light *light, siz
 float sl_hit_aim(const sl_gather_hits *h, const sl_polygon_light *light, size_t k, float u1, float u2,
                  sl_vec3 *to_light) {
     const sl_vec3 p = sl_hit_position(h, k);
-    sl_near_light near = {.seen = {.parts = 0}};
+    sl_near_light near;
+    near.seen.parts = 0;
     if (sl_light_is_near(light, p)) sl_near_light_make(light, p, sl_hit_normal(h, k), &near);
     if (near.seen.parts) return aim_by_angle(h, &near, k, u1, u2, to_light);
     *to_light = aim_by_area(light, p, u1, u2);

@@ -57,11 +57,14 @@ typedef struct sl_polygon_light {
     sl_vec3 corner[3];
     sl_vec3 normal;                  /* unit, of the shining side */
     float area, extent_squared;      /* the largest squared distance of a corner from the centroid */
+    sl_box bounds;
 } sl_polygon_light;
 
 /* Returns how many sides of emitters shine. */
 size_t sl_emitter_sides(const sl_scene *scene);
 sl_light_source sl_light_source_of(const sl_light *light);
+/* Finds bounds and extent by the corners. */
+void sl_polygon_light_bound(sl_polygon_light *light);
 /* The front of an emitter, or its back. */
 sl_polygon_light sl_polygon_light_of(const sl_scene *scene, const sl_emitter *emitter, bool back);
 

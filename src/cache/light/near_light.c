@@ -75,24 +75,6 @@ int sl_seen_triangle_part(const sl_seen_triangle *seen, double *u1) {
 
 /* ---- emitters that are near ---- */
 
-/* Nearer than such a share of the distance of its farthest corner from its middle. */
-#define NEAR_EXTENT 0.5f
-
-static float smaller(float a, float b) { return a < b ? a : b; }
-static float larger(float a, float b) { return a > b ? a : b; }
-
-static float gap(float a, float b, float c, float p) {
-    const float low = smaller(a, smaller(b, c)), high = larger(a, larger(b, c));
-    return p < low ? low - p : p > high ? p - high : 0.0f;
-}
-
-bool sl_light_is_near(const sl_polygon_light *light, sl_vec3 p) {
-    const sl_vec3 *c = light->corner;
-    float x = gap(c[0].x, c[1].x, c[2].x, p.x), y = gap(c[0].y, c[1].y, c[2].y, p.y),
-          z = gap(c[0].z, c[1].z, c[2].z, p.z);
-    return x * x + y * y + z * z < NEAR_EXTENT * NEAR_EXTENT * light->extent_squared;
-}
-
 #define COSINE_MIN 0.05
 
 /* The cosine above the receiver differs between the corners, so numbers are bent by what is bilinear between

@@ -23,6 +23,17 @@ sl_light_source sl_light_source_of(const sl_light *light) {
                              .colour = light->intensity};
 }
 
+void sl_polygon_light_bound(sl_polygon_light *p) {
+    const sl_vec3 centre = sl_scale(sl_add(sl_add(p->corner[0], p->corner[1]), p->corner[2]), 1.0f / 3.0f);
+    p->bounds = sl_box_empty();
+    p->extent_squared = 0.0f;
+    for (int c = 0; c < 3; c++) {
+        const sl_vec3 d = sl_sub(p->corner[c], centre);
+        sl_box_add(&p->bounds, p->corner[c]);
+        p->extent_squared = fmaxf(p->extent_squared, sl_dot(d, d));
+    }
+}
+
 sl_polygon_light sl_polygon_light_of(const sl_scene *scene, const sl_emitter *e, bool back) {
     sl_polygon_light p = {.normal = sl_scene_geometric_normal(scene, e->triangle), .area = e->area};
     for (int c = 0; c < 3; c++) p.corner[c] = sl_scene_position(scene, scene->vertex[c][e->triangle]);
@@ -32,11 +43,7 @@ sl_polygon_light sl_polygon_light_of(const sl_scene *scene, const sl_emitter *e,
         p.corner[2] = first;
         p.normal = sl_neg(p.normal);
     }
-    sl_vec3 centre = sl_scale(sl_add(sl_add(p.corner[0], p.corner[1]), p.corner[2]), 1.0f / 3.0f);
-    for (int c = 0; c < 3; c++) {
-        sl_vec3 d = sl_sub(p.corner[c], centre);
-        p.extent_squared = fmaxf(p.extent_squared, sl_dot(d, d));
-    }
+    sl_polygon_light_bound(&p);
     return p;
 }
 
