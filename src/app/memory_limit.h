@@ -10,6 +10,6 @@
  * that could not be loaded for want of memory says so, whatever its reader made of that. */
 sl_status sl_load_within_memory(const char *path, const sl_load_options *load, const sl_settings *settings,
                                 sl_scene **scene, sl_error *error);
-/* For shows, where every frame takes what the one before gave back: the system need not take it and clear it
- * in between. Where memory is limited nothing is kept. */
+/* For shows and films, where every frame takes what the one before gave back: the system need not take it and
+ * clear it in between. Where memory is limited nothing is kept. */
 void sl_keep_freed_memory(const sl_settings *settings);

@@ -2,6 +2,7 @@
 #include "app/auto_method.h"
 #include "app/clock.h"
 #include "app/commands.h"
+#include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/page.h"
 #include "app/picture.h"
@@ -155,6 +156,7 @@ int sl_command_render(int argc, char **argv) {
     sl_error error;
     sl_scene *scene = NULL;
     if (!sl_output_is_known(&o, &error)) return sl_complain(&error); /* before the work, not after */
+    sl_keep_freed_memory(&o.settings);
     sl_status status = sl_output_is_open(&o, &error);
     if (status == SL_OK)
         status = sl_load_for_ranks(o.scene_path, &o.reading.load, &o.settings, &scene, &error);

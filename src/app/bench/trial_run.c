@@ -1,5 +1,6 @@
 /* One trial, in its own process: a scene, a method, a picture, and what they cost. */
 #include "app/bench/trials.h"
+#include "app/memory_limit.h"
 #include "app/options.h"
 #include "app/clock.h"
 #include "cache/frame/method.h"
@@ -138,6 +139,7 @@ bool sl_trial_work(void *context, char **answer) {
     settings.height = run->height;
     if (!settings.threads) settings.threads = run->threads;
     settings.observer = run->look ? &watch.observer : NULL;
+    sl_keep_freed_memory(&settings); /* as render does */
     if (status == SL_OK) status = sl_scene_load_with(run->scene_path, &run->load, &scene, &error);
     if (status == SL_OK) status = make_picture(scene, &settings, &watch, &m, &error);
     if (status == SL_OK) root = report(run, &m, &watch);
