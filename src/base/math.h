@@ -40,6 +40,8 @@ static inline bool sl_is_much_the_same(double a, double b) {
 }
 
 static inline size_t sl_fewer(size_t a, size_t b) { return a < b ? a : b; }
+static inline int sl_lesser(int a, int b) { return a < b ? a : b; }
+static inline int sl_greater(int a, int b) { return a > b ? a : b; }
 
 /* Returns the first of sums that rise which is above u; the last where none is. */
 static inline size_t sl_first_above(const double *sums, size_t count, double u) {

@@ -18,9 +18,9 @@
 #include <string.h>
 
 /* Whole sub-frames, unless there are no more than these in all: then the first is whole, for frames of things
- * that move; those of edges for which the cache is asked; and into how many light samples are shared out
- * behind the pilot. */
-enum { PILOT = 4, ASKED = 8, LATER_SHARE = 8, EDGE_LEAST = 16 };
+ * that move; those of edges for which the cache is asked, one in so many and no more than the next; and into
+ * how many light samples are shared out behind the pilot. */
+enum { PILOT = 4, ASKS_ONE_IN = 16, ASKED_MOST = 8, LATER_SHARE = 8, EDGE_LEAST = 16 };
 
 struct sl_film {
     const sl_scene *scene;
@@ -153,7 +153,10 @@ static sl_status know_edges(sl_film *f, const sl_raster *raster, sl_error *error
 }
 
 /* Everything is asked for but what light alone will want. */
-static unsigned asks_of(const sl_film *f) { return f->asks ? smaller(f->samples, PILOT + ASKED) : 0; }
+static unsigned asks_of(const sl_film *f) {
+    const unsigned of_edges = smaller(f->samples / ASKS_ONE_IN, ASKED_MOST);
+    return f->asks ? smaller(f->samples, PILOT + of_edges) : 0;
+}
 
 /* Returns into how many sub-frames a pixel's light samples are shared out. */
 static unsigned share_of(const sl_film *f, unsigned index) {
@@ -267,10 +270,14 @@ static float contrast_around(const sl_film *f, int x, int y) {
     return low <= high ? high - low : INFINITY;
 }
 
-/* Returns how many samples leave, of such a contrast, no more than a share of the picture's mean: n samples
- * that are spread well are off by about half the contrast over n^(3/4) at an edge. */
+/* Of such a contrast, in means of the picture, a pixel gets all samples. */
+static const double full_contrast = 2.0;
+
+/* Returns how many samples leave, of such a contrast, no more than all samples do of a full one: n samples
+ * that are spread well are off by a share of it that falls with n^(3/4) at an edge. */
 static unsigned samples_for(const sl_film *f, float contrast, double mean, unsigned least) {
-    const double tolerance = 0.015, needed = 0.5 * (double)contrast / (tolerance * mean);
+    const double all = sqrt(f->samples * sqrt(f->samples)),
+                 needed = all * (double)contrast / (full_contrast * mean);
     unsigned n = least;
     while (n < f->samples && sqrt(n * sqrt(n)) < needed) n *= 4;
     return smaller(n, f->samples);

@@ -34,9 +34,6 @@ enum {
     MANY_SAMPLES = 16 /* of a film's pixel */
 };
 
-static int larger(int a, int b) { return a > b ? a : b; }
-static int smaller(int a, int b) { return a < b ? a : b; }
-
 /* Tells whether a pixel has samples in other sub-frames, too, and many of them all. */
 static bool is_shared_out(const sl_direct *direct) { return direct->scene->sub_frame.share > 1; }
 static bool has_many(const sl_direct *direct) {
@@ -201,7 +198,14 @@ void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_ai
 
 /* Those that pixels around are asked for, by the penumbrae and by the filter, and the light itself, are what
  * passes give to other ranks; all else is of use to a pixel's own alone. */
-enum { PLANES = 23, PENUMBRA_PLANE = 0, FILTER_PLANES = 1, LIGHT_PLANES = 12, PLANES_WITHIN = 15 };
+enum {
+    PLANES = 23,
+    PENUMBRA_PLANE = 0,
+    FILTER_PLANES = 1,
+    OWN_PLANES = 9,
+    LIGHT_PLANES = 12,
+    PLANES_WITHIN = 15
+};
 
 /* Not set: the first pass clears them row by row. */
 static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
@@ -216,11 +220,6 @@ static bool make_sums(size_t first, size_t count, sl_direct_sums *sums) {
     sums->block = sl_allocate_unset(count, PLANES * sizeof *sums->block);
     for (size_t k = 0; sums->block && k < PLANES; k++) *planes[k] = sums->block + k * count;
     return sums->block != NULL;
-}
-
-static void clear_row(const sl_direct_sums *sums, size_t pixel, size_t width) {
-    for (size_t k = 0; k < PLANES; k++)
-        memset(sums->block + k * sums->count + pixel - sums->first, 0, width * sizeof *sums->block);
 }
 
 /* ---- passes ---- */
@@ -239,6 +238,18 @@ typedef struct {
 
 static sl_pixel_run shown(const pass *p, size_t first, size_t end) {
     return sl_sub_frame_run(&p->direct->scene->sub_frame, first, end);
+}
+
+static void clear_plane(const sl_direct_sums *sums, size_t plane, sl_pixel_run run) {
+    memset(sums->block + plane * sums->count + run.first - sums->first, 0,
+           (run.end - run.first) * sizeof *sums->block);
+}
+
+/* Clears what pixels around read of a row, and all of the pixels that are shown. */
+static void clear_row(const pass *p, sl_pixel_run row) {
+    for (size_t k = 0; k < OWN_PLANES; k++) clear_plane(p->sums, k, row);
+    for (sl_pixel_run r = shown(p, row.first, row.end); r.first < r.end; r = shown(p, r.end, row.end))
+        for (size_t k = OWN_PLANES; k < PLANES; k++) clear_plane(p->sums, k, r);
 }
 
 static void light_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
@@ -266,7 +277,7 @@ static void sample_row(const pass *p, int y, sl_lit_block *block, unsigned worke
     const size_t width = (size_t)g->width, row = (size_t)y * width;
     sl_row_scan penumbrae = {.rows = 0};
     if (p->refine) penumbrae = sl_row_scan_start(p->sums, p->sums->partly, g, y, PENUMBRA_MARGIN);
-    else clear_row(p->sums, row, width);
+    else clear_row(p, (sl_pixel_run){row, row + width});
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
         for (size_t i = r.first; i < r.end; i++) {
             if (!takes_part(p, &penumbrae, (int)(i - row), i)) continue;
@@ -280,9 +291,11 @@ static void sample_row(const pass *p, int y, sl_lit_block *block, unsigned worke
 
 /* Rows of an item that the pass looks at: the same item of every pass has the same rows. A few, so that what
  * is left of a block is little. */
-static int first_row(const pass *p, size_t index) { return larger(p->row, p->row0 + (int)index * p->each); }
+static int first_row(const pass *p, size_t index) {
+    return sl_greater(p->row, p->row0 + (int)index * p->each);
+}
 static int end_row(const pass *p, size_t index) {
-    return smaller(p->end, p->row0 + (int)(index + 1) * p->each);
+    return sl_lesser(p->end, p->row0 + (int)(index + 1) * p->each);
 }
 
 static void sample_rows(void *context, size_t index, unsigned worker, void *result, sl_counters *counters) {
@@ -352,8 +365,8 @@ static void run(pass *p, sl_batch_work *work, int first, int end, int margin, si
     sl_batch_plane planes[PLANES];
     const size_t item = (size_t)p->each * (size_t)p->gbuffer->width,
                  rows = p->sums->count / (size_t)p->gbuffer->width;
-    p->row = larger(first - margin, 0);
-    p->end = smaller(end + margin, p->gbuffer->height);
+    p->row = sl_greater(first - margin, 0);
+    p->end = sl_lesser(end + margin, p->gbuffer->height);
     for (size_t k = plane; k < behind; k++)
         planes[k - plane] = (sl_batch_plane){p->sums->block + k * p->sums->count, item * sizeof(float)};
     const sl_batch batch = {.count = rows / (size_t)p->each, .work = work, .context = p, .shared = true,
@@ -381,8 +394,8 @@ static void put_row(const pass *p, int y, float *const radiance[3]) {
 
 static sl_status light_strip(const sl_direct *direct, const sl_gbuffer *gbuffer, int first, int end,
                              float *const radiance[3], sl_counters *counters, sl_error *error) {
-    const int each = SAMPLED_ROWS, row0 = larger(first - MARGIN, 0),
-              lines = smaller(end + MARGIN, gbuffer->height) - row0 + each - 1;
+    const int each = SAMPLED_ROWS, row0 = sl_greater(first - MARGIN, 0),
+              lines = sl_lesser(end + MARGIN, gbuffer->height) - row0 + each - 1;
     const size_t width = (size_t)gbuffer->width;
     sl_direct_sums sums;
     pass p = {direct, gbuffer, .row0 = row0, .each = each, .sums = &sums, .counters = counters};
@@ -398,7 +411,7 @@ static sl_status light_strip(const sl_direct *direct, const sl_gbuffer *gbuffer,
 
 sl_status sl_direct_rows(const sl_direct *direct, const sl_gbuffer *gbuffer, int rows, int *row,
                          float *const radiance[3], sl_counters *counters, sl_error *error) {
-    const int first = *row, end = *row = smaller(first + rows, gbuffer->height);
+    const int first = *row, end = *row = sl_lesser(first + rows, gbuffer->height);
     return sl_direct_is_mapped(direct)
                ? sl_direct_mapped_rows(direct, gbuffer, first, end, radiance, counters, error)
                : light_strip(direct, gbuffer, first, end, radiance, counters, error);

@@ -61,24 +61,24 @@ static void pull_row(void *context, size_t row, unsigned worker) {
     }
 }
 
-/* Fills the holes of a level by those that are coarser. */
-static bool fill(const level *fine, unsigned threads) {
-    level coarse = {(fine->width + 1) / 2, (fine->height + 1) / 2, NULL};
-    step s = {fine, &coarse};
-    if (fine->width == 1 && fine->height == 1) return true;
-    coarse.sum = sl_allocate(pixels_of(&coarse), sizeof *coarse.sum);
-    if (!coarse.sum) return false;
-    sl_parallel_for(threads, (size_t)coarse.height, push_row, &s);
-    bool filled = fill(&coarse, threads);
-    if (filled) sl_parallel_for(threads, (size_t)fine->height, pull_row, &s);
-    sl_free(coarse.sum);
-    return filled;
+/* Makes the next coarser level of one, without holes where that has anything at all. */
+static bool make_coarser(const level *fine, unsigned threads, level *coarse) {
+    *coarse = (level){(fine->width + 1) / 2, (fine->height + 1) / 2, NULL};
+    coarse->sum = sl_allocate(pixels_of(coarse), sizeof *coarse->sum);
+    if (!coarse->sum) return false;
+    sl_parallel_for(threads, (size_t)coarse->height, push_row, &(step){fine, coarse});
+    if (coarse->width == 1 && coarse->height == 1) return true;
+    level next;
+    const bool made = make_coarser(coarse, threads, &next);
+    if (made) sl_parallel_for(threads, (size_t)coarse->height, pull_row, &(step){coarse, &next});
+    sl_free(next.sum);
+    return made;
 }
 
 /* ---- the picture, which is the finest level ---- */
 
 typedef struct {
-    const level *finest;
+    const level *finest, *coarse;
     const float *weight;
     const uint32_t *receives;
     float *mean[3];
@@ -99,16 +99,19 @@ static void take_row(void *context, size_t row, unsigned worker) {
 static void put_row(void *context, size_t row, unsigned worker) {
     (void)worker;
     const picture *p = context;
-    const size_t first = row * (size_t)p->finest->width, end = first + (size_t)p->finest->width;
-    for (size_t i = first; i < end; i++) {
+    const size_t width = (size_t)p->finest->width;
+    for (size_t x = 0; x < width; x++) {
+        const size_t i = row * width + x;
+        float mean[SUMS];
         if (!p->receives[i] || p->weight[i] > 0.0f) continue;
-        for (int c = R; c <= B; c++) p->mean[c][i] = p->finest->sum[i][c];
+        tent(p->coarse, (int)x, (int)row, mean);
+        for (int c = R; c <= B; c++) p->mean[c][i] = mean[c];
     }
 }
 
 sl_status sl_fill_uncovered(int width, int height, const float *weight, const uint32_t *receives,
                             unsigned threads, float *const mean[3], sl_error *error) {
-    level finest = {width, height, NULL};
+    level finest = {width, height, NULL}, coarse;
     const size_t pixels = pixels_of(&finest), rows = (size_t)height;
     uint32_t holes = 0;
 #pragma omp simd reduction(| : holes)
@@ -116,10 +119,11 @@ sl_status sl_fill_uncovered(int width, int height, const float *weight, const ui
     if (!holes) return SL_OK;
     finest.sum = sl_allocate_unset(pixels, sizeof *finest.sum);
     if (!finest.sum) return sl_fail_memory(error, "filling uncovered pixels");
-    picture p = {&finest, weight, receives, {mean[0], mean[1], mean[2]}};
+    picture p = {&finest, &coarse, weight, receives, {mean[0], mean[1], mean[2]}};
     sl_parallel_for(threads, rows, take_row, &p);
-    bool filled = fill(&finest, threads);
+    const bool filled = make_coarser(&finest, threads, &coarse);
     if (filled) sl_parallel_for(threads, rows, put_row, &p);
+    sl_free(coarse.sum);
     sl_free(finest.sum);
     return filled ? SL_OK : sl_fail_memory(error, "filling uncovered pixels");
 }

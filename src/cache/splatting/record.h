@@ -157,6 +157,7 @@ typedef struct sl_tile_planes {
         b[SL_SPLAT_TILE_PIXELS], count[SL_SPLAT_TILE_PIXELS];
     float glossy[3][SL_SPLAT_TILE_PIXELS];
     bool receives[SL_SPLAT_TILE_PIXELS / SL_SPLAT_GROUP]; /* any of so many pixels of a row */
+    bool any_receives;                                    /* of the region */
 } sl_tile_planes;
 
 /* Fetches the receivers of a region that starts in column region.x0 - x, row region.y0 - y of the tile. */

@@ -5,6 +5,7 @@
 
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/splatting/splatting.h"
@@ -49,13 +50,20 @@ static void copy_sums(const splat_context *c, const sl_splat_tile *tile, bool ba
     }
 }
 
+/* Tells whether a tile has anything to draw: sub-frames of a film show few pixels. */
+static bool receives_any(const sl_splat_tile *tile) {
+    return ((const sl_tile_planes *)tile->memory)->any_receives;
+}
+
 static void begin_tile(void *context, const sl_splat_tile *tile) {
     const splat_context *c = context;
     SL_KERNEL_OF(c->isa, sl_splat_fetch)(&c->pass->receivers, tile->x, tile->y, tile->region, tile->memory);
-    copy_sums(c, tile, false);
+    if (receives_any(tile)) copy_sums(c, tile, false);
 }
 
-static void end_tile(void *context, const sl_splat_tile *tile) { copy_sums(context, tile, true); }
+static void end_tile(void *context, const sl_splat_tile *tile) {
+    if (receives_any(tile)) copy_sums(context, tile, true);
+}
 
 /* ---- one record in one tile ---- */
 
@@ -84,6 +92,7 @@ static uint64_t shade(void *context, const sl_splat_tile *tile, size_t index, sl
     const splat_context *c = context;
     const sl_splat_rect r = {rect.x0 - tile->x, rect.y0 - tile->y, rect.x1 - tile->x, rect.y1 - tile->y};
     float weights[SL_SPLAT_TILE_PIXELS];
+    if (!receives_any(tile)) return 0;
     uint64_t blended = SL_KERNEL_OF(c->isa, sl_splat_record)(&c->records[index], &c->pass->weights, r,
                                                              c->light, tile->memory,
                                                              c->coefficients ? weights : NULL);
@@ -94,13 +103,12 @@ static uint64_t shade(void *context, const sl_splat_tile *tile, size_t index, sl
 /* ---- what is seen in mirrors ---- */
 
 static bool is_empty(sl_splat_rect r) { return r.x0 >= r.x1 || r.y0 >= r.y1; }
-static int lesser(int a, int b) { return a < b ? a : b; }
-static int greater(int a, int b) { return a > b ? a : b; }
 
 static sl_splat_rect rect_union(sl_splat_rect a, sl_splat_rect b) {
     if (is_empty(a)) return b;
     if (is_empty(b)) return a;
-    return (sl_splat_rect){lesser(a.x0, b.x0), lesser(a.y0, b.y0), greater(a.x1, b.x1), greater(a.y1, b.y1)};
+    return (sl_splat_rect){sl_lesser(a.x0, b.x0), sl_lesser(a.y0, b.y0), sl_greater(a.x1, b.x1),
+                           sl_greater(a.y1, b.y1)};
 }
 
 sl_mirror_pixels sl_mirror_pixels_find(const sl_gbuffer *g, const sl_reflections *reflections) {

@@ -107,20 +107,25 @@ float SL_KERNEL(sl_splat_weight)(const sl_record *record, const sl_weight_rules 
     return sl_record_weight_at(&k, squared, px, py, pz, p->normal_x[i], p->normal_y[i], p->normal_z[i]);
 }
 
-/* Tells of each group of a row's `columns` pixels, from place `to` of the tile on, whether any receives. */
-static inline void find_groups(const uint32_t *restrict receives, int to, int columns, bool *groups) {
+/* Tells of each group of a row's `columns` pixels, from place `to` of the tile on, whether any receives.
+ * Returns whether any at all does. */
+static inline bool find_groups(const uint32_t *restrict receives, int to, int columns, bool *groups) {
+    bool some = false;
     for (int first = to; first < to + columns;) {
         const int next = (first / GROUP + 1) * GROUP, end = next < to + columns ? next : to + columns;
         uint32_t any = 0;
         for (int i = first; i < end; i++) any |= receives[i - to];
         groups[first / GROUP] = any != 0;
+        some = some || any;
         first = end;
     }
+    return some;
 }
 
 void SL_KERNEL(sl_splat_fetch)(const sl_splat_receivers *p, int x, int y, sl_splat_rect region,
                              sl_tile_planes *tile) {
     const int columns = region.x1 - region.x0;
+    tile->any_receives = false;
     for (int row = region.y0; row < region.y1; row++) {
         const size_t from = (size_t)row * (size_t)p->width + (size_t)region.x0;
         const int to = (row - y) * SL_SPLAT_TILE + region.x0 - x;
@@ -129,7 +134,7 @@ void SL_KERNEL(sl_splat_fetch)(const sl_splat_receivers *p, int x, int y, sl_spl
                               *restrict pz = p->position_z + from;
         const float *restrict nx = p->normal_x + from, *restrict ny = p->normal_y + from,
                               *restrict nz = p->normal_z + from;
-        find_groups(receives, to, columns, tile->receives);
+        tile->any_receives |= find_groups(receives, to, columns, tile->receives);
 #pragma omp simd
         for (int l = 0; l < columns; l++) {
             tile->position_x[to + l] = receives[l] ? px[l] : NAN;

@@ -35,6 +35,12 @@ static bool is_for(const sl_splat_state *s, sl_sub_frame_purpose purpose) {
 
 static bool is_on_film(const sl_splat_state *s) { return s->scene->sub_frame.share > 0; }
 
+/* The first sub-frame is drawn for records and, once others have theirs, for its picture: its direct light is
+ * still there. */
+static bool is_lit(const sl_splat_state *s) {
+    return s->first_is_lit && is_for(s, SL_SUB_FRAME_SHOWS) && s->scene->sub_frame.turn == 0;
+}
+
 static bool is_budget_spent(const sl_splat_state *s) {
     return s->settings.records_per_frame && s->frame_records >= s->settings.records_per_frame;
 }
@@ -104,7 +110,7 @@ static sl_status draw_gbuffer(sl_splat_state *s, sl_error *error) {
     s->direct_row = 0;
     if (is_for(s, SL_SUB_FRAME_BOTH)) s->frame_records = 0;
     if (!s->plan.direct) s->phase = SL_PHASE_DONE;
-    else if (is_for(s, SL_SUB_FRAME_ASKS)) start_records(s, 0);
+    else if (is_for(s, SL_SUB_FRAME_ASKS) || is_lit(s)) start_records(s, 0);
     else s->phase = SL_PHASE_DIRECT;
     return cover_by_old_records(s, error);
 }
@@ -117,6 +123,7 @@ static sl_status light_rows(sl_splat_state *s, sl_error *error) {
                                       &s->counters, error);
     if (status != SL_OK || s->direct_row < s->settings.height) return status;
     announce(s, "direct light", "direct lighting", 3, s->planes, true);
+    s->first_is_lit = is_on_film(s) && is_for(s, SL_SUB_FRAME_BOTH);
     start_records(s, 0);
     return SL_OK;
 }
@@ -284,7 +291,10 @@ static sl_status splat_update(void *state, sl_progress *progress, sl_error *erro
 void sl_splat_begin_view(sl_splat_state *s) {
     size_t pixels = sl_splat_pixels(s);
     const size_t planes = s->plan.radiance ? SL_SPLAT_PLANES : SL_SPLAT_PLANES - 3;
-    sl_sub_frame_clear(&s->scene->sub_frame, s->settings.threads, s->planes, planes, pixels);
+    s->first_is_lit = s->first_is_lit && (is_for(s, SL_SUB_FRAME_ASKS) || is_lit(s));
+    const size_t kept = s->first_is_lit ? 3 : 0; /* direct light */
+    sl_sub_frame_clear(&s->scene->sub_frame, s->settings.threads, s->planes + kept * pixels, planes - kept,
+                       pixels);
     memset(s->owned, 0, pixels);
     s->phase = sl_splat_is_quick(s) ? SL_PHASE_RENEW : SL_PHASE_GBUFFER;
     s->interleaves = s->maps && walks(s);

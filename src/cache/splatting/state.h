@@ -103,6 +103,7 @@ typedef struct sl_splat_state {
     sl_splat_phase phase;
     int class;                  /* whose records are being made */
     int direct_row;
+    bool first_is_lit;          /* planes have direct light of the film's first sub-frame */
     bool interleaves;           /* direct light, which is to be had in full at the end */
     uint64_t frame_records;     /* new ones since the frame began */
     bool full;                  /* settings.memory_bytes is taken: no more records */
