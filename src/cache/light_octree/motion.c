@@ -1,17 +1,15 @@
 /* Frames while something moves: the update behind an edit draws a whole one, so that no frame is without
  * light. Direct light is by shadow maps, and pixels share points of the octree four by four; rays, and a
  * point for each pixel, are for what stands still. A strip of rows goes through all steps while a processor's
- * cache holds it. Where light has changed, photons are traced again in slices, one an edit, and the older a
- * slice is the less it counts. A slice's paths are the same each time: where nothing has moved its photons
- * keep their places, and light does not flash. */
+ * cache holds it. Where light has changed, photons are traced again in slices, one an edit. A slice's paths
+ * are the same each time, and all slices count alike: where nothing has moved photons keep their places and
+ * their shares, and light does not flash. */
 #include "base/batch.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cache/light_octree/light_octree.h"
-
-#include <math.h>
 
 /* Where there are no maps, or memory is short. */
 enum { RAYS = 4 };
@@ -119,21 +117,17 @@ static void add_slice(sl_photon_list *all, const sl_photon_list *slice, double s
     all->cut_flux += slice->cut_flux * weight;
 }
 
-/* One map of all slices, each of which tells of all light: with every edit one counts half. */
+/* Makes one map of all slices, each of which tells of all light. */
 static sl_status join_slices(const sl_octree_motion *m, sl_photon_list **result, sl_error *error) {
     sl_photon_list *all = *result = sl_allocate(1, sizeof *all);
-    double sum = 0.0, weight[SL_OCTREE_SLICES];
     size_t count = 0;
-    for (int k = 0; k < SL_OCTREE_SLICES; k++) {
-        sum += weight[k] = ldexp(1.0, -(int)(m->age[k] < 64 ? m->age[k] : 64));
-        count += m->slice[k]->count;
-    }
+    for (int k = 0; k < SL_OCTREE_SLICES; k++) count += m->slice[k]->count;
     if (all) all->photon = sl_allocate_unset(count, sizeof *all->photon);
     if (!all || !all->photon) {
         sl_photon_list_destroy(all);
         return sl_fail_memory(error, "photons");
     }
-    for (int k = 0; k < SL_OCTREE_SLICES; k++) add_slice(all, m->slice[k], weight[k] / sum);
+    for (int k = 0; k < SL_OCTREE_SLICES; k++) add_slice(all, m->slice[k], 1.0 / SL_OCTREE_SLICES);
     return SL_OK;
 }
 
