@@ -72,6 +72,15 @@ static inline void sl_box_add(sl_box *b, sl_vec3 p) {
     b->low = sl_v3(fminf(b->low.x, p.x), fminf(b->low.y, p.y), fminf(b->low.z, p.z));
     b->high = sl_v3(fmaxf(b->high.x, p.x), fmaxf(b->high.y, p.y), fmaxf(b->high.z, p.z));
 }
+static inline float sl_outside(float low, float high, float p) {
+    const float before = low - p, behind = p - high, outside = before > behind ? before : behind;
+    return outside > 0.0f ? outside : 0.0f; /* without branches, which would be guessed wrong */
+}
+/* Returns by how much a point lies outside a box, axis by axis. */
+static inline sl_vec3 sl_outside_box(sl_box b, sl_vec3 p) {
+    return sl_v3(sl_outside(b.low.x, b.high.x, p.x), sl_outside(b.low.y, b.high.y, p.y),
+                 sl_outside(b.low.z, b.high.z, p.z));
+}
 
 /* The unit vector along a, computed in double so that tiny and huge vectors keep their direction; `fallback`
  * where a has no direction (zero, NaN, infinite). Without branches, for loops over lanes. */

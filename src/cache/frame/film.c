@@ -270,17 +270,17 @@ static float contrast_around(const sl_film *f, int x, int y) {
     return low <= high ? high - low : INFINITY;
 }
 
-/* Returns by how much of the picture's mean a pixel may be off: at edges by what all samples leave of a
- * contrast of twice the mean. Elsewhere it is light that differs, whose samples are noise besides. */
+/* Returns by how much a pixel may be off: at edges by what all samples leave of a contrast of twice the
+ * picture's mean. Elsewhere it is light that differs, whose samples are noise besides. */
 static double tolerance_of(const sl_film *f, bool edge) {
-    return edge ? 1.0 / sqrt(f->samples * sqrt(f->samples)) : 0.015;
+    return (edge ? 1.0 / sqrt(f->samples * sqrt(f->samples)) : 0.015) * f->mean;
 }
 
-/* Returns how many samples leave of such a contrast, in means of the picture, no more than is tolerated: n
- * samples that are spread well are off by about half the contrast over n^(3/4) at an edge. */
+/* Returns how many samples leave of such a contrast no more than is tolerated: n samples that are spread well
+ * are off by about half the contrast over n^(3/4) at an edge. */
 static unsigned samples_for(const sl_film *f, double contrast, double tolerance, unsigned least) {
     unsigned n = least;
-    while (n < f->samples && sqrt(n * sqrt(n)) < 0.5 * contrast / tolerance) n *= 4;
+    while (n < f->samples && sqrt(n * sqrt(n)) * tolerance < 0.5 * contrast) n *= 4;
     return smaller(n, f->samples);
 }
 
@@ -294,7 +294,7 @@ static void settle_counts(sl_film *f) {
         const bool edge = f->edge[i];
         const unsigned least = edge ? EDGE_LEAST : PILOT,
                        n = (edge ? PILOT : 0) +
-                           samples_for(f, (double)contrast / f->mean, tolerance_of(f, edge), least);
+                           samples_for(f, (double)contrast, tolerance_of(f, edge), least);
         f->count[i] = (uint16_t)n;
         if (n > f->most) f->most = n;
     }

@@ -6,7 +6,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 
-/* pixels of a block, both ways; samples along a pixel's side, and along a turned block's */
+/* pixels of a block, both ways; samples along a pixel's side, and at most along a close-up's */
 enum { BLOCK = 8, SAMPLES = 80, SIDE = 12 * SAMPLES };
 
 /* sine and cosine of the angle whose tangent is the golden ratio's inverse */
@@ -45,8 +45,9 @@ static close_up close_up_of(const sl_scene *scene, int width, int height, block 
     const sl_view view = sl_view_pyramid(&frame, camera->eye, (float)(pixel * (a - half_a)),
                                          (float)(pixel * (a + half_a)), (float)(pixel * (b - half_b)),
                                          (float)(pixel * (b + half_b)), columns, rows, 1e-5f * scene->scale);
-    return (close_up){scene,   width, height, k, a - half_a + 0.5 / SAMPLES, b - half_b + 0.5 / SAMPLES,
-                      columns, rows,  view};
+    return (close_up){.scene = scene, .width = width, .height = height, .block = k,
+                      .left = a - half_a + 0.5 / SAMPLES, .bottom = b - half_b + 0.5 / SAMPLES,
+                      .columns = columns, .rows = rows, .view = view};
 }
 
 /* ---- samples of a pixel ---- */

@@ -202,7 +202,7 @@ enum {
     PLANES = 23,
     PENUMBRA_PLANE = 0,
     FILTER_PLANES = 1,
-    OWN_PLANES = 9,
+    OWN_PLANES = 9, /* no pixel around reads these */
     LIGHT_PLANES = 12,
     PLANES_WITHIN = 15
 };

@@ -38,18 +38,11 @@ typedef struct sl_near_light {
     double height;           /* of the point above the emitter */
 } sl_near_light;
 
-static inline float sl_gap(float low, float high, float p) {
-    const float before = low - p, behind = p - high, outside = before > behind ? before : behind;
-    return outside > 0.0f ? outside : 0.0f; /* without branches, which would be guessed wrong */
-}
-
 /* Returns whether a point is nearer to an emitter's box than half the distance of its farthest corner from its
  * middle. */
 static inline bool sl_light_is_near(const sl_polygon_light *light, sl_vec3 p) {
-    const sl_box *b = &light->bounds;
-    const float x = sl_gap(b->low.x, b->high.x, p.x), y = sl_gap(b->low.y, b->high.y, p.y),
-                z = sl_gap(b->low.z, b->high.z, p.z);
-    return x * x + y * y + z * z < 0.25f * light->extent_squared;
+    const sl_vec3 outside = sl_outside_box(light->bounds, p);
+    return sl_dot(outside, outside) < 0.25f * light->extent_squared;
 }
 void sl_near_light_make(const sl_polygon_light *light, sl_vec3 p, sl_vec3 n, sl_near_light *near);
 /* A unit direction, its density times the solid angle of all that is seen, and where it meets the emitter;

@@ -7,13 +7,6 @@
 #include "cache/hemisphere/gather.h"
 #include "scene/object_motion.h"
 
-/* Returns by how much a point lies outside a box, axis by axis. */
-static inline sl_vec3 sl_outside_box(sl_box b, sl_vec3 p) {
-    return sl_v3(p.x < b.low.x ? b.low.x - p.x : p.x > b.high.x ? p.x - b.high.x : 0.0f,
-                 p.y < b.low.y ? b.low.y - p.y : p.y > b.high.y ? p.y - b.high.y : 0.0f,
-                 p.z < b.low.z ? b.low.z - p.z : p.z > b.high.z ? p.z - b.high.z : 0.0f);
-}
-
 /* Neighbour clamping asks of every record for the least R_j + |p - p_j| over all others (rule 5 below). An
  * octree whose nodes hold one record each, and know the least R_j below, answers by looking at a few
  * (record_list.c). */
