@@ -289,7 +289,10 @@ void sl_gather_light_by_samples(const sl_gather_view *view, sl_shadow_queue *q) 
     uint32_t u1 = sl_random_bits(key, 3), u2 = sl_random_bits(key, 4);
     for (size_t m = 0; m < s->samples; m++, u1 += 3242174889u, u2 += 2447445414u) {
         const sl_hit_sample *sample = &s->sorted[m];
-        if (sample->source < view->gather->sides.count)
+        const bool side = sample->source < view->gather->sides.count;
+        if (q->coherent && !side) sl_flush_shadow_rays(q);
+        q->coherent = side; /* hits in a row lie near each other; the sky is anywhere */
+        if (side)
             light_by_side(view, q, sample, sl_unit_of_bits(u1), sl_unit_of_bits(u2));
         else light_by_sky(view, q, sample, sl_unit_of_bits(u1), sl_unit_of_bits(u2));
     }
