@@ -256,18 +256,22 @@ static void note_contrast(sl_film *f, const sl_image *picture) {
 }
 
 /* Returns how much the pilot's samples differ around a pixel; infinite where it is alone. Its own have no
- * say: if what is seen by chance brought more samples, it would weigh less than what is missed by chance. */
-static float contrast_around(const sl_film *f, int x, int y) {
-    float low = INFINITY, high = -INFINITY;
+ * say: if what is seen by chance brought more samples, it would weigh less than what is missed by chance.
+ * Light that rises from pixel to pixel differs no more within any of them than by the most that one shows, and
+ * by what its four samples leave out. */
+static float contrast_around(const sl_film *f, int x, int y, bool edge) {
+    float low = INFINITY, high = -INFINITY, most = 0.0f;
     for (int v = y ? y - 1 : 0; v <= y + 1 && v < f->height; v++) {
         for (int u = x ? x - 1 : 0; u <= x + 1 && u < f->width; u++) {
             const size_t i = (size_t)v * (size_t)f->width + (size_t)u;
             if (u == x && v == y) continue;
             low = fminf(low, f->low[i]);
             high = fmaxf(high, f->high[i]);
+            most = fmaxf(most, f->high[i] - f->low[i]);
         }
     }
-    return low <= high ? high - low : INFINITY;
+    if (low > high) return INFINITY;
+    return edge ? high - low : fminf(high - low, 1.4f * most);
 }
 
 /* Returns by how much a pixel may be off: at edges by what all samples leave of a contrast of twice the
@@ -290,8 +294,9 @@ static void settle_counts(sl_film *f) {
     f->mean /= (double)pixels_of(f);
     f->most = PILOT;
     for (size_t i = 0; i < pixels_of(f); i++) {
-        const float contrast = contrast_around(f, (int)(i % (size_t)f->width), (int)(i / (size_t)f->width));
         const bool edge = f->edge[i];
+        const float contrast =
+            contrast_around(f, (int)(i % (size_t)f->width), (int)(i / (size_t)f->width), edge);
         const unsigned least = edge ? EDGE_LEAST : PILOT,
                        n = (edge ? PILOT : 0) +
                            samples_for(f, (double)contrast, tolerance_of(f, edge), least);
