@@ -73,40 +73,21 @@ static sl_status make_edit(const sl_event *e, sl_scene *scene, unsigned *changes
     return status;
 }
 
-/* ---- the eye and the time ---- */
-
-static void look(sl_scene *scene, const sl_camera *camera, unsigned *changes) {
-    scene->camera = *camera;
-    *changes = SL_CHANGED_CAMERA;
-    sl_scene_has_changed(scene, *changes);
-}
-
-/* A camera that nobody looks through has not changed, wherever its keyframes lead. */
-static sl_status go_to(sl_scene *scene, double seconds, bool keeps_camera, unsigned *changes,
-                       sl_error *error) {
-    const sl_camera camera = scene->camera;
-    const uint64_t version = scene->version;
-    uint64_t changed[SL_CHANGES];
-    memcpy(changed, scene->changed, sizeof changed);
-    sl_status status = sl_scene_set_time(scene, seconds, changes, error);
-    if (status != SL_OK || !keeps_camera) return status;
-    scene->camera = camera;
-    scene->version = version;
-    memcpy(scene->changed, changed, sizeof changed);
-    *changes &= ~(unsigned)SL_CHANGED_CAMERA;
-    sl_scene_has_changed(scene, *changes);
-    return SL_OK;
-}
-
 sl_status sl_event_make(const void *event, sl_scene *scene, unsigned *changes, sl_error *error) {
     const sl_event *e = event;
     const sl_item *first = &e->items[0];
+    sl_pose there = {.looks = true, .camera = scene->camera};
     *changes = 0;
-    if (first->kind == SL_ITEM_TIME)
-        return go_to(scene, first->to.time.seconds, first->to.time.keeps_camera, changes, error);
-    if (first->kind != SL_ITEM_CAMERA) return make_edit(e, scene, changes, error);
-    look(scene, &first->to.camera, changes);
-    return SL_OK;
+    switch (first->kind) {
+    case SL_ITEM_TIME:
+        there.timed = true;
+        there.time = first->to.time.seconds;
+        there.looks = first->to.time.keeps_camera;
+        break;
+    case SL_ITEM_CAMERA: there.camera = first->to.camera; break;
+    default: return make_edit(e, scene, changes, error);
+    }
+    return sl_pose_take(&there, scene, changes, error);
 }
 
 /* ---- what takes the place of what ---- */

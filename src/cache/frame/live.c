@@ -23,14 +23,11 @@
 #include "scene/animation.h"
 #include "scene/copy.h"
 
-/* Where things are: all that it takes to put any copy of the scene there. */
-typedef struct pose {
-    uint64_t number; /* 0, 1, 2, ... as they were asked for */
-    bool timed;      /* false: as the scene was found */
-    double time;
-    bool looks; /* from a camera of its own, not the keyframes' */
-    sl_camera camera;
-} pose;
+/* A change that updates have not followed yet: the caller's, or where `told` names nothing a move. */
+typedef struct waiting {
+    sl_live_change told;
+    sl_pose there;
+} waiting;
 
 /* A move that waits for its change to show: the first of those that do. */
 typedef struct change {
@@ -63,7 +60,7 @@ struct sl_live {
     sl_image *frame;
     bool smooths;        /* edges: centres were not asked for */
     sl_antialias *edges; /* of frames, or of pictures; made with the first one */
-    pose shown;
+    sl_pose shown;
     uint64_t told, seen; /* numbers of changes: of the newest; of the newest in the frame */
     sl_live_state state;
     sl_counters counters; /* of frames */
@@ -71,18 +68,16 @@ struct sl_live {
 
     sl_monitor meeting; /* guards what follows */
     bool stop, ended;
-    pose asked;
     /* by moves that the thread has not taken yet; by what updates have made of those that it took */
     change moved, found;
     uint64_t changes_found;
-    uint64_t followed; /* number of the pose that updates are at */
     sl_progress progress;
     double error_levels, samples;
     sl_counters counted; /* by the method */
     double rate;         /* to be told of; 0: none is */
     sl_live_event *log;
     size_t events, log_room;
-    sl_live_change *waiting; /* not followed yet */
+    waiting *waiting;
     size_t changes, change_room;
     sl_live_turn *turns;
     size_t turn_count, turn_room;
@@ -93,7 +88,7 @@ struct sl_live {
     bool rest;
     bool blind;        /* the method's state is another one than the window's */
     sl_image *picture; /* the newest, not taken yet; NULL: none */
-    double picture_time;
+    double time, picture_time; /* of the move that updates are at; the picture's */
     uint64_t pictures;
     sl_error error;    /* of the thread: its status not SL_OK, it has ended */
 };
@@ -104,10 +99,12 @@ static bool same_camera(const sl_camera *a, const sl_camera *b) {
     return memcmp(a, b, sizeof *a) == 0; /* floats alone: no gaps */
 }
 
-static sl_status take_pose(sl_scene *scene, const pose *p, unsigned *changes, sl_error *error) {
+sl_status sl_pose_take(const void *pose, sl_scene *scene, unsigned *changes, sl_error *error) {
+    const sl_pose *p = pose;
     const sl_camera before = scene->camera;
     uint64_t version = scene->version, changed[SL_CHANGES];
     memcpy(changed, scene->changed, sizeof changed);
+    *changes = 0;
     sl_status status = p->timed ? sl_scene_set_time(scene, p->time, changes, error) : SL_OK;
     if (status != SL_OK) return status;
     if (p->looks) scene->camera = p->camera;
@@ -140,36 +137,31 @@ static sl_status take_rate(sl_live *l, sl_error *error) {
     return status == SL_OK ? sl_method_rate(l->method, rate, error) : status;
 }
 
-static bool rests(const sl_live *l) {
-    return l->rest || (l->progress.done && l->asked.number == l->followed && !l->changes);
-}
+static bool rests(const sl_live *l) { return l->rest || (l->progress.done && !l->changes); }
 
-/* Waits while there is nothing to do; false: it is to end. Moves on once a picture of where things were has
- * been shown. */
-static bool next_turn(sl_live *l, bool shown, pose *turn, change *moved) {
+/* Waits while there is nothing to do; false: it is to end. */
+static bool next_turn(sl_live *l) {
     sl_monitor_enter(&l->meeting);
     while (!l->stop && l->error.status == SL_OK && (l->blind || (!l->visit_count && rests(l))))
         sl_monitor_wait(&l->meeting);
     bool goes_on = !l->stop && l->error.status == SL_OK;
-    if (shown) {
-        *turn = l->asked;
-        if (!moved->waits) *moved = l->moved;
-        l->moved.waits = false;
-    }
     sl_monitor_leave(&l->meeting);
     return goes_on;
 }
 
 /* Takes the changes that wait, the caller's to free, and notes their turn. */
-static sl_status take_changes(sl_live *l, sl_live_change **taken, size_t *count, sl_error *error) {
+static sl_status take_changes(sl_live *l, waiting **taken, size_t *count, change *moved, sl_error *error) {
     sl_monitor_enter(&l->meeting);
     bool fits = true;
     *taken = l->waiting;
     *count = l->changes;
+    if (!moved->waits) *moved = l->moved;
+    l->moved.waits = false;
+    l->progress.done = l->progress.done && !l->changes;
     l->turn += l->changes > 0;
     for (size_t i = 0; i < l->changes && fits; i++) {
         fits = sl_make_room(&l->turns, l->turn_count, &l->turn_room, sizeof *l->turns);
-        l->changed = l->waiting[i].number;
+        l->changed = l->waiting[i].told.number;
         if (fits)
             l->turns[l->turn_count++] = (sl_live_turn){l->method->progress.batches, l->turn, l->changed};
     }
@@ -180,36 +172,36 @@ static sl_status take_changes(sl_live *l, sl_live_change **taken, size_t *count,
 }
 
 /* *anew: the window must be made anew before the next update. */
-static sl_status make_changes(sl_live *l, const sl_live_change *taken, size_t count, bool *anew,
-                              sl_error *error) {
+static sl_status make_changes(sl_live *l, const waiting *taken, size_t count, bool *anew, sl_error *error) {
     const unsigned states = l->method->states;
     unsigned all = 0;
     sl_status status = SL_OK;
-    for (size_t i = 0; status == SL_OK && i < count; i++) {
+    for (const waiting *w = taken; status == SL_OK && w < taken + count; w++) {
         unsigned changes = 0;
-        status = taken[i].make(taken[i].what, l->scene, &changes, error);
+        status = w->told.make(w->told.what ? w->told.what : &w->there, l->scene, &changes, error);
+        l->time = w->there.time;
         all |= changes;
     }
+    if (status == SL_OK && all && !l->follows) status = note(l, false, l->time, error);
     if (status == SL_OK && all) status = sl_method_edit(l->method, all, error);
     *anew = l->window && l->method->states != states;
     if (!*anew) return status;
     sl_monitor_enter(&l->meeting);
     l->blind = true;
-    l->progress.done = false;
     sl_monitor_leave(&l->meeting);
     return status;
 }
 
 /* *any: there were some. */
-static sl_status follow_changes(sl_live *l, bool *any, bool *anew, sl_error *error) {
-    sl_live_change *taken;
+static sl_status follow_changes(sl_live *l, change *moved, bool *any, bool *anew, sl_error *error) {
+    waiting *taken;
     size_t count;
-    sl_status status = take_changes(l, &taken, &count, error);
+    sl_status status = take_changes(l, &taken, &count, moved, error);
     *any = count > 0;
     if (*any && status == SL_OK) {
-        sl_monitor_enter(&l->drawing);
+        if (l->follows) sl_monitor_enter(&l->drawing);
         status = make_changes(l, taken, count, anew, error);
-        sl_monitor_leave(&l->drawing);
+        if (l->follows) sl_monitor_leave(&l->drawing);
     }
     sl_free(taken);
     return status;
@@ -223,13 +215,6 @@ static void be_visited(sl_live *l, sl_method *method) {
     l->visit_count = 0;
     sl_monitor_leave(&l->meeting);
     for (size_t i = 0; i < count; i++) taken[i].visitor(taken[i].context, method);
-}
-
-static sl_status follow(sl_live *l, const pose *p, sl_error *error) {
-    unsigned changes = 0;
-    sl_status status = take_pose(l->scene, p, &changes, error);
-    if (status == SL_OK && changes) status = note(l, false, p->time, error);
-    return status == SL_OK && changes ? sl_method_edit(l->method, changes, error) : status;
 }
 
 /* Tells whether a move's change of light shows: methods with a display count it themselves, others
@@ -278,15 +263,14 @@ static sl_status resolve(sl_live *l, sl_image **frame, sl_error *error) {
 }
 
 /* moved: what the update has brought; NULL: nothing of the kind. */
-static void tell(sl_live *l, const pose *p, const change *moved, const sl_progress *progress,
-                 sl_image *picture, sl_status status, const sl_error *error) {
+static void tell(sl_live *l, const change *moved, const sl_progress *progress, sl_image *picture,
+                 sl_status status, const sl_error *error) {
     const sl_method_class *class = l->method->class;
     const void *state = l->method->state; /* NULL: an edit that was to make all anew has failed */
     double levels = state && class->error_levels ? class->error_levels(state) : -1.0;
     double samples = state && class->samples ? class->samples(state) : 0.0;
     sl_image *old = NULL;
     sl_monitor_enter(&l->meeting);
-    l->followed = p->number;
     l->progress = *progress;
     l->error_levels = levels;
     l->samples = samples;
@@ -296,7 +280,7 @@ static void tell(sl_live *l, const pose *p, const change *moved, const sl_progre
     if (picture) {
         old = l->picture;
         l->picture = picture;
-        l->picture_time = p->time;
+        l->picture_time = l->time;
         l->picture_changed = l->changed;
         l->pictures++;
     }
@@ -344,21 +328,17 @@ static bool open_show(sl_live *l) {
 }
 
 static void update_on_and_on(sl_live *l) {
-    pose turn;
     change moved = {.waits = false};
-    uint64_t at = 0;
     sl_progress progress = {0};
-    bool shown = true; /* some picture of the last pose that was followed */
-    while (next_turn(l, shown, &turn, &moved)) {
+    bool shown = true; /* some picture since the last change that was followed */
+    while (next_turn(l)) {
         sl_error error = {0};
         sl_image *picture = NULL;
         uint64_t changes = sl_method_counters(l->method)->value[SL_COUNT_CHANGES_SHOWN];
         bool changed = false, anew = false;
         be_visited(l, l->method);
-        sl_status status = turn.number == at ? SL_OK : follow(l, &turn, &error);
-        if (status == SL_OK && shown) status = follow_changes(l, &changed, &anew, &error);
-        shown = shown && turn.number == at && !changed;
-        at = turn.number;
+        sl_status status = shown ? follow_changes(l, &moved, &changed, &anew, &error) : SL_OK;
+        shown = shown && !changed;
         if (status == SL_OK) status = take_rate(l, &error);
         if (status == SL_OK && anew) continue;
         if (status == SL_OK) status = sl_method_update(l->method, &progress, &error);
@@ -367,7 +347,7 @@ static void update_on_and_on(sl_live *l) {
             shown = true;
         }
         bool brought = status == SL_OK && moved.waits && shows_change(l, changes, &progress);
-        tell(l, &turn, brought ? &moved : NULL, &progress, picture, status, &error);
+        tell(l, brought ? &moved : NULL, &progress, picture, status, &error);
         if (status != SL_OK) return;
         if (brought || progress.done) moved.waits = false; /* or it has changed nothing that is seen */
     }
@@ -517,43 +497,66 @@ sl_status sl_live_start_beside(sl_live_opening *opening, void *context, sl_scene
 
 const char *sl_live_reduction(const sl_live *l) { return l->reduced; }
 
-/* ---- moves ----------------------------------------------------------------------------------- */
+/* ---- moves, and other changes ---------------------------------------------------------------- */
 
-/* The thread is told; or why there is no use in going on. */
-static void ask(sl_live *l, unsigned changes, sl_status status, const sl_error *error) {
-    /* a display follows the eye itself */
-    const unsigned shades = l->window ? SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS
-                                      : SL_CHANGED_OBJECTS | SL_CHANGED_LIGHTS | SL_CHANGED_CAMERA;
-    sl_monitor_enter(&l->meeting);
-    l->asked = l->shown;
-    if ((changes & shades) && !l->moved.waits) l->moved = (change){true, l->shown.time, l->state.frames};
-    if (l->error.status == SL_OK && status != SL_OK) l->error = *error;
-    sl_monitor_signal(&l->meeting);
-    sl_monitor_leave(&l->meeting);
+static bool add_change(sl_live *l, const waiting *more) {
+    waiting *last = l->changes ? &l->waiting[l->changes - 1] : NULL;
+    if (last && more->told.kind && last->told.kind == more->told.kind) {
+        *last = *more;
+        return true;
+    }
+    if (!sl_make_room(&l->waiting, l->changes, &l->change_room, sizeof *more)) return false;
+    l->waiting[l->changes++] = *more;
+    return true;
 }
 
-/* The copy follows at once. A window that could not follow shows nothing any more; a time at which nothing
- * can be is another matter. */
-static sl_status go(sl_live *l, const pose *there, sl_error *error) {
-    unsigned changes = 0;
+/* A window that is another state's will be made anew with the next frame. */
+static sl_status move_window(sl_live *l, sl_error *error) {
+    sl_monitor_enter(&l->drawing);
+    sl_status status = l->blind ? SL_OK : l->method->class->window->move(l->window, error);
+    sl_monitor_leave(&l->drawing);
+    return status;
+}
+
+/* Tells the window, and the thread, of what has been done to the copy; or why there is no use in going on: a
+ * window that could not follow shows nothing any more. */
+static sl_status hand_on(sl_live *l, const waiting *w, unsigned changes, sl_error *error) {
+    /* a display follows the eye itself */
+    const bool shades = changes & ~(l->follows || l->window ? (unsigned)SL_CHANGED_CAMERA : 0u);
     sl_error why = {0};
-    sl_status status = take_pose(l->scene_copy, there, &changes, &why);
-    if (status == SL_OK) {
-        l->shown = *there;
-        l->shown.number++;
-        if (l->window && (changes & SL_CHANGED_OBJECTS))
-            status = l->method->class->window->move(l->window, &why);
-        ask(l, changes, status, &why);
-    }
+    sl_status status =
+        l->window && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_KINDS)) ? move_window(l, &why) : SL_OK;
+    l->told = w->told.number;
+    sl_monitor_enter(&l->meeting);
+    if (!add_change(l, w) && status == SL_OK) status = sl_fail_memory(&why, "changes of a live show");
+    if (shades && !l->moved.waits) l->moved = (change){true, w->there.time, l->state.frames};
+    if (l->error.status == SL_OK && status != SL_OK) l->error = why;
+    sl_monitor_signal(&l->meeting);
+    sl_monitor_leave(&l->meeting);
     if (status != SL_OK && error) *error = why;
     return status;
+}
+
+sl_status sl_live_follow(sl_live *l, const sl_live_change *c, unsigned changes, sl_error *error) {
+    if (!l || !c) return sl_fail_null(error, "a live show and a change");
+    return hand_on(l, &(waiting){.told = *c}, changes, error);
+}
+
+/* The copy follows at once. A later move takes the place of one that waits. */
+static sl_status go(sl_live *l, const sl_pose *there, sl_error *error) {
+    enum { MOVE = 1 };
+    unsigned changes = 0;
+    sl_status status = sl_pose_take(there, l->scene_copy, &changes, error);
+    if (status != SL_OK) return status;
+    l->shown = *there;
+    return hand_on(l, &(waiting){{sl_pose_take, NULL, l->told + 1, MOVE}, *there}, changes, error);
 }
 
 sl_status sl_live_move(sl_live *l, double time_seconds, sl_error *error) {
     if (!l) return sl_fail_null(error, "a live show");
     sl_status status = sl_scene_check_time(l->scene_copy, time_seconds, error);
     if (status != SL_OK) return status;
-    pose there = l->shown;
+    sl_pose there = l->shown;
     there.timed = true;
     there.time = time_seconds;
     return go(l, &there, error);
@@ -565,7 +568,7 @@ sl_status sl_live_look(sl_live *l, const float eye[3], const float target[3], co
     sl_camera camera = l->scene_copy->camera;
     sl_status status = sl_camera_take(&camera, eye, target, up, vertical_fov_rad, error);
     if (status != SL_OK) return status;
-    pose there = l->shown;
+    sl_pose there = l->shown;
     there.looks = true;
     there.camera = camera;
     return go(l, &there, error);
@@ -594,41 +597,6 @@ size_t sl_live_log(sl_live *l, sl_live_event *events, size_t room) {
     const size_t count = give(events, room, l->log, l->events, sizeof *events);
     sl_monitor_leave(&l->meeting);
     return count;
-}
-
-/* ---- changes, of a show that follows them ---------------------------------------------------- */
-
-static bool add_change(sl_live *l, const sl_live_change *more) {
-    sl_live_change *last = l->changes ? &l->waiting[l->changes - 1] : NULL;
-    if (last && more->kind && last->kind == more->kind) {
-        *last = *more;
-        return true;
-    }
-    if (!sl_make_room(&l->waiting, l->changes, &l->change_room, sizeof *more)) return false;
-    l->waiting[l->changes++] = *more;
-    return true;
-}
-
-/* A window that is another state's will be made anew with the next frame. */
-static sl_status move_window(sl_live *l, sl_error *error) {
-    sl_monitor_enter(&l->drawing);
-    sl_status status = l->blind ? SL_OK : l->method->class->window->move(l->window, error);
-    sl_monitor_leave(&l->drawing);
-    return status;
-}
-
-sl_status sl_live_follow(sl_live *l, const sl_live_change *c, unsigned changes, sl_error *error) {
-    if (!l || !c) return sl_fail_null(error, "a live show and a change");
-    sl_status status =
-        l->window && (changes & (SL_CHANGED_OBJECTS | SL_CHANGED_KINDS)) ? move_window(l, error) : SL_OK;
-    l->told = c->number;
-    sl_monitor_enter(&l->meeting);
-    bool fits = add_change(l, c);
-    if ((changes & ~(unsigned)SL_CHANGED_CAMERA) && !l->moved.waits)
-        l->moved = (change){true, (double)c->number, l->state.frames};
-    sl_monitor_signal(&l->meeting);
-    sl_monitor_leave(&l->meeting);
-    return fits || status != SL_OK ? status : sl_fail_memory(error, "changes of a live show");
 }
 
 uint64_t sl_live_shows(const sl_live *l) { return l->seen; }
@@ -673,7 +641,7 @@ static sl_status look_up(sl_live *l, sl_image **picture, double *picture_time, s
     l->state.updates = l->progress.batches;
     l->state.error_levels = l->error_levels;
     l->state.samples = l->samples;
-    l->state.done = l->progress.done && l->followed == l->shown.number && !l->changes;
+    l->state.done = l->progress.done && !l->changes;
     sl_status status = l->error.status;
     *picture = status == SL_OK ? l->picture : NULL; /* else nobody would take it */
     *picture_time = l->picture_time;

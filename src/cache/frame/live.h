@@ -2,7 +2,17 @@
  * to draw from, which it changes as it likes, and tells of every change. */
 #pragma once
 
-#include "softlux.h"
+#include "scene/scene.h"
+
+/* Where things are: all that it takes to put any copy of a scene there. */
+typedef struct sl_pose {
+    bool timed; /* false: as keyframes had them before */
+    double time;
+    bool looks; /* from a camera of its own, not the keyframes' */
+    sl_camera camera;
+} sl_pose;
+/* Puts a copy there: sl_live_change.make, of an sl_pose. */
+sl_status sl_pose_take(const void *pose, sl_scene *scene, unsigned *changes, sl_error *error);
 
 /* A change as it is made to a scene: once by the caller to the one that is drawn, once by the updates to
  * theirs. */
