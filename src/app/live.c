@@ -58,33 +58,37 @@ static bool parse(int argc, char **argv, show_options *o, int *status) {
     return sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status);
 }
 
-/* ---- the account of a show: frames, updates, where the time of an update goes ---------------- */
-
-typedef struct show_report {
-    const char *scene, *method;
+/* Frames stand in slots of 1/fps; one that comes late for its slot stands in the one that it comes in. */
+typedef struct show {
+    const show_options *o;
     int width, height;
-    double seconds;
-    uint64_t frames, missed;
-    double drawing, longest;      /* seconds of the drawing thread, and by the clock */
+    sl_live *live;
+    sl_show_files files;
+    sl_tone tone;
+    double begin, seconds;
+    uint64_t slot, frames, missed;
+    double drawing, longest; /* seconds of the drawing thread, and by the clock */
     /* seconds from moves to frames that show what they have changed: their sum over last.changes_shown, and
      * the longest */
     double lag, longest_lag;
     sl_rate rate;
     sl_live_state last;
     sl_counters counters;
-    const sl_pass_times *stages;
-} show_report;
+    sl_pass_times *stages;
+} show;
+
+/* ---- the account of a show: frames, updates, where the time of an update goes ---------------- */
 
 static double a_second(uint64_t count, double seconds) {
     return seconds > 0.0 ? (double)count / seconds : 0.0;
 }
 static double each(double seconds, uint64_t count) { return count ? 1e3 * seconds / (double)count : 0.0; }
 
-static cJSON *json_of(const show_report *r) {
+static cJSON *json_of(const show *r) {
     cJSON *root = cJSON_CreateObject();
     cJSON_AddItemToObject(root, "size", cJSON_CreateIntArray((const int[]){r->width, r->height}, 2));
-    cJSON_AddStringToObject(root, "scene", r->scene);
-    cJSON_AddStringToObject(root, "method", r->method);
+    cJSON_AddStringToObject(root, "scene", r->o->scene_path);
+    cJSON_AddStringToObject(root, "method", r->o->settings.method);
     cJSON_AddNumberToObject(root, "seconds", r->seconds);
     cJSON_AddNumberToObject(root, "frames", (double)r->frames);
     cJSON_AddNumberToObject(root, "missed", (double)r->missed);
@@ -112,17 +116,6 @@ static cJSON *json_of(const show_report *r) {
 
 /* ---- the display loop ------------------------------------------------------------------------ */
 
-/* Frames stand in slots of 1/fps; one that comes late for its slot stands in the one that it comes in. */
-typedef struct show {
-    const show_options *o;
-    sl_live *live;
-    sl_show_files files;
-    sl_tone tone;
-    double begin;
-    uint64_t slot;
-    show_report report;
-} show;
-
 static uint64_t slot_at(const show *s, double now) {
     return (uint64_t)((now - s->begin) * s->o->frames_per_second);
 }
@@ -130,37 +123,37 @@ static uint64_t slot_at(const show *s, double now) {
 /* Waits for the next slot; returns how many there have been since the last one. */
 static uint64_t next_slot(show *s) {
     double fps = s->o->frames_per_second;
-    if (!(fps > 0.0) || s->report.frames == 0) return 1;
+    if (!(fps > 0.0) || s->frames == 0) return 1;
     sl_sleep_until(s->begin + (double)(s->slot + 1) / fps);
     uint64_t slot = slot_at(s, sl_seconds_now()), steps = slot > s->slot ? slot - s->slot : 1;
     s->slot += steps;
-    s->report.missed += steps - 1;
+    s->missed += steps - 1;
     return steps;
 }
 
 static bool goes_on(const show *s) {
     if (sl_interrupted()) return false;
-    return s->o->frames ? s->report.frames < s->o->frames : sl_seconds_now() - s->begin < s->o->seconds;
+    return s->o->frames ? s->frames < s->o->frames : sl_seconds_now() - s->begin < s->o->seconds;
 }
 
 /* Notes how long a change of light took from its move to the frame that shows it, which is drawn by now.
  * Moves are made at the scene's time that the clock says. */
 static void note_lag(show *s, uint64_t shown_before) {
-    uint64_t more = s->report.last.changes_shown - shown_before;
-    double lag = sl_seconds_now() - s->begin - (s->report.last.change_seconds - s->o->at);
+    uint64_t more = s->last.changes_shown - shown_before;
+    double lag = sl_seconds_now() - s->begin - (s->last.change_seconds - s->o->at);
     if (!more || !(lag > 0.0)) return;
-    s->report.lag += lag * (double)more;
-    s->report.longest_lag = lag > s->report.longest_lag ? lag : s->report.longest_lag;
+    s->lag += lag * (double)more;
+    s->longest_lag = lag > s->longest_lag ? lag : s->longest_lag;
 }
 
 static sl_status draw(show *s, const sl_image **frame, sl_error *error) {
     double start = sl_seconds_now(), cpu = sl_thread_seconds();
-    uint64_t changes = s->report.last.changes_shown;
-    sl_status status = sl_live_frame(s->live, frame, &s->report.last, error);
+    uint64_t changes = s->last.changes_shown;
+    sl_status status = sl_live_frame(s->live, frame, &s->last, error);
     double took = sl_seconds_now() - start;
-    s->report.drawing += sl_thread_seconds() - cpu;
-    s->report.longest = took > s->report.longest ? took : s->report.longest;
-    s->report.frames += status == SL_OK;
+    s->drawing += sl_thread_seconds() - cpu;
+    s->longest = took > s->longest ? took : s->longest;
+    s->frames += status == SL_OK;
     if (status == SL_OK) note_lag(s, changes);
     return status;
 }
@@ -185,9 +178,9 @@ static sl_status one_frame(show *s, sl_error *error) {
     sl_status status = sl_live_move(s->live, s->o->at + elapsed, error);
     if (status == SL_OK) status = draw(s, &frame, error);
     if (status == SL_OK)
-        status = sl_rate_tell(&s->report.rate, s->live, &s->o->settings, &s->report.last, error);
+        status = sl_rate_tell(&s->rate, s->live, &s->o->settings, &s->last, error);
     return status == SL_OK
-               ? sl_show_files_write(&s->files, frame, &s->tone, s->report.last.versions > 0, steps, error)
+               ? sl_show_files_write(&s->files, frame, &s->tone, s->last.versions > 0, steps, error)
                : status;
 }
 
@@ -197,17 +190,17 @@ static bool are_stages_told(const show_options *o) {
     return !o->settings.memory_bytes && (o->json || !o->quiet);
 }
 
-static sl_status play(show *s, sl_scene *scene, sl_pass_times *stages, sl_error *error) {
+static sl_status play(show *s, sl_scene *scene, sl_error *error) {
     sl_settings settings = s->o->settings;
-    if (are_stages_told(s->o)) settings.observer = &stages->observer;
+    if (are_stages_told(s->o)) settings.observer = &s->stages->observer;
     sl_status status = sl_live_start(scene, &settings, &s->live, error);
     if (status == SL_OK && !s->o->quiet && *sl_live_reduction(s->live))
         fprintf(stderr, "softlux: to keep within --memory: %s\n", sl_live_reduction(s->live));
     if (status == SL_OK) status = await_light(s, error);
     s->begin = sl_seconds_now();
     while (status == SL_OK && goes_on(s)) status = one_frame(s, error);
-    s->report.seconds = sl_seconds_now() - s->begin;
-    sl_live_stop(s->live, &s->report.counters);
+    s->seconds = sl_seconds_now() - s->begin;
+    sl_live_stop(s->live, &s->counters);
     return status;
 }
 
@@ -222,22 +215,20 @@ static sl_status choose_method(show_options *o, const sl_scene *scene, sl_error 
 static sl_status show_scene(const show_options *o, sl_scene *scene, sl_error *error) {
     static sl_pass_times stages;
     sl_pass_times_begin(&stages, sl_thread_seconds);
-    int width = o->settings.width, height = o->settings.height;
-    if (!width) sl_scene_film(scene, &width, &height);
-    show s = {.o = o, .tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given}};
-    s.report = (show_report){.scene = o->scene_path,
-                                .method = o->settings.method,
-                                .width = width,
-                                .height = height,
-                                .stages = &stages};
+    show s = {.o = o,
+              .width = o->settings.width,
+              .height = o->settings.height,
+              .tone = {(sl_tone_curve)o->tone, (float)o->exposure, !o->exposure_given},
+              .stages = &stages};
+    if (!s.width) sl_scene_film(scene, &s.width, &s.height);
     sl_status status = sl_scene_set_time(scene, o->at, NULL, error);
     if (status == SL_OK)
-        status = sl_show_files_open(&s.files, o->output, width, height, o->frames_per_second, error);
-    if (status == SL_OK) status = play(&s, scene, &stages, error);
+        status = sl_show_files_open(&s.files, o->output, s.width, s.height, o->frames_per_second, error);
+    if (status == SL_OK) status = play(&s, scene, error);
     sl_status closed = sl_show_files_close(&s.files, status == SL_OK, error);
     if (status == SL_OK) status = closed;
-    if (status == SL_OK && o->json) sl_json_print(json_of(&s.report), false);
-    else if (status == SL_OK && !o->quiet) sl_json_lines(stderr, json_of(&s.report)); /* not into a stream */
+    if (status == SL_OK && o->json) sl_json_print(json_of(&s), false);
+    else if (status == SL_OK && !o->quiet) sl_json_lines(stderr, json_of(&s)); /* not into a stream */
     return status;
 }
 

@@ -4,7 +4,6 @@
 
 #include "app/clock.h"
 #include "app/same_file.h"
-#include "app/serve/parse.h"
 #include "base/error.h"
 
 #include <stdio.h>
@@ -139,14 +138,13 @@ static sl_status begin(sl_stage *s, int side, const char *what, sl_error *error)
     return SL_OK;
 }
 
-sl_status sl_take_exact(sl_stage *s, const cJSON *message, sl_error *error) {
-    int side;
-    bool on = true;
-    sl_status status = sl_take_side(message, &side, error);
-    if (status == SL_OK) status = sl_take_flag(message, "on", &on, error);
-    if (status != SL_OK) return status;
-    if (on && !s->side[side].wanted) return sl_fail(error, SL_ERROR_USAGE, "exact: that side shows nothing");
-    if (on) return begin(s, side, "exact", error);
+sl_status sl_take_exact(sl_stage *s, sl_taking *t) {
+    const int side = sl_take_side(t);
+    const bool on = sl_take_flag(t, "on", true);
+    if (t->status != SL_OK) return t->status;
+    if (on && !s->side[side].wanted)
+        return sl_fail(t->error, SL_ERROR_USAGE, "exact: that side shows nothing");
+    if (on) return begin(s, side, "exact", t->error);
     s->kept.what = NULL;
     sl_worker_exact(s->worker, NULL);
     return SL_OK;
@@ -291,15 +289,14 @@ static sl_status keep_exact(sl_stage *s, const char *what, sl_error *error) {
     return begin(s, 0, what, error);
 }
 
-sl_status sl_take_keep(sl_stage *s, const cJSON *message, sl_error *error) {
+sl_status sl_take_keep(sl_stage *s, sl_taking *t) {
     static const char *const made[] = {"png", "exr", "page"};
-    const char *what = "";
-    sl_status status = sl_take_text(message, "what", &what, error);
-    if (status != SL_OK) return status;
-    if (strcmp(what, "scene") == 0) return keep_scene(s, error);
-    if (strcmp(what, "log") == 0) return keep_log(s, error);
-    if (strcmp(what, "film") == 0) return keep_film(s, error);
+    const char *what = sl_take_text(t, "what", "");
+    if (t->status != SL_OK) return t->status;
+    if (strcmp(what, "scene") == 0) return keep_scene(s, t->error);
+    if (strcmp(what, "log") == 0) return keep_log(s, t->error);
+    if (strcmp(what, "film") == 0) return keep_film(s, t->error);
     for (size_t i = 0; i < sizeof made / sizeof made[0]; i++)
-        if (strcmp(what, made[i]) == 0) return keep_exact(s, made[i], error);
-    return sl_fail(error, SL_ERROR_INPUT, "what: expected png, exr, scene, log, page or film");
+        if (strcmp(what, made[i]) == 0) return keep_exact(s, made[i], t->error);
+    return sl_take_all(t, false, "what", "png, exr, scene, log, page or film");
 }

@@ -9,54 +9,62 @@
 #include "base/thread.h"
 #include "image/formats.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- items ---- */
 
-static void add_camera(cJSON *o, const sl_camera *c) {
-    const float all[13] = {c->eye.x, c->eye.y, c->eye.z,  c->right.x, c->right.y, c->right.z,     c->up.x,
-                           c->up.y,  c->up.z,  c->back.x, c->back.y,  c->back.z,  c->vertical_fov};
-    sl_add_floats(o, "camera", all, 13);
-}
+/* What of an item is told: for which kinds, by which name, and where it is. */
+typedef struct field {
+    unsigned kinds; /* bits */
+    const char *name;
+    enum { FLAG, FLOATS, DOUBLES } as;
+    size_t count, at, has; /* has: where a flag says that it is there; 0: always */
+} field;
 
-static sl_camera camera_from(const float *v) {
-    return (sl_camera){
-        {v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}, {v[9], v[10], v[11]}, v[12]};
-}
+#define IN(member) offsetof(sl_item, to.member)
+#define OF(kind) (1u << SL_ITEM_##kind)
+static const field fields[] = {
+    {OF(CAMERA), "camera", FLOATS, sizeof(sl_camera) / sizeof(float), IN(camera), 0},
+    {OF(TIME), "seconds", DOUBLES, 1, IN(time.seconds), 0},
+    {OF(TIME), "keeps_camera", FLAG, 1, IN(time.keeps_camera), 0},
+    {OF(OBJECT), "columns", DOUBLES, 16, IN(columns), 0},
+    {OF(MATERIAL), "diffuse", FLOATS, 3, IN(material.diffuse), 0},
+    {OF(MATERIAL), "specular", FLOATS, 3, IN(material.specular), 0},
+    {OF(MATERIAL), "mirror", FLOATS, 3, IN(material.mirror), 0},
+    {OF(MATERIAL), "emission", FLOATS, 3, IN(material.emission), 0},
+    {OF(MATERIAL), "exponent", FLOATS, 1, IN(material.exponent), 0},
+    {OF(LIGHT) | OF(ADD_LIGHT), "power", FLOATS, 3, IN(light.strength), IN(light.has_strength)},
+    {OF(LIGHT) | OF(ADD_LIGHT), "position", DOUBLES, 3, IN(light.position), IN(light.has_position)},
+    {OF(LIGHT) | OF(ADD_LIGHT), "direction", DOUBLES, 3, IN(light.direction), IN(light.has_direction)},
+    {OF(SKY), "stops", DOUBLES, 1, IN(stops), 0}};
+#undef IN
+#undef OF
+enum { FIELDS = sizeof fields / sizeof fields[0], MOST_VALUES = 16 };
 
-/* Numbers of a material in the order of the struct. */
-static void add_material(cJSON *o, const sl_material_data *m) {
-    sl_add_floats(o, "diffuse", m->diffuse, 3);
-    sl_add_floats(o, "specular", m->specular, 3);
-    sl_add_floats(o, "mirror", m->mirror, 3);
-    sl_add_floats(o, "emission", m->emission, 3);
-    cJSON_AddNumberToObject(o, "exponent", (double)m->exponent);
-}
-
-static void add_light(cJSON *o, const sl_light_item *l) {
-    if (l->has_strength) sl_add_floats(o, "power", l->strength, 3);
-    if (l->has_position) sl_add_numbers(o, "position", l->position, 3);
-    if (l->has_direction) sl_add_numbers(o, "direction", l->direction, 3);
+static void add_field(cJSON *o, const field *f, const sl_item *item) {
+    const char *at = (const char *)item + f->at;
+    double values[MOST_VALUES];
+    if (f->has && !*((const bool *)item + f->has)) return;
+    if (f->as == FLAG) {
+        cJSON_AddBoolToObject(o, f->name, *(const bool *)at);
+        return;
+    }
+    for (size_t i = 0; i < f->count; i++)
+        values[i] = f->as == FLOATS ? (double)((const float *)(const void *)at)[i]
+                                    : ((const double *)(const void *)at)[i];
+    if (f->count == 1) cJSON_AddNumberToObject(o, f->name, values[0]);
+    else sl_add_numbers(o, f->name, values, (int)f->count);
 }
 
 static cJSON *json_of_item(const sl_item *item) {
     cJSON *o = cJSON_CreateObject();
     cJSON_AddNumberToObject(o, "kind", item->kind);
     cJSON_AddNumberToObject(o, "number", item->number);
-    switch (item->kind) {
-    case SL_ITEM_CAMERA: add_camera(o, &item->to.camera); break;
-    case SL_ITEM_TIME:
-        cJSON_AddNumberToObject(o, "seconds", item->to.time.seconds);
-        cJSON_AddBoolToObject(o, "keeps_camera", item->to.time.keeps_camera);
-        break;
-    case SL_ITEM_OBJECT: sl_add_numbers(o, "columns", item->to.columns, 16); break;
-    case SL_ITEM_RELEASE: break;
-    case SL_ITEM_MATERIAL: add_material(o, &item->to.material); break;
-    case SL_ITEM_SKY: cJSON_AddNumberToObject(o, "stops", item->to.stops); break;
-    default: add_light(o, &item->to.light);
-    }
+    for (int i = 0; i < FIELDS; i++)
+        if (fields[i].kinds >> item->kind & 1u) add_field(o, &fields[i], item);
     return o;
 }
 
@@ -191,50 +199,36 @@ static bool numbers(const cJSON *o, const char *name, double *to, size_t count) 
     return values_of(cJSON_GetObjectItem(o, name), to, count);
 }
 
-static bool floats(const cJSON *o, const char *name, float *to, size_t count) {
-    double values[16];
-    const bool there = count <= 16 && numbers(o, name, values, count);
-    for (size_t i = 0; i < count && there; i++) to[i] = (float)values[i];
-    return there;
-}
-
 static double number(const cJSON *o, const char *name) {
     const cJSON *item = cJSON_GetObjectItem(o, name);
     return cJSON_IsNumber(item) ? item->valuedouble : 0.0;
 }
 
-/* Textures are the scene's: no event changes them. */
-static bool material_from(const cJSON *o, const sl_scene *scene, sl_item *item) {
-    sl_material_data *m = &item->to.material;
-    if (!sl_scene_material(scene, item->number, m)) return false;
-    m->exponent = (float)number(o, "exponent");
-    return floats(o, "diffuse", m->diffuse, 3) && floats(o, "specular", m->specular, 3) &&
-           floats(o, "mirror", m->mirror, 3) && floats(o, "emission", m->emission, 3);
+/* False: it is not there, and belongs there. */
+static bool read_field(const cJSON *o, const field *f, sl_item *item) {
+    char *at = (char *)item + f->at;
+    double values[MOST_VALUES] = {f->count == 1 ? number(o, f->name) : 0.0};
+    const bool there = f->count == 1 || numbers(o, f->name, values, f->count);
+    if (f->has) *((bool *)item + f->has) = there;
+    if (f->as == FLAG) *(bool *)at = cJSON_IsTrue(cJSON_GetObjectItem(o, f->name));
+    for (size_t i = 0; i < f->count && there; i++) {
+        if (f->as == FLOATS) ((float *)(void *)at)[i] = (float)values[i];
+        if (f->as == DOUBLES) ((double *)(void *)at)[i] = values[i];
+    }
+    return there || f->has;
 }
 
+/* Textures are the scene's: no event changes them. */
 static bool item_from(const cJSON *o, const sl_scene *scene, sl_item *item) {
-    float camera[13];
-    sl_light_item *l = &item->to.light;
-    *item = (sl_item){.kind = (sl_item_kind)number(o, "kind"), .number = (uint32_t)number(o, "number")};
-    switch (item->kind) {
-    case SL_ITEM_CAMERA:
-        if (!floats(o, "camera", camera, 13)) return false;
-        item->to.camera = camera_from(camera);
-        return true;
-    case SL_ITEM_TIME:
-        item->to.time.seconds = number(o, "seconds");
-        item->to.time.keeps_camera = cJSON_IsTrue(cJSON_GetObjectItem(o, "keeps_camera"));
-        return true;
-    case SL_ITEM_OBJECT: return numbers(o, "columns", item->to.columns, 16);
-    case SL_ITEM_RELEASE: return true;
-    case SL_ITEM_MATERIAL: return material_from(o, scene, item);
-    case SL_ITEM_SKY: item->to.stops = number(o, "stops"); return true;
-    default: break;
-    }
-    l->has_strength = floats(o, "power", l->strength, 3);
-    l->has_position = numbers(o, "position", l->position, 3);
-    l->has_direction = numbers(o, "direction", l->direction, 3);
-    return item->kind == SL_ITEM_LIGHT || item->kind == SL_ITEM_ADD_LIGHT;
+    const double kind = number(o, "kind");
+    bool good = kind >= SL_ITEM_CAMERA && kind <= SL_ITEM_RELEASE;
+    *item = (sl_item){.number = (uint32_t)number(o, "number")};
+    if (good) item->kind = (sl_item_kind)kind;
+    if (good && item->kind == SL_ITEM_MATERIAL)
+        good = sl_scene_material(scene, item->number, &item->to.material);
+    for (int i = 0; i < FIELDS && good; i++)
+        good = !(fields[i].kinds >> item->kind & 1u) || read_field(o, &fields[i], item);
+    return good;
 }
 
 typedef struct replay {

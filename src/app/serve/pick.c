@@ -1,7 +1,6 @@
 /* What a pixel shows: a lamp without extent that is seen there or right beside, an object, or the sky. */
 #include "app/serve/stage_parts.h"
 
-#include "app/serve/parse.h"
 #include "base/error.h"
 
 #include <math.h>
@@ -69,11 +68,11 @@ static void add_light(cJSON *m, const sl_scene *scene, uint32_t light) {
     sl_add_floats(m, "at", (float[]){at.x, at.y, at.z}, 3);
 }
 
-sl_status sl_take_pick(sl_stage *s, const cJSON *message, sl_error *error) {
-    double column = -1.0, row = -1.0;
+sl_status sl_take_pick(sl_stage *s, sl_taking *t) {
+    int column, row;
     const sl_tracer *tracer;
-    sl_status status = sl_take_pixel(message, &s->side[0].settings, &column, &row, error);
-    if (status == SL_OK) status = sl_stage_tracer(s, &tracer, error);
+    sl_status status = sl_take_pixel(t, &s->side[0].settings, &column, &row);
+    if (status == SL_OK) status = sl_stage_tracer(s, &tracer, t->error);
     if (status != SL_OK) return status;
     const sl_mark_view view = sl_stage_view(s);
     const sl_vec3 direction = through(&view, column, row);

@@ -1,7 +1,6 @@
 #include "app/serve/stage_parts.h"
 
 #include "app/clock.h"
-#include "app/serve/parse.h"
 #include "app/serve/passes.h"
 #include "base/error.h"
 
@@ -42,12 +41,12 @@ static sl_status spread(sl_stage *s, unsigned changes, sl_error *error) {
     return status;
 }
 
-static sl_status take_camera(sl_stage *s, const cJSON *message, sl_error *error) {
+static sl_status take_camera(sl_stage *s, sl_taking *t) {
     sl_camera camera;
     unsigned changes;
-    sl_status status = sl_take_camera(message, s->world.scene, &camera, error);
-    if (status == SL_OK) status = sl_world_look(&s->world, &camera, &changes, error);
-    if (status == SL_OK) status = spread(s, changes, error);
+    sl_status status = sl_take_camera(t, s->world.scene, &camera);
+    if (status == SL_OK) status = sl_world_look(&s->world, &camera, &changes, t->error);
+    if (status == SL_OK) status = spread(s, changes, t->error);
     if (status == SL_OK && s->viewers > 1) sl_say(s, 0, sl_describe_camera(s));
     return status;
 }
@@ -68,33 +67,30 @@ static sl_status go_to(sl_stage *s, double seconds, sl_error *error) {
     return spread(s, changes, error);
 }
 
-static sl_status take_reset(sl_stage *s, const cJSON *message, sl_error *error) {
-    (void)message;
+static sl_status take_reset(sl_stage *s, sl_taking *t) {
     s->plays = false;
-    sl_status status = s->world.duration > 0.0 ? go_to(s, s->world.first_time, error) : SL_OK;
-    if (status == SL_OK) status = look_first(s, error);
+    sl_status status = s->world.duration > 0.0 ? go_to(s, s->world.first_time, t->error) : SL_OK;
+    if (status == SL_OK) status = look_first(s, t->error);
     s->world.looks = false;
     return status;
 }
 
-static sl_status take_time(sl_stage *s, const cJSON *message, sl_error *error) {
-    double at = 0.0;
-    bool there = false;
-    sl_status status = sl_take_number(message, "at", -1e6, 1e6, &at, &there, error);
-    if (status == SL_OK && !there) status = sl_fail(error, SL_ERROR_INPUT, "at: expected a number");
-    if (status == SL_OK) status = go_to(s, at, error);
+static sl_status take_time(sl_stage *s, sl_taking *t) {
+    const double at = sl_take_number(t, "at", -1e6, 1e6, 0.0);
+    sl_status status = sl_take_all(t, sl_is_there(t, "at"), "at", "a number");
+    if (status == SL_OK) status = go_to(s, at, t->error);
     s->play_from = at;
     s->play_began = sl_seconds_now();
     return status;
 }
 
-static sl_status take_play(sl_stage *s, const cJSON *message, sl_error *error) {
-    sl_status status = sl_take_flag(message, "on", &s->plays, error);
-    if (status != SL_OK || !s->plays) return status;
+static sl_status take_play(sl_stage *s, sl_taking *t) {
+    s->plays = sl_take_flag(t, "on", s->plays);
+    if (t->status != SL_OK || !s->plays) return t->status;
     s->play_from = s->world.time < s->world.duration ? s->world.time : 0.0;
     s->play_began = sl_seconds_now();
     s->plays = s->world.duration > 0.0;
-    return s->plays ? SL_OK : sl_fail(error, SL_ERROR_USAGE, "play: nothing moves in this scene");
+    return s->plays ? SL_OK : sl_fail(t->error, SL_ERROR_USAGE, "play: nothing moves in this scene");
 }
 
 static sl_status edited(sl_stage *s, sl_status status, unsigned changes, sl_error *error) {
@@ -103,28 +99,26 @@ static sl_status edited(sl_stage *s, sl_status status, unsigned changes, sl_erro
     return status;
 }
 
-static sl_status take_edit(sl_stage *s, const cJSON *message, sl_error *error) {
+static sl_status take_edit(sl_stage *s, sl_taking *t) {
     sl_item items[SL_ITEMS];
     size_t count;
-    bool drag = false;
     unsigned changes = 0;
-    sl_status status = sl_take_edits(message, &s->world, items, &count, error);
-    if (status == SL_OK) status = sl_take_flag(message, "drag", &drag, error);
-    if (status == SL_OK) status = sl_world_edit(&s->world, items, count, drag, &changes, error);
-    if (drag) return status == SL_OK ? spread(s, changes, error) : status;
-    return edited(s, status, changes, error);
+    sl_status status = sl_take_edits(t, &s->world, items, &count);
+    const bool drag = sl_take_flag(t, "drag", false);
+    if (status == SL_OK) status = t->status;
+    if (status == SL_OK) status = sl_world_edit(&s->world, items, count, drag, &changes, t->error);
+    if (drag) return status == SL_OK ? spread(s, changes, t->error) : status;
+    return edited(s, status, changes, t->error);
 }
 
-static sl_status take_undo(sl_stage *s, const cJSON *message, sl_error *error) {
+static sl_status take_undo(sl_stage *s, sl_taking *t) {
     unsigned changes = 0;
-    (void)message;
-    return edited(s, sl_world_undo(&s->world, &changes, error), changes, error);
+    return edited(s, sl_world_undo(&s->world, &changes, t->error), changes, t->error);
 }
 
-static sl_status take_redo(sl_stage *s, const cJSON *message, sl_error *error) {
+static sl_status take_redo(sl_stage *s, sl_taking *t) {
     unsigned changes = 0;
-    (void)message;
-    return edited(s, sl_world_redo(&s->world, &changes, error), changes, error);
+    return edited(s, sl_world_redo(&s->world, &changes, t->error), changes, t->error);
 }
 
 /* ---- what is shown of it ---- */
@@ -139,19 +133,14 @@ static sl_status restart(sl_stage *s, int side, sl_error *error) {
     return sl_side_start(s, side, error);
 }
 
-static sl_status take_size(sl_stage *s, const cJSON *message, sl_error *error) {
-    double width = 0.0, height = 0.0;
-    bool w = false, h = false;
-    sl_status status = sl_take_number(message, "width", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, &width, &w, error);
-    if (status == SL_OK)
-        status = sl_take_number(message, "height", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, &height, &h, error);
-    if (status == SL_OK && !(w && h))
-        status = sl_fail(error, SL_ERROR_INPUT, "size: expected width and height");
+static sl_status take_size(sl_stage *s, sl_taking *t) {
+    const double width = sl_take_number(t, "width", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, 0.0),
+                 height = sl_take_number(t, "height", SL_SMALLEST_SIDE, SL_LARGEST_SIDE, 0.0);
+    sl_status status = sl_take_all(t, width > 0.0 && height > 0.0, "size", "width and height");
     for (int i = 0; i < SL_SIDES && status == SL_OK; i++) {
-        const bool shown = s->side[i].wanted;
         s->side[i].settings.width = (int)width;
         s->side[i].settings.height = (int)height;
-        if (shown) status = restart(s, i, error);
+        if (s->side[i].wanted) status = restart(s, i, t->error);
     }
     want(s);
     sl_film_end(s, true);
@@ -173,11 +162,12 @@ static sl_status take_setting(sl_settings *settings, const cJSON *item, sl_error
     return sl_settings_set(settings, name, cJSON_IsString(item) ? item->valuestring : number, error);
 }
 
-static sl_status take_settings(sl_settings *settings, const cJSON *message, sl_error *error) {
-    const cJSON *list = cJSON_GetObjectItemCaseSensitive(message, "settings"), *item;
+static sl_status take_settings(sl_settings *settings, const sl_taking *t) {
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(t->message, "settings"), *item;
     sl_status status = SL_OK;
-    if (list && !cJSON_IsObject(list)) return sl_fail(error, SL_ERROR_INPUT, "settings: expected an object");
-    cJSON_ArrayForEach(item, list) if (status == SL_OK) status = take_setting(settings, item, error);
+    if (list && !cJSON_IsObject(list))
+        return sl_fail(t->error, SL_ERROR_INPUT, "settings: expected an object");
+    cJSON_ArrayForEach(item, list) if (status == SL_OK) status = take_setting(settings, item, t->error);
     return status;
 }
 
@@ -192,75 +182,65 @@ static void tell_method(sl_stage *s, int side) {
 
 /* The settings begin as the command line has them; those of a method that goes on stay where none are
  * given. */
-static sl_status take_method(sl_stage *s, const cJSON *message, sl_error *error) {
-    int side;
-    const char *name = "";
-    sl_status status = sl_take_side(message, &side, error);
-    if (status == SL_OK) status = sl_take_text(message, "name", &name, error);
-    if (status != SL_OK) return status;
+static sl_status take_method(sl_stage *s, sl_taking *t) {
+    const int side = sl_take_side(t);
+    const char *name = sl_take_text(t, "name", "");
+    sl_status status = t->status;
     sl_side *d = &s->side[side];
     sl_settings settings = s->options.settings;
     settings.width = d->settings.width, settings.height = d->settings.height;
-    if (!*name && side == 0) return sl_fail(error, SL_ERROR_USAGE, "method: side a shows one");
-    if (*name) status = sl_settings_set(&settings, "method", name, error);
+    if (status == SL_OK && !*name && side == 0)
+        status = sl_fail(t->error, SL_ERROR_USAGE, "method: side a shows one");
+    if (status == SL_OK && *name) status = sl_settings_set(&settings, "method", name, t->error);
     if (status == SL_OK && *name && strcmp(settings.method, "auto") == 0)
-        status = sl_fail(error, SL_ERROR_USAGE, "method: a page names one");
-    if (status == SL_OK) status = take_settings(&settings, message, error);
+        status = sl_fail(t->error, SL_ERROR_USAGE, "method: a page names one");
+    if (status == SL_OK) status = take_settings(&settings, t);
     if (status != SL_OK) return status;
     sl_side_stop(s, side);
     d->settings = settings;
-    if (*name) status = sl_side_start(s, side, error);
+    if (*name) status = sl_side_start(s, side, t->error);
     tell_method(s, side);
     return status == SL_ERROR_INPUT ? SL_ERROR_USAGE : status;
 }
 
-static sl_status take_tone(sl_stage *s, const cJSON *message, sl_error *error) {
-    const char *curve = s->tone.curve == SL_TONE_CLIP ? "clip" : "reinhard";
-    double stops = (double)s->tone.exposure_stops;
-    bool automatic = false;
-    sl_status status = sl_take_text(message, "curve", &curve, error);
-    if (status == SL_OK) status = sl_take_number(message, "exposure", -64, 64, &stops, NULL, error);
-    if (status == SL_OK) status = sl_take_flag(message, "auto", &automatic, error);
-    if (status != SL_OK) return status;
-    if (strcmp(curve, "clip") != 0 && strcmp(curve, "reinhard") != 0)
-        return sl_fail(error, SL_ERROR_INPUT, "curve: expected clip or reinhard");
+static sl_status take_tone(sl_stage *s, sl_taking *t) {
+    const char *curve = sl_take_text(t, "curve", s->tone.curve == SL_TONE_CLIP ? "clip" : "reinhard");
+    const double stops = sl_take_number(t, "exposure", -64, 64, (double)s->tone.exposure_stops);
+    const bool automatic = sl_take_flag(t, "auto", false),
+               known = strcmp(curve, "clip") == 0 || strcmp(curve, "reinhard") == 0;
+    if (sl_take_all(t, known, "curve", "clip or reinhard") != SL_OK) return t->status;
     s->tone = (sl_tone){*curve == 'c' ? SL_TONE_CLIP : SL_TONE_REINHARD, (float)stops, automatic};
     for (int i = 0; i < SL_SIDES; i++) s->side[i].sent_still = false;
     return SL_OK;
 }
 
-static sl_status take_passes(sl_stage *s, const cJSON *message, sl_error *error) {
-    int side;
-    bool on = true;
-    sl_status status = sl_take_side(message, &side, error);
-    if (status == SL_OK) status = sl_take_flag(message, "on", &on, error);
-    if (status != SL_OK || (!on && !s->side[side].observed)) return status;
+static sl_status take_passes(sl_stage *s, sl_taking *t) {
+    const int side = sl_take_side(t);
+    const bool on = sl_take_flag(t, "on", true);
+    if (t->status != SL_OK || (!on && !s->side[side].observed)) return t->status;
     if (on && s->side[side].passes) {
         sl_passes_again(s->side[side].passes);
         return SL_OK;
     }
     s->side[side].observed = on;
-    return s->side[side].wanted ? restart(s, side, error) : SL_OK;
+    return s->side[side].wanted ? restart(s, side, t->error) : SL_OK;
 }
 
-static sl_status take_overlay(sl_stage *s, const cJSON *message, sl_error *error) {
-    int side;
-    const char *kind = "";
-    sl_status status = sl_take_side(message, &side, error);
-    if (status == SL_OK) status = sl_take_text(message, "kind", &kind, error);
-    if (status != SL_OK) return status;
+static sl_status take_overlay(sl_stage *s, sl_taking *t) {
+    const int side = sl_take_side(t);
+    const char *kind = sl_take_text(t, "kind", "");
+    if (t->status != SL_OK) return t->status;
     if (!s->side[side].passes)
-        return sl_fail(error, SL_ERROR_USAGE, "overlay: the side's passes are not shown");
+        return sl_fail(t->error, SL_ERROR_USAGE, "overlay: the side's passes are not shown");
     sl_passes_overlay(s->side[side].passes, kind);
     return SL_OK;
 }
 
 /* "reference", "difference" or "error". */
-static sl_status take_switch(sl_stage *s, const cJSON *message, sl_error *error) {
-    const char what = *cJSON_GetObjectItemCaseSensitive(message, "do")->valuestring;
-    bool on = true;
-    sl_status status = sl_take_flag(message, "on", &on, error);
-    if (status != SL_OK) return status;
+static sl_status take_switch(sl_stage *s, sl_taking *t) {
+    const char what = *sl_take_text(t, "do", "");
+    const bool on = sl_take_flag(t, "on", true);
+    if (t->status != SL_OK) return t->status;
     *(what == 'r' ? &s->reference : what == 'd' ? &s->difference : &s->error) = on;
     want(s);
     for (int i = 0; i < SL_SIDES; i++) s->side[i].sent_still = false; /* so that it is looked at */
@@ -271,7 +251,7 @@ static sl_status take_switch(sl_stage *s, const cJSON *message, sl_error *error)
 
 static const struct {
     const char *name;
-    sl_status (*take)(sl_stage *stage, const cJSON *message, sl_error *error);
+    sl_status (*take)(sl_stage *stage, sl_taking *t);
 } requests[] = {{"camera", take_camera},
                 {"reset", take_reset},
                 {"time", take_time},
@@ -306,8 +286,9 @@ static void take_message(sl_stage *s, const cJSON *message) {
     const char *what = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(message, "do"));
     sl_error error = {.message = "this is not known here"};
     sl_status status = SL_ERROR_INPUT;
+    sl_taking taking = {message, &error, SL_OK};
     for (int i = 0; i < REQUESTS && what; i++)
-        if (strcmp(requests[i].name, what) == 0) status = requests[i].take(s, message, &error);
+        if (strcmp(requests[i].name, what) == 0) status = requests[i].take(s, &taking);
     if (status == SL_ERROR_INPUT && error.status != SL_ERROR_INPUT)
         sl_fail(&error, SL_ERROR_INPUT, "do: nothing of that name");
     if (status == SL_ERROR_INPUT) sl_mail_send(s->mail, sl_packet_end(s->client, error.message));

@@ -3,6 +3,7 @@
 
 #include "app/rate.h"
 #include "app/serve/frame.h"
+#include "app/serve/parse.h"
 #include "app/show_files.h"
 #include "app/serve/stage.h"
 #include "app/serve/worker.h"
@@ -104,14 +105,14 @@ cJSON *sl_describe_settings(const sl_settings *settings); /* those that are not 
 cJSON *sl_describe_changes(unsigned changes);
 
 /* ---- pick.c ---- */
-sl_status sl_take_pick(sl_stage *stage, const cJSON *message, sl_error *error);
+sl_status sl_take_pick(sl_stage *stage, sl_taking *t);
 sl_status sl_stage_tracer(sl_stage *stage, const sl_tracer **tracer, sl_error *error);
 void sl_stage_forget_tracer(sl_stage *stage); /* things have moved */
 sl_mark_view sl_stage_view(const sl_stage *stage);
 
 /* ---- keep.c ---- */
-sl_status sl_take_exact(sl_stage *stage, const cJSON *message, sl_error *error);
-sl_status sl_take_keep(sl_stage *stage, const cJSON *message, sl_error *error);
+sl_status sl_take_exact(sl_stage *stage, sl_taking *t);
+sl_status sl_take_keep(sl_stage *stage, sl_taking *t);
 /* One more frame of a film; a film that has become too long ends. */
 void sl_film_frame(sl_stage *stage, const sl_image *frame);
 void sl_film_end(sl_stage *stage, bool told);
@@ -124,6 +125,6 @@ void sl_work_step(sl_stage *stage);
 sl_status sl_log_write(sl_stage *stage, const char *path, sl_error *error);
 
 /* ---- story.c ---- */
-sl_status sl_take_story(sl_stage *stage, const cJSON *message, sl_error *error);
+sl_status sl_take_story(sl_stage *stage, sl_taking *t);
 /* Adds a narrative's entry of a pass (or NULL): "title", "text", "equation", "function". */
 void sl_add_told(cJSON *to, const cJSON *told);

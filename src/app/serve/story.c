@@ -2,7 +2,6 @@
  * equation and the source of the passes that did. It is told by the thread that updates the method. */
 #include "app/serve/stage_parts.h"
 
-#include "app/serve/parse.h"
 #include "app/steps/explanations.h"
 #include "app/steps/narrative.h"
 #include "base/error.h"
@@ -125,18 +124,17 @@ static void visit(void *context, sl_method *method) {
     free(y);
 }
 
-sl_status sl_take_story(sl_stage *s, const cJSON *message, sl_error *error) {
-    int side;
-    double column = 0.0, row = 0.0;
-    sl_status status = sl_take_side(message, &side, error);
-    if (status == SL_OK) status = sl_take_pixel(message, &s->side[0].settings, &column, &row, error);
-    if (status != SL_OK) return status;
-    if (!s->side[side].live) return sl_fail(error, SL_ERROR_USAGE, "story: nothing is shown on that side");
+sl_status sl_take_story(sl_stage *s, sl_taking *t) {
+    int column, row;
+    const int side = sl_take_side(t);
+    if (sl_take_pixel(t, &s->side[0].settings, &column, &row) != SL_OK) return t->status;
+    if (!s->side[side].live)
+        return sl_fail(t->error, SL_ERROR_USAGE, "story: nothing is shown on that side");
     story *y = malloc(sizeof *y);
-    if (!y) return sl_fail_memory(error, "a story");
-    *y = (story){s->mail, s->client, side, (int)column, (int)row, sl_stage_view(s)};
+    if (!y) return sl_fail_memory(t->error, "a story");
+    *y = (story){s->mail, s->client, side, column, row, sl_stage_view(s)};
     y->view.tracer = NULL;
     if (sl_live_visit(s->side[side].live, visit, y)) return SL_OK;
     free(y);
-    return sl_fail(error, SL_ERROR_USAGE, "story: another one is being told");
+    return sl_fail(t->error, SL_ERROR_USAGE, "story: another one is being told");
 }
