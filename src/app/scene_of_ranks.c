@@ -11,29 +11,25 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A file of the scene, by its path from the first rank's root; the path is empty behind the last one. */
-typedef struct parcel {
-    char path[SL_RANKS_PATH];
-} parcel;
-
-static sl_status name_parcel(const char *path, parcel *p, sl_error *error) {
+/* A file's path from the first rank's root. */
+static sl_status name_file(const char *path, char name[SL_RANKS_PATH], sl_error *error) {
     char here[SL_RANKS_PATH / 2] = "";
     const bool named = path[0] == '/' || getcwd(here, sizeof here);
-    const int used = named ? snprintf(p->path, sizeof p->path, "%s/%s", here, path) : SL_RANKS_PATH;
+    const int used = named ? snprintf(name, SL_RANKS_PATH, "%s/%s", here, path) : SL_RANKS_PATH;
     return used < SL_RANKS_PATH ? SL_OK : sl_fail(error, SL_ERROR_INPUT, "%.400s: too long a path", path);
 }
 
-/* The first rank's. */
+/* The first rank's: names and files, and a name that is empty behind the last one. */
 static sl_status give(const sl_scene *scene, sl_error *error) {
-    parcel p = {""};
+    char name[SL_RANKS_PATH] = "";
     sl_status status = SL_OK;
     for (size_t i = 0; status == SL_OK && i < scene->file_count; i++) {
-        status = name_parcel(scene->files[i], &p, error);
-        if (status == SL_OK) sl_ranks_tell(0, &p, sizeof p);
+        status = name_file(scene->files[i], name, error);
+        if (status == SL_OK) sl_ranks_tell(0, name, sizeof name);
         if (status == SL_OK) status = sl_share_file(0, scene->files[i], NULL, error);
     }
-    p = (parcel){""};
-    if (status == SL_OK) sl_ranks_tell(0, &p, sizeof p);
+    name[0] = '\0';
+    if (status == SL_OK) sl_ranks_tell(0, name, sizeof name);
     return status;
 }
 
@@ -58,11 +54,11 @@ static sl_status mirror(const char *folder, const char *path, char place[SL_RANK
 /* Any other rank's: the first file is the scene's own. */
 static sl_status take(const char *folder, char scene[SL_RANKS_PATH], sl_error *error) {
     sl_status status = SL_OK;
-    parcel p;
+    char name[SL_RANKS_PATH];
     for (char place[SL_RANKS_PATH]; status == SL_OK;) {
-        sl_ranks_tell(0, &p, sizeof p);
-        if (!p.path[0]) break;
-        status = mirror(folder, p.path, place, error);
+        sl_ranks_tell(0, name, sizeof name);
+        if (!name[0]) break;
+        status = mirror(folder, name, place, error);
         if (status == SL_OK) status = sl_share_file(0, NULL, place, error);
         if (!scene[0]) memcpy(scene, place, sizeof place);
     }

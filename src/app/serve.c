@@ -6,7 +6,6 @@
 #include "app/options.h"
 #include "app/page.h"
 #include "app/same_file.h"
-#include "app/serve/log.h"
 #include "app/serve/network.h"
 #include "app/serve/stage.h"
 #include "base/error.h"

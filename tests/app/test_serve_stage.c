@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "app/clock.h"
-#include "app/serve/log.h"
+#include "app/serve/stage_parts.h"
 #include "base/memory.h"
 #include "image/formats.h"
 #include "rendering.h"

@@ -1,5 +1,5 @@
 /* What is done to a scene, as often as there are copies of it. */
-#include "app/serve/event.h"
+#include "app/serve/world.h"
 
 #include "base/error.h"
 
@@ -88,6 +88,15 @@ sl_status sl_event_make(const void *event, sl_scene *scene, unsigned *changes, s
     default: return make_edit(e, scene, changes, error);
     }
     return sl_pose_take(&there, scene, changes, error);
+}
+
+sl_status sl_events_make(const sl_event *const *events, size_t count, sl_scene *scene, sl_error *error) {
+    sl_status status = SL_OK;
+    for (size_t i = 0; i < count && status == SL_OK; i++) {
+        unsigned ignored;
+        status = sl_event_make(events[i], scene, &ignored, error);
+    }
+    return status;
 }
 
 /* ---- what takes the place of what ---- */

@@ -4,6 +4,7 @@
 
 #include "app/clock.h"
 #include "app/same_file.h"
+#include "app/steps/run.h"
 #include "base/error.h"
 
 #include <stdio.h>
@@ -121,10 +122,7 @@ static sl_status begin(sl_stage *s, int side, const char *what, sl_error *error)
     if (status == SL_OK && strcmp(what, "page") == 0) {
         status = new_name(s, "page", ".html", j->page, error);
         j->settings.filter = SL_FILTER_CENTRE;
-        j->settings.height = (160 * j->settings.height + j->settings.width / 2) / j->settings.width;
-        j->settings.width = 160;
-        if (j->settings.height > 320) j->settings.height = 320;
-        if (j->settings.height < 1) j->settings.height = 1;
+        sl_steps_size(j->settings.width, j->settings.height, &j->settings);
     } else if (status == SL_OK) {
         status = new_name(s, "exact", ".exr", j->exr, error);
         snprintf(j->png, sizeof j->png, "%.*s.png", (int)strlen(j->exr) - 4, j->exr);
@@ -151,8 +149,7 @@ sl_status sl_take_exact(sl_stage *s, sl_taking *t) {
 }
 
 static void tell_exact(sl_stage *s, const sl_work_done *done) {
-    cJSON *m = sl_message("exact");
-    cJSON_AddStringToObject(m, "side", sl_side_name(s->kept.side));
+    cJSON *m = sl_message_of_side("exact", s->kept.side);
     cJSON_AddNumberToObject(m, "fraction", done->fraction);
     cJSON_AddBoolToObject(m, "done", done->exact_done);
     cJSON_AddStringToObject(m, "command", s->kept.command);
@@ -179,10 +176,7 @@ static void take_exact(sl_stage *s, const sl_work_done *done) {
     if (!s->kept.what || (!done->exact_done && !done->exact_error.status && now - s->kept.told < 0.2)) return;
     s->kept.told = now;
     if (done->exact_error.status) {
-        cJSON *m = sl_message("refused");
-        cJSON_AddStringToObject(m, "do", s->kept.what);
-        cJSON_AddStringToObject(m, "reason", done->exact_error.message);
-        sl_say(s, 0, m);
+        sl_say(s, 0, sl_refusal(s->kept.what, &done->exact_error));
         s->kept.what = NULL;
         return;
     }
@@ -203,8 +197,7 @@ static void show_reference(sl_stage *s, const sl_work_done *done) {
 }
 
 static void tell_error(sl_stage *s, int side, const sl_work_done *done) {
-    cJSON *m = sl_message("error");
-    cJSON_AddStringToObject(m, "side", sl_side_name(side));
+    cJSON *m = sl_message_of_side("error", side);
     cJSON_AddNumberToObject(m, "seconds", sl_seconds_now() - s->side[side].began);
     cJSON_AddNumberToObject(m, "error", done->error[side]);
     sl_say(s, 0, m);

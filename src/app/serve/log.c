@@ -1,9 +1,8 @@
 /* What has happened, and how far each show had come when it followed: enough to have its picture again, to
  * the bit. */
-#include "app/serve/log.h"
+#include "app/serve/stage_parts.h"
 
 #include "app/page.h"
-#include "app/serve/event.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/thread.h"

@@ -1,6 +1,6 @@
 /* The passes of a side whose method is observed: the newest picture of each, what they cost, and their
  * marks. The updating thread leaves them, the stage's sends them on. */
-#include "app/serve/passes.h"
+#include "app/serve/stage_parts.h"
 
 #include "app/clock.h"
 #include "app/page.h"
@@ -71,8 +71,7 @@ void sl_passes_overlay(sl_passes *p, const char *kind) {
 
 static void tell(sl_stage *s, sl_passes *p, int side, size_t i) {
     const sl_watched_pass *o = &p->watched.pass[i];
-    cJSON *m = sl_message("pass");
-    cJSON_AddStringToObject(m, "side", sl_side_name(side));
+    cJSON *m = sl_message_of_side("pass", side);
     cJSON_AddNumberToObject(m, "index", (double)i);
     cJSON_AddNumberToObject(m, "place", (double)o->place);
     cJSON_AddStringToObject(m, "name", o->name);
@@ -127,8 +126,7 @@ static void tell_overlay(sl_stage *s, sl_passes *p, int side, const sl_watched_p
     const size_t most = o->marks->kind == SL_MARK_SEGMENT ? EDGES_SHOWN : SHOWN;
     const sl_marks marks = {&view, o->marks, o->mark_count, most};
     char *svg = sl_printed(sl_marks_put, &marks);
-    cJSON *m = sl_message("overlay");
-    cJSON_AddStringToObject(m, "side", sl_side_name(side));
+    cJSON *m = sl_message_of_side("overlay", side);
     cJSON_AddStringToObject(m, "kind", p->overlay);
     cJSON_AddStringToObject(m, "pass", o->name);
     cJSON_AddNumberToObject(m, "width", view.width);

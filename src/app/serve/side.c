@@ -3,7 +3,6 @@
 
 #include "app/clock.h"
 #include "app/page.h"
-#include "app/serve/passes.h"
 #include "base/error.h"
 #include "cache/frame/method.h"
 
@@ -34,7 +33,7 @@ struct sl_side_show {
     const sl_world *world;
     sl_scene *scene;   /* the updates' */
     uint64_t has;      /* events that were made to it before the updates began */
-    sl_event **events; /* all that there were when it was asked for */
+    const sl_event **events; /* all that there were when it was asked for */
     size_t count;
     sl_live *live; /* NULL: it could not begin */
     sl_passes *passes;
@@ -76,10 +75,9 @@ static sl_status open_show(void *context, sl_scene **scene, sl_error *error) {
     w->before = NULL;
     if (!w->scene) w->has = 0;
     sl_status status = w->scene ? SL_OK : sl_world_copy(w->world, &w->scene, error);
-    for (; w->has < w->count && status == SL_OK; w->has++) {
-        unsigned ignored;
-        status = sl_event_make(w->events[w->has], w->scene, &ignored, error);
-    }
+    if (status == SL_OK)
+        status = sl_events_make(w->events + w->has, w->count - w->has, w->scene, error);
+    w->has = w->count;
     if (status != SL_OK) sl_scene_destroy(w->scene), w->scene = NULL;
     *scene = w->scene;
     return status;
@@ -89,7 +87,7 @@ static sl_status open_show(void *context, sl_scene **scene, sl_error *error) {
 static sl_status add_show(sl_stage *s, sl_side *d, sl_error *error) {
     const size_t count = s->world.count;
     sl_side_show *w = calloc(1, sizeof *w);
-    sl_event **events = malloc((count + 1) * sizeof *events);
+    const sl_event **events = malloc((count + 1) * sizeof *events);
     if (!w || !events) {
         free(w), free(events);
         return sl_fail_memory(error, "a show");
@@ -168,9 +166,8 @@ static void add_kept(const sl_side *d, cJSON *state, const sl_counters *now) {
 static void tell_state(sl_stage *s, int index) {
     const sl_side *d = &s->side[index];
     sl_counters now;
-    cJSON *state = sl_message("state");
+    cJSON *state = sl_message_of_side("state", index);
     sl_live_counters(d->live, &now);
-    cJSON_AddStringToObject(state, "side", sl_side_name(index));
     cJSON_AddStringToObject(state, "method", d->settings.method);
     cJSON_AddNumberToObject(state, "seconds", sl_seconds_now() - d->began);
     cJSON_AddNumberToObject(state, "batches", (double)d->last.updates);
@@ -202,10 +199,8 @@ static void note_latency(const sl_stage *s, sl_side *d, uint64_t shown) {
 
 /* What a side that has failed leaves is a line for all. */
 static void fail(sl_stage *s, int index, const sl_error *error) {
-    cJSON *refused = sl_message("refused");
-    cJSON_AddStringToObject(refused, "do", "method");
+    cJSON *refused = sl_refusal("method", error);
     cJSON_AddStringToObject(refused, "side", sl_side_name(index));
-    cJSON_AddStringToObject(refused, "reason", error->message);
     sl_say(s, 0, refused);
     sl_side_stop(s, index);
 }

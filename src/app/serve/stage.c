@@ -1,7 +1,6 @@
 #include "app/serve/stage_parts.h"
 
 #include "app/clock.h"
-#include "app/serve/passes.h"
 #include "base/error.h"
 
 #include <stdio.h>
@@ -13,6 +12,19 @@
 cJSON *sl_message(const char *is) {
     cJSON *m = cJSON_CreateObject();
     cJSON_AddStringToObject(m, "is", is);
+    return m;
+}
+
+cJSON *sl_message_of_side(const char *is, int side) {
+    cJSON *m = sl_message(is);
+    cJSON_AddStringToObject(m, "side", sl_side_name(side));
+    return m;
+}
+
+cJSON *sl_refusal(const char *what, const sl_error *error) {
+    cJSON *m = sl_message("refused");
+    cJSON_AddStringToObject(m, "do", what);
+    cJSON_AddStringToObject(m, "reason", error->message);
     return m;
 }
 
@@ -172,9 +184,8 @@ static sl_status take_settings(sl_settings *settings, const sl_taking *t) {
 }
 
 static void tell_method(sl_stage *s, int side) {
-    cJSON *m = sl_message("method");
+    cJSON *m = sl_message_of_side("method", side);
     const sl_side *d = &s->side[side];
-    cJSON_AddStringToObject(m, "side", sl_side_name(side));
     cJSON_AddStringToObject(m, "name", d->wanted ? d->settings.method : "");
     cJSON_AddItemToObject(m, "settings", sl_describe_settings(&d->settings));
     sl_say(s, 0, m);
@@ -274,12 +285,11 @@ static const struct {
 
 enum { REQUESTS = sizeof requests / sizeof requests[0] };
 
-static void answer(sl_stage *s, const char *what, sl_status status, const sl_error *error) {
-    cJSON *m = sl_message(status == SL_OK ? "did" : "refused");
+static cJSON *describe_deed(const sl_stage *s, const char *what) {
+    cJSON *m = sl_message("did");
     cJSON_AddStringToObject(m, "do", what);
-    if (status == SL_OK) cJSON_AddNumberToObject(m, "event", (double)s->world.count);
-    else cJSON_AddStringToObject(m, "reason", error->message);
-    sl_say(s, s->client, m);
+    cJSON_AddNumberToObject(m, "event", (double)s->world.count);
+    return m;
 }
 
 static void take_message(sl_stage *s, const cJSON *message) {
@@ -292,8 +302,9 @@ static void take_message(sl_stage *s, const cJSON *message) {
     if (status == SL_ERROR_INPUT && error.status != SL_ERROR_INPUT)
         sl_fail(&error, SL_ERROR_INPUT, "do: nothing of that name");
     if (status == SL_ERROR_INPUT) sl_mail_send(s->mail, sl_packet_end(s->client, error.message));
-    else if (status != SL_OK || (strcmp(what, "pick") != 0 && strcmp(what, "story") != 0))
-        answer(s, what, status, &error);
+    else if (status != SL_OK) sl_say(s, s->client, sl_refusal(what, &error));
+    else if (strcmp(what, "pick") != 0 && strcmp(what, "story") != 0)
+        sl_say(s, s->client, describe_deed(s, what));
 }
 
 static void count_viewers(sl_stage *s, int more) {

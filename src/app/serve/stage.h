@@ -25,3 +25,8 @@ void sl_stage_take(sl_stage *stage, sl_letter letter);
 double sl_stage_step(sl_stage *stage);
 /* Reads the mail and shows, until the mail is ended. */
 void sl_stage_run(sl_stage *stage);
+
+/* The picture of a log's show, the first (0) or second, which the caller destroys: that which lay beside the
+ * log when it was kept, to the bit. */
+sl_status sl_log_replay(const char *path, const char *scene, const sl_reading *reading, int show,
+                        sl_image **picture, sl_error *error);

@@ -75,6 +75,8 @@ struct sl_stage {
 
 /* ---- to viewers; client 0: to all ---- */
 cJSON *sl_message(const char *is);
+cJSON *sl_message_of_side(const char *is, int side);
+cJSON *sl_refusal(const char *what, const sl_error *error);
 void sl_say(sl_stage *stage, unsigned client, cJSON *message);
 /* Shows a picture to all. */
 void sl_show(sl_stage *stage, sl_frame_kind kind, unsigned index, const sl_image *picture, sl_tone *tone,
@@ -123,6 +125,18 @@ void sl_work_step(sl_stage *stage);
 /* Writes the events so far and what the shows made of them, and beside NAME.json the picture that each side's
  * method has then, NAME-a.exr. */
 sl_status sl_log_write(sl_stage *stage, const char *path, sl_error *error);
+
+/* ---- passes.c: of a side whose method is observed ---- */
+/* NULL: no memory. The observer is given to the method, and told of passes until that is gone. */
+sl_passes *sl_passes_create(const char *method);
+void sl_passes_destroy(sl_passes *passes); /* NULL is allowed */
+const sl_observer *sl_passes_observer(const sl_passes *passes);
+/* The marks of which pass are shown, by a part of its name; "": none. */
+void sl_passes_overlay(sl_passes *passes, const char *kind);
+/* Has all sent once more: somebody else wants to see them. */
+void sl_passes_again(sl_passes *passes);
+/* Sends what is new, now and then. */
+void sl_passes_step(sl_stage *stage, sl_passes *passes, int side, double now);
 
 /* ---- story.c ---- */
 sl_status sl_take_story(sl_stage *stage, sl_taking *t);

@@ -95,8 +95,7 @@ static void add_passes(cJSON *m, const char *method, const sl_explanation *e) {
 /* ---- the visit ---- */
 
 static cJSON *message_of(const story *y, const char *method, sl_explanation *e) {
-    cJSON *m = sl_message("story");
-    cJSON_AddStringToObject(m, "side", sl_side_name(y->side));
+    cJSON *m = sl_message_of_side("story", y->side);
     cJSON_AddNumberToObject(m, "x", y->x);
     cJSON_AddNumberToObject(m, "y", y->y);
     sl_add_floats(m, "pixel", e->pixel, 3);
@@ -115,9 +114,7 @@ static void visit(void *context, sl_method *method) {
                               : sl_fail(&error, SL_ERROR_USAGE, "story: the method has ended");
     if (status == SL_OK) status = sl_method_explanation(method, picture, y->x, y->y, &e, &error);
     cJSON *m = status == SL_OK ? message_of(y, sl_image_metadata(picture, "softlux.method"), e)
-                               : sl_message("refused");
-    if (status != SL_OK) cJSON_AddStringToObject(m, "do", "story");
-    if (status != SL_OK) cJSON_AddStringToObject(m, "reason", error.message);
+                               : sl_refusal("story", &error);
     sl_mail_send(y->mail, sl_packet_text(y->client, m));
     sl_explanation_destroy(e);
     sl_image_destroy(picture);

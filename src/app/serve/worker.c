@@ -69,15 +69,6 @@ static void forget(sl_worker *w) {
     w->probe = NULL;
 }
 
-static sl_status make_events(sl_worker *w, const sl_event **events, size_t count, sl_error *error) {
-    sl_status status = w->scene ? SL_OK : sl_world_copy(w->world, &w->scene, error);
-    for (size_t i = 0; i < count && status == SL_OK; i++) {
-        unsigned ignored;
-        status = sl_event_make(events[i], w->scene, &ignored, error);
-    }
-    return status;
-}
-
 static sl_status follow(sl_worker *w, sl_error *error) {
     sl_monitor_enter(&w->meeting);
     const sl_event **events = w->events;
@@ -88,7 +79,8 @@ static sl_status follow(sl_worker *w, sl_error *error) {
     w->resized = false;
     sl_monitor_leave(&w->meeting);
     if (changed) forget(w);
-    sl_status status = make_events(w, events, count, error);
+    sl_status status = w->scene ? SL_OK : sl_world_copy(w->world, &w->scene, error);
+    if (status == SL_OK) status = sl_events_make(events, count, w->scene, error);
     sl_free(events);
     return status;
 }
@@ -237,14 +229,10 @@ static sl_status finish_exact(sl_worker *w, sl_image **picture, sl_error *error)
 /* All at once. */
 static sl_status make_page(const sl_exact_job *j, sl_error *error) {
     sl_scene *scene = NULL;
-    cJSON *run = NULL, *runs = cJSON_CreateArray();
     const sl_steps_options o = {.settings = j->settings, .reference_samples = 16, .quiet = true};
     sl_status status = sl_scene_load_with(j->scene_path, &j->load, &scene, error);
     if (status == SL_OK) status = sl_scene_set_time(scene, j->at_seconds, NULL, error);
-    if (status == SL_OK) status = sl_steps_run(scene, &o, &run, error);
-    cJSON_AddItemToArray(runs, run);
-    if (status == SL_OK) status = sl_steps_page(j->page, j->settings.method, j->scene_path, runs, error);
-    cJSON_Delete(runs);
+    if (status == SL_OK) status = sl_steps_write(scene, j->scene_path, &o, j->page, error);
     sl_scene_destroy(scene);
     return status;
 }

@@ -1,7 +1,6 @@
 #include "app/serve/world.h"
 
 #include "app/memory_limit.h"
-#include "app/serve/event.h"
 #include "base/error.h"
 #include "base/grow.h"
 #include "base/memory.h"
@@ -38,7 +37,7 @@ sl_status sl_world_open(sl_world *w, const char *path, const sl_reading *reading
 }
 
 void sl_world_close(sl_world *w) {
-    for (size_t i = 0; i < w->count; i++) free(w->events[i]);
+    for (size_t i = 0; i < w->count; i++) free((void *)w->events[i]);
     sl_free(w->events);
     free(w->undo);
     free(w->sky);

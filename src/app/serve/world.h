@@ -53,6 +53,12 @@ typedef struct sl_event {
 
 /* Makes an event (what) to a copy of the scene that has had all those before: sl_live_change.make. */
 sl_status sl_event_make(const void *event, sl_scene *scene, unsigned *changes, sl_error *error);
+/* Makes some of them, one after the other. */
+sl_status sl_events_make(const sl_event *const *events, size_t count, sl_scene *scene, sl_error *error);
+/* The sky of a scene, which the caller frees with free(); NULL: no memory. */
+sl_sky *sl_sky_of(const sl_scene *scene);
+/* As sl_live_change.kind: equal where the later event is all that counts; 0: it is like none. */
+uint64_t sl_event_kind(const sl_item *items, size_t count);
 
 /* ---- the world ---- */
 
@@ -72,7 +78,7 @@ typedef struct sl_world {
     double time, first_time, duration, stops;
     bool looks; /* the camera is not the keyframes' */
     bool edited;
-    sl_event **events;
+    const sl_event **events;
     size_t count, room;
     sl_undo *undo;
     size_t undone, undo_count; /* of undo_count steps so many are undone */

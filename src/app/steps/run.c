@@ -189,7 +189,8 @@ static sl_status watch(const sl_scene *scene, const sl_steps_options *o, cJSON *
     return status;
 }
 
-sl_status sl_steps_run(const sl_scene *scene, const sl_steps_options *o, cJSON **out, sl_error *error) {
+/* Runs a method; *out, which the caller deletes, is one of a page's runs. */
+static sl_status run_method(const sl_scene *scene, const sl_steps_options *o, cJSON **out, sl_error *error) {
     static sl_recording recording; /* large */
     int width = o->settings.width, height = o->settings.height;
     cJSON *run = *out = cJSON_CreateObject(), *narrative = sl_narrative_of(o->settings.method);
@@ -226,14 +227,41 @@ extern const char _binary_src_app_steps_page_js_start[], _binary_src_app_steps_p
 extern const char _binary_src_app_serve_page_equation_js_start[],
     _binary_src_app_serve_page_equation_js_end[];
 
-sl_status sl_steps_page(const char *path, const char *methods, const char *scene, const cJSON *runs,
-                        sl_error *error) {
+static sl_status write_page(const char *path, const char *scene_path, const sl_steps_options *o,
+                            const cJSON *runs, sl_error *error) {
     const sl_page_files files = {
         _binary_src_app_steps_page_css_start,         _binary_src_app_steps_page_css_end,
         _binary_src_app_steps_page_js_start,          _binary_src_app_steps_page_js_end,
         _binary_src_app_serve_page_equation_js_start, _binary_src_app_serve_page_equation_js_end};
     char heading[4096], title[4300];
-    snprintf(heading, sizeof heading, "%.4000s, step by step", scene);
-    snprintf(title, sizeof title, "%.160s, %s", methods, heading);
+    snprintf(heading, sizeof heading, "%.4000s, step by step", scene_path);
+    snprintf(title, sizeof title, "%.60s%s%.60s, %s", o->settings.method, o->beside ? " beside " : "",
+             o->beside ? o->beside : "", heading);
     return sl_page_write(path, title, heading, &files, runs, error);
+}
+
+void sl_steps_size(int width, int height, sl_settings *settings) {
+    enum { WIDTH = 160 };
+    settings->width = WIDTH;
+    settings->height = (WIDTH * height + width / 2) / width;
+    if (settings->height < 1) settings->height = 1;
+    if (settings->height > 2 * WIDTH) settings->height = 2 * WIDTH;
+}
+
+sl_status sl_steps_write(const sl_scene *scene, const char *scene_path, const sl_steps_options *options,
+                         const char *path, sl_error *error) {
+    sl_steps_options o = *options;
+    cJSON *runs = cJSON_CreateArray();
+    sl_status status = SL_OK;
+    for (int i = 0; i < (o.beside ? 2 : 1) && status == SL_OK; i++) {
+        cJSON *run;
+        if (i == 1) o.settings.method = o.beside;
+        status = run_method(scene, &o, &run, error);
+        cJSON_AddItemToArray(runs, run);
+    }
+    sl_progress_clear(o.quiet);
+    sl_watch_for_interrupt(); /* a page that is being written is written to its end */
+    if (status == SL_OK) status = write_page(path, scene_path, options, runs, error);
+    cJSON_Delete(runs);
+    return status;
 }
