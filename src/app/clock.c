@@ -100,9 +100,3 @@ void sl_pass_times_begin(sl_pass_times *t, double (*clock)(void)) {
     t->clock = clock;
     t->last = clock();
 }
-
-double sl_pass_times_sum(const sl_pass_times *t) {
-    double sum = 0.0;
-    for (int i = 0; i < t->count; i++) sum += t->pass[i].seconds;
-    return sum;
-}

@@ -45,4 +45,3 @@ typedef struct sl_pass_times {
 
 void sl_pass_times_begin(sl_pass_times *times, double (*clock)(void)); /* which must stay where it is */
 void sl_pass_times_add(sl_pass_times *times, const char *name, double seconds);
-double sl_pass_times_sum(const sl_pass_times *times);

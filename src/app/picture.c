@@ -3,10 +3,8 @@
 
 #include "app/clock.h"
 #include "app/page.h"
-#include "app/same_file.h"
 #include "base/error.h"
 #include "base/values.h"
-#include "image/output_file.h"
 #include "image/tone.h"
 #include "scene/features.h"
 #include "cache/frame/method.h"
@@ -85,30 +83,6 @@ static void tell_blank_picture(const sl_render_options *o, const sl_scene *scene
     if (black >= nearly_all && o->exposure_given)
         fprintf(stderr, "softlux: warning: %.3g %% of the pixels are black: a higher --exposure shows more\n",
                 100.0 * black);
-}
-
-/* ---- names of files ---- */
-
-bool sl_output_is_known(const sl_render_options *o, sl_error *error) {
-    bool known = sl_ends_with(o->output, ".exr") || sl_ends_with(o->output, ".png") ||
-                 sl_ends_with(o->output, ".pfm");
-    if (known && (!o->frames || sl_frame_pattern_is_good(o->output))) return true;
-    if (known)
-        sl_fail(error, SL_ERROR_USAGE,
-                "--output: for --frames expected a name with the frame's number in it, as frame-%%04d.png; "
-                "got '%s'",
-                o->output);
-    else
-        sl_fail(error, SL_ERROR_USAGE,
-                "--output: expected a name that ends with .exr, .png or .pfm, got '%s'", o->output);
-    return false;
-}
-
-sl_status sl_output_is_open(const sl_render_options *o, sl_error *error) {
-    char first[4096];
-    if (o->frames) sl_frame_name(o->output, 0, first, sizeof first);
-    sl_status status = sl_output_check(o->frames ? first : o->output, error);
-    return status == SL_OK && o->save_cache ? sl_output_check(o->save_cache, error) : status;
 }
 
 /* ---- running ---- */

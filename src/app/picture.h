@@ -24,11 +24,6 @@ typedef struct sl_render_options {
     sl_reading reading;
 } sl_render_options;
 
-/* Tells whether the output's name says how to write it: .exr, .png or .pfm, and for a series %d or %04d where
- * the frame's number goes. */
-bool sl_output_is_known(const sl_render_options *options, sl_error *error);
-/* Fails where the picture, the first of a series or the cache could not be written. */
-sl_status sl_output_is_open(const sl_render_options *options, sl_error *error);
 /* The end of a render that did not fail. */
 typedef enum sl_render_end {
     SL_RENDER_DONE,
@@ -41,16 +36,10 @@ typedef enum sl_render_end {
 sl_status sl_render_pictures(const sl_render_options *options, sl_scene *scene, sl_render_end *end,
                              sl_error *error);
 
-/* ---- by what pictures shall be instead of by what shall be done: within an error (--error), the best within
- * a time (--time) ---- */
-
-/* Tells whether the options ask for that; other pictures are sl_render_pictures()'s. */
-bool sl_target_wanted(const sl_render_options *options);
-/* *end is left alone where all is done. */
+/* The same by what a picture shall be instead of by what shall be done: within an error (--error), the best
+ * within a time (--time). */
 sl_status sl_render_to_target(const sl_render_options *options, const sl_scene *scene, sl_render_end *end,
                               sl_error *error);
-/* "0.05" or "5%": a share above 0. */
-bool sl_parse_error_share(const char *text, double *share);
 
 /* ---- what both share ---- */
 

@@ -8,9 +8,13 @@
 #include "app/picture.h"
 #include "app/same_file.h"
 #include "app/scene_of_ranks.h"
+#include "base/error.h"
+#include "base/values.h"
 #include "cache/frame/all_light.h"
+#include "image/output_file.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, const char **error_text,
@@ -67,10 +71,23 @@ static bool parse(int argc, char **argv, sl_render_options *o, bool *at_given, c
     return sl_options_parse(&line, argc, argv, &o->scene_path, &operands, status);
 }
 
+/* "0.05" or "5%": a share above 0. */
+static bool parse_share(const char *text, double *share) {
+    char *end;
+    double value = strtod(text, &end);
+    if (end == text) return false;
+    if (*end == '%') {
+        value /= 100.0;
+        end++;
+    }
+    *share = value;
+    return !*end && value >= 1e-5 && value <= 10.0; /* false for NaN */
+}
+
 /* --error, and what does not go with it. */
 static bool take_error(sl_render_options *o, const char *text) {
     if (!text) return true;
-    if (!sl_parse_error_share(text, &o->error)) {
+    if (!parse_share(text, &o->error)) {
         fprintf(stderr, "softlux: --error: expected a share of 0.00001 to 10, as 0.05 or 5%%, got '%s'\n",
                 text);
         return false;
@@ -129,12 +146,42 @@ static sl_status choose_bounces(sl_render_options *o, const sl_scene *scene, sl_
     return SL_OK;
 }
 
+/* Tells whether --error or --time say what the picture shall be. */
+static bool is_target(const sl_render_options *o) {
+    if (o->frames) return false;
+    if (o->error > 0.0) return true;
+    bool fixed = o->quality_given || o->batches || o->load_cache || o->save_cache;
+    return o->time_seconds > 0.0 && !fixed;
+}
+
 static sl_status render(sl_render_options *o, sl_scene *scene, sl_render_end *end, sl_error *error) {
     sl_status status = choose_method(o, scene, error);
     if (status == SL_OK) status = choose_bounces(o, scene, error);
     if (status != SL_OK) return status;
-    return sl_target_wanted(o) ? sl_render_to_target(o, scene, end, error)
-                               : sl_render_pictures(o, scene, end, error);
+    return is_target(o) ? sl_render_to_target(o, scene, end, error) : sl_render_pictures(o, scene, end, error);
+}
+
+/* ---- names of files ---- */
+
+/* Tells whether the output's name says how to write it, and for a series where the frame's number goes. */
+static sl_status check_name(const sl_render_options *o, sl_error *error) {
+    bool known = sl_ends_with(o->output, ".exr") || sl_ends_with(o->output, ".png") ||
+                 sl_ends_with(o->output, ".pfm");
+    if (known && (!o->frames || sl_frame_pattern_is_good(o->output))) return SL_OK;
+    return known ? sl_fail(error, SL_ERROR_USAGE,
+                           "--output: for --frames expected a name with the frame's number in it, as "
+                           "frame-%%04d.png; got '%s'",
+                           o->output)
+                 : sl_fail(error, SL_ERROR_USAGE,
+                           "--output: expected a name that ends with .exr, .png or .pfm, got '%s'", o->output);
+}
+
+/* Fails where the picture, the first of a series or the cache could not be written. */
+static sl_status check_output(const sl_render_options *o, sl_error *error) {
+    char first[4096];
+    if (o->frames) sl_frame_name(o->output, 0, first, sizeof first);
+    sl_status status = sl_output_check(o->frames ? first : o->output, error);
+    return status == SL_OK && o->save_cache ? sl_output_check(o->save_cache, error) : status;
 }
 
 /* Lets a cache be kept in the file that it came from, and nothing else. */
@@ -155,9 +202,9 @@ int sl_command_render(int argc, char **argv) {
     if (!loses_nothing(&o)) return SL_ERROR_USAGE;
     sl_error error;
     sl_scene *scene = NULL;
-    if (!sl_output_is_known(&o, &error)) return sl_complain(&error); /* before the work, not after */
     sl_keep_freed_memory(&o.settings);
-    sl_status status = sl_output_is_open(&o, &error);
+    sl_status status = check_name(&o, &error); /* before the work, not after */
+    if (status == SL_OK) status = check_output(&o, &error);
     if (status == SL_OK)
         status = sl_load_for_ranks(o.scene_path, &o.reading.load, &o.settings, &scene, &error);
     if (status == SL_OK) status = sl_spare_scene(scene, "output", o.output, &error);

@@ -60,25 +60,6 @@ typedef struct climb {
     bool reached, out_of_time;
 } climb;
 
-bool sl_target_wanted(const sl_render_options *o) {
-    if (o->frames) return false;
-    if (o->error > 0.0) return true;
-    bool fixed = o->quality_given || o->batches || o->load_cache || o->save_cache;
-    return o->time_seconds > 0.0 && !fixed;
-}
-
-bool sl_parse_error_share(const char *text, double *share) {
-    char *end;
-    double value = strtod(text, &end);
-    if (end == text) return false;
-    if (*end == '%') {
-        value /= 100.0;
-        end++;
-    }
-    *share = value;
-    return !*end && value >= 1e-5 && value <= 10.0; /* false for NaN */
-}
-
 static bool is_tracer(const climb *c) { return c->steps == 0; }
 static double cost_of(const climb *c, unsigned step) { return c->steps ? c->ladder.step[step].cost : 1.0; }
 

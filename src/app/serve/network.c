@@ -260,36 +260,21 @@ static const page_file page_files[] = {
 };
 #undef PAGE_FILE
 
-/* Frames are blobs of the page's own, if it shows them as images. */
-static const char *const safe_headers[][2] = {
-    {"content-security-policy:", "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action "
-                                 "'none'; frame-ancestors 'none'"},
-    {"x-frame-options:", "DENY"},
-    {"referrer-policy:", "no-referrer"},
-    {"x-content-type-options:", "nosniff"},
-    {"cross-origin-opener-policy:", "same-origin"},
-    {"cross-origin-resource-policy:", "same-origin"},
-    {"cache-control:", "no-store"}};
-enum { SAFE_HEADERS = sizeof safe_headers / sizeof safe_headers[0] };
-
-static bool add_header(struct lws *wsi, const char *name, const char *value, unsigned char **at,
-                       unsigned char *end) {
-    return lws_add_http_header_by_name(wsi, (const unsigned char *)name, (const unsigned char *)value,
-                                       (int)strlen(value), at, end) == 0;
-}
-
-static bool add_safe_headers(struct lws *wsi, unsigned char **at, unsigned char *end) {
-    bool good = true;
-    for (int i = 0; i < SAFE_HEADERS && good; i++)
-        good = add_header(wsi, safe_headers[i][0], safe_headers[i][1], at, end);
-    return good;
-}
+/* Of every response. Frames are blobs of the page's own, if it shows them as images. */
+static const struct lws_protocol_vhost_options safe_headers[] = {
+    {&safe_headers[1], NULL, "content-security-policy:",
+     "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+    {&safe_headers[2], NULL, "x-frame-options:", "DENY"},
+    {&safe_headers[3], NULL, "referrer-policy:", "no-referrer"},
+    {&safe_headers[4], NULL, "x-content-type-options:", "nosniff"},
+    {&safe_headers[5], NULL, "cross-origin-opener-policy:", "same-origin"},
+    {&safe_headers[6], NULL, "cross-origin-resource-policy:", "same-origin"},
+    {NULL, NULL, "cache-control:", "no-store"}};
 
 static int send_head(struct lws *wsi, unsigned status, const char *type, size_t length) {
     unsigned char buffer[LWS_PRE + HEADERS], *start = buffer + LWS_PRE, *at = start,
                                              *end = start + HEADERS - 1;
     if (lws_add_http_common_headers(wsi, status, type, length, &at, end)) return 1;
-    if (!add_safe_headers(wsi, &at, end)) return 1;
     return lws_finalize_write_http_header(wsi, start, &at, end);
 }
 
@@ -334,8 +319,8 @@ static int send_kept(sl_network *n, struct lws *wsi, session *s, const char *pat
     const char *file = strrchr(name, '/') ? strrchr(name, '/') + 1 : name;
     char as[300];
     snprintf(as, sizeof as, "attachment; filename=\"%.200s\"", file);
-    if (!add_safe_headers(wsi, &at, buffer + HEADERS) ||
-        !add_header(wsi, "content-disposition:", as, &at, buffer + HEADERS))
+    if (lws_add_http_header_by_name(wsi, (const unsigned char *)"content-disposition:",
+                                    (const unsigned char *)as, (int)strlen(as), &at, buffer + HEADERS))
         return -1;
     const int result =
         lws_serve_http_file(wsi, name, "application/octet-stream", (const char *)buffer, (int)(at - buffer));
@@ -446,6 +431,7 @@ static sl_status listen_at(sl_network *n, sl_error *error) {
     memset(&info, 0, sizeof info);
     info.port = CONTEXT_PORT_NO_LISTEN_SERVER;
     info.protocols = protocols;
+    info.headers = safe_headers;
     info.user = n;
     info.gid = info.uid = -1;
     info.fd_limit_per_thread = CONNECTIONS;

@@ -40,23 +40,13 @@ struct sl_side_show {
     sl_side_show *before;
 };
 
-/* The newest event that updates have followed; the scene is as they had it. */
-static uint64_t last_followed(sl_live *live, uint64_t before) {
-    uint64_t last = before;
-    const size_t count = sl_live_turns(live, NULL, 0, NULL);
-    sl_live_turn *turns = malloc((count + 1) * sizeof *turns);
-    if (turns && sl_live_turns(live, turns, count, NULL) >= count && count) last = turns[count - 1].number;
-    free(turns);
-    return last;
-}
-
 /* Returns its scene, or NULL, and how many events that has had. NULL is allowed. */
 static sl_scene *end_show(sl_side_show *w, uint64_t *has) {
     *has = 0;
     if (!w) return NULL;
     if (w->live) {
-        sl_live_halt(w->live);
-        *has = last_followed(w->live, w->has);
+        const uint64_t last = sl_live_halt(w->live);
+        *has = last ? last : w->has;
     }
     sl_scene *scene = w->live ? w->scene : end_show(w->before, has);
     sl_live_stop(w->live, NULL);

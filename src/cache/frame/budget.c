@@ -127,7 +127,7 @@ static sl_status refuse(const sl_method_class *method, const sl_scene *scene, co
 
 sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, sl_settings *settings,
                          double beside, char *reduced, size_t room, sl_error *error) {
-    if (room) reduced[0] = '\0';
+    reduced[0] = '\0';
     if (!settings->memory_bytes) return SL_OK;
     const sl_settings asked = *settings;
     const double budget = (double)asked.memory_bytes - beside;
@@ -141,6 +141,6 @@ sl_status sl_budget_keep(const sl_method_class *method, const sl_scene *scene, s
         trial.threads++;
         if (need_of(method, scene, &trial) > need + (1.0 - of_growth) * left) break;
     }
-    if (room) tell(method, &asked, settings, reduced, room);
+    tell(method, &asked, settings, reduced, room);
     return SL_OK;
 }

@@ -378,11 +378,13 @@ bool sl_live_has_ended(sl_live *l) {
     return ended;
 }
 
-void sl_live_halt(sl_live *l) {
-    if (!l->runs) return;
-    sl_live_leave(l);
-    sl_thread_join(&l->thread);
+uint64_t sl_live_halt(sl_live *l) {
+    if (l->runs) {
+        sl_live_leave(l);
+        sl_thread_join(&l->thread);
+    }
     l->runs = false;
+    return l->changed;
 }
 
 void sl_live_stop(sl_live *l, sl_counters *counters) {

@@ -59,8 +59,9 @@ typedef void sl_live_visitor(void *context, sl_method *method);
 bool sl_live_visit(sl_live *live, sl_live_visitor *visitor, void *context);
 /* What the method had counted when its last update ended. */
 void sl_live_counters(sl_live *live, sl_counters *counters);
-/* Ends the updates, and waits for the one under way; frames and turns are still to be had. */
-void sl_live_halt(sl_live *live);
+/* Ends the updates, and waits for the one under way; frames and turns are still to be had. Returns the number
+ * of the newest change that they have followed; 0: of none. */
+uint64_t sl_live_halt(sl_live *live);
 void sl_live_leave(sl_live *live);     /* the same, without waiting */
 bool sl_live_has_ended(sl_live *live); /* the updates have */
 /* Lets updates rest, or go on. */

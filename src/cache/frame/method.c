@@ -100,12 +100,24 @@ sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_s
     return status == SL_OK ? sl_method_transport(chosen, transport, error) : status;
 }
 
-/* Fills in what was left to the machine or the quality, within the memory that there is. */
-static sl_status complete_settings(const sl_method_class *class, const sl_scene *scene, sl_settings *settings,
-                                   double beside, char *reduced, size_t room, sl_error *error) {
-    settings->threads = sl_thread_count(settings->threads);
-    class->complete(settings);
-    return sl_budget_keep(class, scene, settings, beside, reduced, room, error);
+/* All that is known of a method before it is made. */
+typedef struct prepared {
+    const sl_method_class *class;
+    sl_settings settings; /* complete */
+    sl_transport transport;
+    sl_bounces_measured found;
+    char reduced[512];
+} prepared;
+
+/* Fills in what was left to the scene, the machine or the quality, within the memory that there is. */
+static sl_status prepare(const sl_scene *scene, const sl_settings *asked, double beside, prepared *p,
+                         sl_error *error) {
+    sl_status status = sl_method_choose(scene, asked, &p->settings, &p->transport, &p->found, error);
+    if (status != SL_OK) return status;
+    p->class = find_class(p->settings.method);
+    p->settings.threads = sl_thread_count(p->settings.threads);
+    p->class->complete(&p->settings);
+    return sl_budget_keep(p->class, scene, &p->settings, beside, p->reduced, sizeof p->reduced, error);
 }
 
 /* ---- the central region of a scattered scene ---- */
@@ -184,27 +196,22 @@ sl_status sl_method_create_beside(const sl_scene *scene, const sl_settings *sett
                                   sl_method **method, sl_error *error) {
     if (!method) return sl_fail_null(error, "a place for a method");
     *method = NULL;
-    sl_settings chosen;
-    sl_transport transport;
-    sl_status status = sl_method_choose(scene, settings, &chosen, &transport, NULL, error);
+    prepared p;
+    sl_status status = prepare(scene, settings, bytes, &p, error);
     if (status != SL_OK) return status;
-    const sl_method_class *class = find_class(chosen.method);
     sl_method *m = sl_allocate(1, sizeof *m);
     if (!m) return sl_fail_memory(error, "a method");
-    m->class = class;
+    m->class = p.class;
     m->scene = scene;
-    m->seen = *scene;
-    m->settings = chosen;
-    snprintf(m->transport_name, sizeof m->transport_name, "%s",
-             settings->transport ? settings->transport : "");
-    if (!settings->transport)
-        snprintf(m->transport_name, sizeof m->transport_name, "matched:%s", class->name);
-    m->settings.method = class->name;
+    m->settings = p.settings;
+    m->transport = p.transport;
+    memcpy(m->reduced, p.reduced, sizeof m->reduced);
+    snprintf(m->transport_name, sizeof m->transport_name, "%s%s", settings->transport ? "" : "matched:",
+             settings->transport ? settings->transport : p.class->name);
+    m->settings.method = p.class->name;
     m->settings.transport = m->transport_name;
     m->memory_bytes = settings->memory_bytes;
-    m->transport = transport;
-    status = complete_settings(class, scene, &m->settings, bytes, m->reduced, sizeof m->reduced, error);
-    if (status == SL_OK) status = create_state(m, error);
+    status = create_state(m, error);
     if (status != SL_OK) {
         sl_method_destroy(m);
         return status;
@@ -423,14 +430,12 @@ sl_status sl_method_memory_need(const sl_scene *scene, const sl_settings *settin
                                 sl_error *error) {
     if (!bytes) return sl_fail_null(error, "a place for a number");
     *bytes = 0;
-    sl_settings completed;
-    sl_transport ignored;
-    sl_status status = sl_method_choose(scene, settings, &completed, &ignored, NULL, error);
-    if (status != SL_OK) return status;
-    const sl_method_class *class = find_class(completed.method);
-    completed.memory_bytes = 0;
-    status = complete_settings(class, scene, &completed, 0.0, NULL, 0, error);
-    if (status == SL_OK) *bytes = sl_budget_need(class, scene, &completed);
+    if (!settings) return sl_fail_null(error, "a scene and settings");
+    sl_settings unlimited = *settings;
+    prepared p;
+    unlimited.memory_bytes = 0;
+    sl_status status = prepare(scene, &unlimited, 0.0, &p, error);
+    if (status == SL_OK) *bytes = sl_budget_need(p.class, scene, &p.settings);
     return status;
 }
 
@@ -495,38 +500,32 @@ void sl_plan_limit(sl_plan_writer *writer, const char *limit, ...) {
     fputc('\n', writer->out);
 }
 
-static void write_plan(sl_plan_writer *writer, const sl_method_class *class, const sl_scene *scene,
-                       const sl_settings *settings, const sl_bounces_measured *found, const char *reduced) {
-    class->plan(scene, settings, writer);
-    if (sl_method_has_film(class, settings))
+static void write_plan(sl_plan_writer *writer, const sl_scene *scene, const prepared *p) {
+    p->class->plan(scene, &p->settings, writer);
+    if (sl_method_has_film(p->class, &p->settings))
         sl_plan_pass(writer, true, "film",
                      "4 sub-frames of all pixels, others where edges are or light differs: "
                      "%u samples at most",
-                     settings->sub_samples);
-    if (found->bounces)
+                     p->settings.sub_samples);
+    if (p->found.bounces)
         sl_plan_pass(writer, true, "bounces",
-                     "%u: all others would add %.1f %% of the light, as a few paths tell", found->bounces,
-                     100.0 * found->left);
-    if (reduced[0]) sl_plan_pass(writer, true, "with less memory", "%s", reduced);
+                     "%u: all others would add %.1f %% of the light, as a few paths tell", p->found.bounces,
+                     100.0 * p->found.left);
+    if (p->reduced[0]) sl_plan_pass(writer, true, "with less memory", "%s", p->reduced);
 }
 
 sl_status sl_method_plan(const sl_scene *scene, const sl_settings *settings, char **text, sl_error *error) {
     if (!text) return sl_fail_null(error, "a place for a plan");
     *text = NULL;
-    sl_settings completed;
-    sl_transport ignored;
-    sl_bounces_measured found;
-    sl_status status = sl_method_choose(scene, settings, &completed, &ignored, &found, error);
-    if (status != SL_OK) return status;
-    const sl_method_class *class = find_class(completed.method);
-    char reduced[512] = "", *told = NULL;
+    prepared p;
+    char *told = NULL;
     size_t size;
-    status = complete_settings(class, scene, &completed, 0.0, reduced, sizeof reduced, error);
+    sl_status status = prepare(scene, settings, 0.0, &p, error);
     if (status != SL_OK) return status;
     sl_plan_writer writer = {open_memstream(&told, &size)};
     if (!writer.out) return sl_fail_memory(error, "the plan");
     void *before = sl_c_locale_begin();
-    write_plan(&writer, class, scene, &completed, &found, reduced);
+    write_plan(&writer, scene, &p);
     sl_c_locale_end(before);
     const bool whole = !ferror(writer.out);
     if (fclose(writer.out) == 0 && whole) *text = told;
