@@ -36,10 +36,6 @@ typedef struct options {
     int frames, size;
 } options;
 
-static void check(sl_status status, const sl_error *error) {
-    if (status != SL_OK) bench_fail("bench_frames", error);
-}
-
 /* ---- a method, frame by frame ---- */
 
 typedef struct runner {
@@ -53,12 +49,12 @@ static void open_runner(runner *r, const sl_scene *scene, const char *arguments,
                         bool whole) {
     sl_settings settings;
     sl_error error = {SL_ERROR_USAGE, "options that mean nothing"};
-    check(sl_trial_settings(arguments, &settings) ? SL_OK : SL_ERROR_USAGE, &error);
+    bench_check(sl_trial_settings(arguments, &settings) ? SL_OK : SL_ERROR_USAGE, &error);
     settings.width = width;
     settings.height = height;
     if (!settings.threads) settings.threads = 1;
     *r = (runner){.whole = whole};
-    check(sl_method_create(scene, &settings, &r->method, &error), &error);
+    bench_check(sl_method_create(scene, &settings, &r->method, &error), &error);
 }
 
 static void close_runner(runner *r) {
@@ -72,11 +68,11 @@ static void next_frame(runner *r, unsigned changes) {
     sl_error error;
     sl_image_destroy(r->before);
     r->before = r->image;
-    if (changes) check(sl_method_edit(r->method, changes, &error), &error);
-    do check(sl_method_update(r->method, &progress, &error), &error);
+    if (changes) bench_check(sl_method_edit(r->method, changes, &error), &error);
+    do bench_check(sl_method_update(r->method, &progress, &error), &error);
     while (!progress.done && (r->whole || !progress.frame_done));
     r->done = progress.done;
-    check(sl_method_resolve(r->method, &r->image, &error), &error);
+    bench_check(sl_method_resolve(r->method, &r->image, &error), &error);
 }
 
 /* ---- what moves ---- */
@@ -93,7 +89,7 @@ static void turn_camera(sl_scene *scene, const sl_camera *start, double t) {
                 up[3] = {start->up.x, start->up.y, start->up.z};
     const float at[3] = {eye[0] + ahead.x, eye[1] + ahead.y, eye[2] + ahead.z};
     sl_error error;
-    check(sl_scene_set_camera(scene, eye, at, up, start->vertical_fov, &error), &error);
+    bench_check(sl_scene_set_camera(scene, eye, at, up, start->vertical_fov, &error), &error);
 }
 
 /* Returns SL_CHANGED_ bits. */
@@ -101,7 +97,7 @@ static unsigned move(sl_scene *scene, const sl_camera *start, motion m, int fram
     unsigned changes = 0;
     sl_error error;
     if (m == TIME) {
-        check(sl_scene_set_time(scene, (double)frame / FRAMES_A_SECOND, &changes, &error), &error);
+        bench_check(sl_scene_set_time(scene, (double)frame / FRAMES_A_SECOND, &changes, &error), &error);
         return changes;
     }
     turn_camera(scene, start, (double)frame / frames);
@@ -258,7 +254,7 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: bench_frames FILE [--table NAME] [--frames N] [--size N] [SCENE]\n");
         return 2;
     }
-    check(sl_trials_read(o.file, &trials, &error), &error);
+    bench_check(sl_trials_read(o.file, &trials, &error), &error);
     run_file(&o, &trials);
     sl_trials_free(&trials);
     return 0;

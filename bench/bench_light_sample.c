@@ -59,10 +59,9 @@ static bench_case *add_case(bench *b, const char *name, sl_light_estimator estim
     s.estimator = estimator;
     if (estimator == SL_LIGHT_RAYS) s.rays = size;
     else s.size = s.largest = size;
-    if (sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error) !=
-            SL_OK ||
-        sl_light_sample_scratch_create(c->sampling, &c->scratch, &error) != SL_OK)
-        bench_fail(name, &error);
+    bench_check(sl_light_sampling_create(b->scene, b->raster, b->tracer, b->lights, &s, &c->sampling, &error),
+                &error);
+    bench_check(sl_light_sample_scratch_create(c->sampling, &c->scratch, &error), &error);
     return c;
 }
 
@@ -92,7 +91,7 @@ static void choose_light(bench *b) {
         if (power > best) b->light = i;
         best = fmax(best, power);
     }
-    if (!(best > 0.0)) bench_fail("no planar area light", NULL);
+    if (!(best > 0.0)) bench_fail("no planar area light");
 }
 
 /* Half of the points see a part of the light, the others are as they come; those first. */
@@ -251,10 +250,9 @@ int main(int argc, char **argv) {
     sl_error error = {0};
     b.repetitions = o.brief ? 3 : REPETITIONS;
     if (!bench_open_scene("scenes/generated/room.json", &b.scene)) return 1;
-    if (sl_raster_create(b.scene, 1, &b.raster, &error) != SL_OK ||
-        sl_tracer_create(b.scene, 1, NULL, &b.tracer, &error) != SL_OK ||
-        sl_sampled_lights_find(b.scene, &b.lights, &error) != SL_OK)
-        bench_fail("the room", &error);
+    bench_check(sl_raster_create(b.scene, 1, &b.raster, &error), &error);
+    bench_check(sl_tracer_create(b.scene, 1, NULL, &b.tracer, &error), &error);
+    bench_check(sl_sampled_lights_find(b.scene, &b.lights, &error), &error);
     choose_light(&b);
     choose_points(&b);
     printf("The generated room, %zu triangles; %zu points, of which %zu see a part of the light.\n",

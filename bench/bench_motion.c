@@ -22,6 +22,7 @@
 #include <unistd.h>
 
 #include "app/bench/trials.h"
+#include "app/picture.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "cache/audit/trace_probes.h"
@@ -100,15 +101,11 @@ typedef struct contestant {
     double change, truth; /* sums of squares from a frame to the next, while things move */
 } contestant;
 
-static void check(sl_status status, const sl_error *error) {
-    if (status != SL_OK) bench_fail("bench_motion", error);
-}
-
 static void set_up(const char *method, int size, sl_settings *settings) {
     char text[128];
     const sl_error error = {SL_ERROR_USAGE, "options that mean nothing"};
     snprintf(text, sizeof text, "--method %s --filter centre --quality draft --threads 2", method);
-    check(sl_trial_settings(text, settings) ? SL_OK : SL_ERROR_USAGE, &error);
+    bench_check(sl_trial_settings(text, settings) ? SL_OK : SL_ERROR_USAGE, &error);
     settings->width = settings->height = size;
     settings->shading_cache.frames_per_update = 1;
     settings->shading_cache.updates = 1000000000;
@@ -134,10 +131,10 @@ static void open_method(contestant *c, const sl_scene *scene, const char *method
     sl_settings settings;
     sl_error error;
     set_up(method, size, &settings);
-    check(sl_scene_copy(scene, &c->scene, &error), &error);
-    check(sl_method_create(c->scene, &settings, &c->method, &error), &error);
+    bench_check(sl_scene_copy(scene, &c->scene, &error), &error);
+    bench_check(sl_method_create(c->scene, &settings, &c->method, &error), &error);
     const sl_window_class *window = c->method->class->window;
-    if (window) check(window->create(c->method->state, c->scene, 1, &c->window, &error), &error);
+    if (window) bench_check(window->create(c->method->state, c->scene, 1, &c->window, &error), &error);
 }
 
 static void open_contestant(contestant *c, const sl_scene *scene, const char *path, const char *method,
@@ -179,13 +176,13 @@ static void draw_window(contestant *c, sl_image **image) {
     const sl_settings *settings = &c->method->settings;
     uint64_t versions;
     sl_error error;
-    check(sl_image_create(settings->width, settings->height, 3, NULL, image, &error), &error);
-    check(c->method->class->window->draw(c->window, *image, &versions, &c->drawing, &error), &error);
+    bench_check(sl_image_create(settings->width, settings->height, 3, NULL, image, &error), &error);
+    bench_check(c->method->class->window->draw(c->window, *image, &versions, &c->drawing, &error), &error);
 }
 
 static void draw_rival(const contestant *c, int size, sl_image **image) {
     sl_error error;
-    check(sl_image_create(size, size, 3, NULL, image, &error), &error);
+    bench_check(sl_image_create(size, size, 3, NULL, image, &error), &error);
     memcpy((*image)->planes, render_cache_picture(c->rival->cache),
            3 * (size_t)size * (size_t)size * sizeof(float));
 }
@@ -196,8 +193,8 @@ static void smooth(contestant *c, sl_image *image) {
     sl_error error;
     if (!class || class->any_transport) return;
     const uint32_t *id = c->window ? class->window->ids(c->window) : NULL;
-    if (!c->edges) check(sl_antialias_create(image->width, image->height, &c->edges, &error), &error);
-    check(sl_antialias_edges(c->edges, c->scene, sl_method_raster(c->method), id, 1, image, &c->drawing,
+    if (!c->edges) bench_check(sl_antialias_create(image->width, image->height, &c->edges, &error), &error);
+    bench_check(sl_antialias_edges(c->edges, c->scene, sl_method_raster(c->method), id, 1, image, &c->drawing,
                              &error),
           &error);
 }
@@ -207,7 +204,7 @@ static void show(contestant *c, int size) {
     sl_image *image;
     if (c->rival) draw_rival(c, size, &image);
     else if (c->window) draw_window(c, &image);
-    else check(sl_method_resolve(c->method, &image, &error), &error);
+    else bench_check(sl_method_resolve(c->method, &image, &error), &error);
     smooth(c, image);
     if (c->shown != c->before) sl_image_destroy(c->shown);
     c->shown = image;
@@ -222,10 +219,10 @@ static void follow(contestant *c, double time) {
         render_cache_edit(c->rival->cache, shading_move(&c->rival->world, time));
         return;
     }
-    check(sl_scene_set_time(c->scene, time, &changes, &error), &error);
-    if (changes) check(sl_method_edit(c->method, changes, &error), &error);
+    bench_check(sl_scene_set_time(c->scene, time, &changes, &error), &error);
+    if (changes) bench_check(sl_method_edit(c->method, changes, &error), &error);
     if (c->window && (changes & SL_CHANGED_OBJECTS))
-        check(c->method->class->window->move(c->window, &error), &error);
+        bench_check(c->method->class->window->move(c->window, &error), &error);
     c->may_move = c->window != NULL;
 }
 
@@ -249,7 +246,7 @@ static void play(contestant *c, double time, int size) {
         return;
     }
     while (c->balance > 0.0 && !progress.done) {
-        check(sl_method_update(c->method, &progress, &error), &error);
+        bench_check(sl_method_update(c->method, &progress, &error), &error);
         pay(c);
         if (c->window || !shows(c, &progress)) continue;
         show(c, size);
@@ -298,17 +295,17 @@ static void trace_truth(truth *t, const sl_scene *scene, int size, uint32_t samp
     sl_transport transport;
     sl_error error = {SL_ERROR_USAGE, "options that mean nothing"};
     uint32_t pixel[PROBES];
-    check(sl_trial_settings("--method path --transport full", &asked) ? SL_OK : SL_ERROR_USAGE, &error);
+    bench_check(sl_trial_settings("--method path --transport full", &asked) ? SL_OK : SL_ERROR_USAGE, &error);
     asked.width = asked.height = size;
-    check(sl_method_choose(scene, &asked, &settings, &transport, NULL, &error), &error);
-    check(sl_probe_tracer_create(&t->tracer, scene, &transport, size, size, 2, 1, &error), &error);
+    bench_check(sl_method_choose(scene, &asked, &settings, &transport, NULL, &error), &error);
+    bench_check(sl_probe_tracer_create(&t->tracer, scene, &transport, size, size, 2, 1, &error), &error);
     t->count = 0;
     for (uint32_t i = 0; i < PROBES; i++) {
         uint32_t stratum = (uint32_t)(size * size / PROBES);
         pixel[i] = i * stratum + sl_random_bits(sl_random_key(7, 0), i) % stratum;
         if (t->tracer.surfaces->planes[pixel[i]] > 0.5f) t->pixel[t->count++] = pixel[i];
     }
-    check(sl_probe_tracer_trace(&t->tracer, t->pixel, t->count, samples, &error), &error);
+    bench_check(sl_probe_tracer_trace(&t->tracer, t->pixel, t->count, samples, &error), &error);
     for (size_t i = 0; i < t->count; i++)
         sl_probe_tracer_means(&t->tracer, t->pixel[i], t->p[i], t->q[i]);
     sl_probe_tracer_release(&t->tracer);
@@ -320,7 +317,7 @@ static double mean_of_run(sl_scene *scene, int size) {
     double sum = 0.0;
     sl_error error;
     for (int k = 0; k < FRAMES; k += RATE) {
-        check(sl_scene_set_time(scene, (double)k / RATE, NULL, &error), &error);
+        bench_check(sl_scene_set_time(scene, (double)k / RATE, NULL, &error), &error);
         trace_truth(&some, scene, size, 2);
         sum += mean_of(&some);
     }
@@ -365,24 +362,19 @@ static void write_frame(const options *o, const char *scene, const char *name, i
     sl_error error = {SL_ERROR_OUTPUT, "the film's folder has too long a name"};
     const sl_tone tone = {SL_TONE_CLIP, (float)-log2(white), false};
     const int used = snprintf(path, sizeof path, "%s/%s-%s-%02d.png", o->film, scene, name, frame);
-    check(used < (int)sizeof path ? SL_OK : SL_ERROR_OUTPUT, &error);
-    check(sl_image_write_png(image, path, tone, &error), &error);
+    bench_check(used < (int)sizeof path ? SL_OK : SL_ERROR_OUTPUT, &error);
+    bench_check(sl_image_write_png(image, path, tone, &error), &error);
 }
 
 static void trace_whole(const sl_scene *scene, int size, sl_image **image) {
     sl_settings settings = sl_settings_default();
-    sl_method *method;
-    sl_progress progress = {0};
     sl_error error;
     settings.method = "path";
     settings.transport = "full";
     settings.width = settings.height = size;
     settings.spp = FILM_SAMPLES;
     settings.threads = 2;
-    check(sl_method_create(scene, &settings, &method, &error), &error);
-    while (!progress.done) check(sl_method_update(method, &progress, &error), &error);
-    check(sl_method_resolve(method, image, &error), &error);
-    sl_method_destroy(method);
+    bench_check(sl_picture_make(scene, &settings, HUGE_VAL, image, &error), &error);
 }
 
 /* Judges a frame of the film as a whole, and writes it. */
@@ -397,7 +389,7 @@ static void film_frame(const options *o, const char *name, const sl_scene *scene
         contestant *c = &contestants[i];
         sl_comparison found = {.flip = 1.0};
         if (!c->shown) continue;
-        check(sl_image_compare(c->shown, whole, &screen, &found, NULL, &error), &error);
+        bench_check(sl_image_compare(c->shown, whole, &screen, &found, NULL, &error), &error);
         c->flip += found.flip / FILM_FRAMES;
         write_frame(o, name, c->name, frame, c->shown, white);
     }
@@ -519,12 +511,12 @@ static void run_scene(const options *o, const char *path) {
     const double white = 5.0 * mean_of_run(scene, size);
     double mean = 0.0;
     int frames = 0;
-    check(sl_scene_set_time(scene, 0.0, NULL, &error), &error);
+    bench_check(sl_scene_set_time(scene, 0.0, NULL, &error), &error);
     int count = open_all(o, scene, path, size, contestants);
     for (int k = 0; k < FRAMES; k++) {
         double time = (double)k / RATE;
         bool judged = k % step == 0, pair = k % RATE == 1 && is_moving(k) && k > RATE;
-        check(sl_scene_set_time(scene, time, NULL, &error), &error);
+        bench_check(sl_scene_set_time(scene, time, NULL, &error), &error);
         if (pair) before = now;
         if (judged || pair) {
             trace_truth(&now, scene, size, o->common.brief ? 4 : SAMPLES);

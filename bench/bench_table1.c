@@ -71,10 +71,9 @@ static double gather_points(const world *w, const instrument *m, bool jitter, ui
     s.jitter = jitter;
     s.hit_samples = m->samples;
     if (m->fov_deg > 0.0) s.plane_fov = (float)(m->fov_deg * SL_PI / 180.0);
-    if (sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &error) != SL_OK)
-        bench_fail("gather", &error);
+    bench_check(sl_gather_create(w->scene, w->raster, w->tracer, &s, 1, &gather, &error), &error);
     for (unsigned i = 0; i < threads; i++) {
-        if (sl_gather_scratch_create(gather, &t.scratch[i], &error) != SL_OK) bench_fail("scratch", &error);
+        bench_check(sl_gather_scratch_create(gather, &t.scratch[i], &error), &error);
     }
     t.gather = gather;
     double from = now_ms();
@@ -113,8 +112,8 @@ static bool open_world(const char *path, size_t points, world *w) {
     sl_error error;
     *w = (world){.threads = sl_thread_count(0)};
     if (!bench_open_scene(path, &w->scene)) return false;
-    if (sl_raster_create(w->scene, 1, &w->raster, &error) != SL_OK) bench_fail("rasterizer", &error);
-    if (sl_tracer_create(w->scene, 1, NULL, &w->tracer, &error) != SL_OK) bench_fail("tracer", &error);
+    bench_check(sl_raster_create(w->scene, 1, &w->raster, &error), &error);
+    bench_check(sl_tracer_create(w->scene, 1, NULL, &w->tracer, &error), &error);
     w->points = bench_allocate(points, sizeof *w->points);
     w->gathered[0] = bench_allocate(6 * points, sizeof(float));
     w->gathered[1] = w->gathered[0] + 3 * points;

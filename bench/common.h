@@ -17,8 +17,9 @@ typedef struct bench_options {
 
 bench_options bench_options_parse(int argc, char **argv);
 bool bench_wants(const bench_options *o, const char *scene);
-/* Ends the program. */
-_Noreturn void bench_fail(const char *what, const sl_error *error);
+/* Ends the program; so does a check unless all went well. */
+_Noreturn void bench_fail(const char *what);
+void bench_check(sl_status status, const sl_error *error);
 void *bench_allocate(size_t count, size_t size);
 
 /* Prints the head of a table, as sl_report_head(). */

@@ -39,10 +39,9 @@ static sl_gbuffer *draw(const sl_scene *scene, int width, int height) {
     sl_gbuffer *gbuffer = NULL;
     sl_counters counters = {{0}};
     sl_error error;
-    if (sl_raster_create(scene, 1, &raster, &error) != SL_OK ||
-        sl_gbuffer_create(width, height, &gbuffer, &error) != SL_OK ||
-        sl_raster_gbuffer(raster, &view, 1, gbuffer, &counters, &error) != SL_OK)
-        bench_fail("rasterizer", &error);
+    bench_check(sl_raster_create(scene, 1, &raster, &error), &error);
+    bench_check(sl_gbuffer_create(width, height, &gbuffer, &error), &error);
+    bench_check(sl_raster_gbuffer(raster, &view, 1, gbuffer, &counters, &error), &error);
     sl_raster_destroy(raster);
     return gbuffer;
 }

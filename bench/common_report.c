@@ -28,14 +28,18 @@ bool bench_wants(const bench_options *o, const char *scene) {
     return !o->only || strstr(scene, o->only);
 }
 
-_Noreturn void bench_fail(const char *what, const sl_error *error) {
-    fprintf(stderr, "%s: %s\n", what, error ? error->message : "failed");
+_Noreturn void bench_fail(const char *what) {
+    fprintf(stderr, "bench: %s\n", what);
     exit(1);
+}
+
+void bench_check(sl_status status, const sl_error *error) {
+    if (status != SL_OK) bench_fail(error->message);
 }
 
 void *bench_allocate(size_t count, size_t size) {
     void *memory = sl_allocate(count, size);
-    if (!memory) bench_fail("memory", NULL);
+    if (!memory) bench_fail("not enough memory");
     return memory;
 }
 

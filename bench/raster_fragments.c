@@ -14,10 +14,6 @@ enum { SIDE = 1000, PIXELS = SIDE * SIDE };
 
 static const double wanted_splats = 6.0, wanted_fill = 4.0, wanted_small = 3.5, wanted_reduction = 15.0;
 
-static void expect_ok(sl_status status, const sl_error *error) {
-    if (status != SL_OK) bench_fail("fragments", error);
-}
-
 /* ---- splats: 4000 records of radiance cache splatting on a G-buffer of the room -------------- */
 
 enum { SPLATS = 4000, SUMS = 5 };
@@ -39,7 +35,7 @@ static void draw_splats(void *context, unsigned threads, sl_counters *counters) 
     sl_error error;
     p->rules.threads = threads;
     const sl_record_list list = {.records = p->record, .count = SPLATS, .capacity = SPLATS};
-    expect_ok(sl_splat_records(&p->rules, &list, 0, &p->sums, counters, &error), &error);
+    bench_check(sl_splat_records(&p->rules, &list, 0, &p->sums, counters, &error), &error);
 }
 
 /* A record at a random pixel, so large that it is seen some 32 pixels to each side. */
@@ -71,8 +67,8 @@ static void make_gbuffer(splat_pass *p) {
     sl_view view = bench_camera_view(p->scene, SIDE, SIDE);
     sl_counters counters = {{0}};
     sl_error error;
-    expect_ok(sl_gbuffer_create(SIDE, SIDE, &p->gbuffer, &error), &error);
-    expect_ok(sl_raster_gbuffer(p->scene->raster, &view, 1, p->gbuffer, &counters, &error), &error);
+    bench_check(sl_gbuffer_create(SIDE, SIDE, &p->gbuffer, &error), &error);
+    bench_check(sl_raster_gbuffer(p->scene->raster, &view, 1, p->gbuffer, &counters, &error), &error);
     p->receives = bench_allocate(PIXELS, sizeof *p->receives);
     for (size_t i = 0; i < PIXELS; i++) p->receives[i] = p->gbuffer->material[i] != SL_NO_INDEX;
 }
@@ -163,7 +159,7 @@ static void draw_gouraud(void *context, unsigned threads, sl_counters *counters)
     gouraud_pass *p = context;
     sl_target target = {SIDE, SIDE, p->id, p->depth};
     sl_error error;
-    expect_ok(sl_raster_id(p->scene->raster, &p->view, threads, &target, counters, &error), &error);
+    bench_check(sl_raster_id(p->scene->raster, &p->view, threads, &target, counters, &error), &error);
     sl_raster_gouraud(p->scene->raster, &p->view, threads, p->id,
                       &(sl_gouraud_pass){.channels = 3, .vertex = p->attributes, .out = p->colour}, counters);
 }

@@ -1,9 +1,10 @@
 #include "raster_osmesa.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+#include "common.h"
 #include "osmesa.h"
 #include "raster_shaders.h"
 
@@ -33,15 +34,6 @@ const char *peer_start(unsigned threads) {
 
 const char *peer_name(void) { return running ? osmesa_name() : "not here"; }
 
-static void *allocated(size_t count, size_t size) {
-    void *memory = calloc(count ? count : 1, size);
-    if (!memory) {
-        fprintf(stderr, "bench_raster: out of memory\n");
-        exit(1);
-    }
-    return memory;
-}
-
 static size_t plane_bytes(const osmesa_target *target, int plane) {
     static const size_t channels[] = {[PLANE_R32UI] = 1, [PLANE_RG32UI] = 2, [PLANE_R32F] = 1,
                                       [PLANE_RG32F] = 2, [PLANE_RGB32F] = 3, [PLANE_RGBA32F] = 4};
@@ -53,13 +45,13 @@ static void add_target(peer_pass *pass, int width, int height, int planes, const
     osmesa_target *target = &pass->target[pass->targets++];
     *target = osmesa_target_create(width, height, planes, formats, pass->depth);
     for (int k = 0; k < planes + (pass->depth ? 1 : 0); k++) {
-        if (!pass->memory[k]) pass->memory[k] = allocated(plane_bytes(target, k), 1);
+        if (!pass->memory[k]) pass->memory[k] = bench_allocate(plane_bytes(target, k), 1);
     }
 }
 
 static peer_pass *make_pass(int width, int height, int planes, const osmesa_format *formats, bool depth,
                             bool add) {
-    peer_pass *pass = allocated(1, sizeof *pass);
+    peer_pass *pass = bench_allocate(1, sizeof *pass);
     pass->depth = depth;
     pass->add = add;
     add_target(pass, width, height, planes, formats);
@@ -85,9 +77,10 @@ static osmesa_mesh upload(const peer_mesh *m, const float *second, const float *
  * its three, or a copy. */
 static osmesa_mesh upload_numbered(const peer_mesh *m) {
     size_t most = m->vertex_count + m->triangle_count, count = m->vertex_count;
-    float *position = allocated(3 * most, sizeof *position), *number = allocated(most, sizeof *number);
-    uint32_t *index = allocated(3 * m->triangle_count, sizeof *index);
-    bool *used = allocated(most, sizeof *used);
+    float *position = bench_allocate(3 * most, sizeof *position),
+          *number = bench_allocate(most, sizeof *number);
+    uint32_t *index = bench_allocate(3 * m->triangle_count, sizeof *index);
+    bool *used = bench_allocate(most, sizeof *used);
     memcpy(position, m->position, 3 * count * sizeof *position);
     for (size_t t = 0; t < m->triangle_count; t++) {
         const uint32_t *v = &m->index[3 * t];
@@ -103,16 +96,16 @@ static osmesa_mesh upload_numbered(const peer_mesh *m) {
     }
     const osmesa_stream streams[2] = {{position, count, 3, false}, {number, count, 1, false}};
     osmesa_mesh mesh = osmesa_mesh_create(2, streams, 3 * m->triangle_count, index);
-    free(position);
-    free(number);
-    free(index);
-    free(used);
+    sl_free(position);
+    sl_free(number);
+    sl_free(index);
+    sl_free(used);
     return mesh;
 }
 
 static void set_views(peer_pass *pass, const sl_view *views, size_t count) {
     pass->view_count = count;
-    pass->views = allocated(count, sizeof *views);
+    pass->views = bench_allocate(count, sizeof *views);
     memcpy(pass->views, views, count * sizeof *views);
 }
 
@@ -184,19 +177,19 @@ static void put_splat(float *row, const peer_splat *splat) {
 }
 
 static unsigned splat_texture(const peer_splat *splats, size_t count) {
-    float *texels = allocated(count * RECORD_TEXELS, 4 * sizeof *texels);
+    float *texels = bench_allocate(count * RECORD_TEXELS, 4 * sizeof *texels);
     for (size_t i = 0; i < count; i++) put_splat(texels + i * RECORD_TEXELS * 4, &splats[i]);
     unsigned texture = osmesa_texture(RECORD_TEXELS, (int)count, texels);
-    free(texels);
+    sl_free(texels);
     return texture;
 }
 
 static unsigned plane_texture(const sl_splat_receivers *r, const float *x, const float *y, const float *z) {
     size_t pixels = (size_t)r->width * (size_t)r->height;
-    float *texels = allocated(pixels, 4 * sizeof *texels);
+    float *texels = bench_allocate(pixels, 4 * sizeof *texels);
     for (size_t i = 0; i < pixels; i++) put4(texels + 4 * i, x[i], y[i], z[i], r->receives[i] ? 1.0f : 0.0f);
     unsigned texture = osmesa_texture(r->width, r->height, texels);
-    free(texels);
+    sl_free(texels);
     return texture;
 }
 
@@ -248,7 +241,7 @@ peer_pass *peer_reduction(const float *rgba, int size, int final) {
     pass->added_up = !final;
     if (!final) {
         reduce(pass, false); /* the copy, once */
-        pass->memory[1] = allocated(4, sizeof(float));
+        pass->memory[1] = bench_allocate(4, sizeof(float));
     }
     return pass;
 }
@@ -324,7 +317,7 @@ void peer_destroy(peer_pass *pass) {
     }
     osmesa_mesh_destroy(&pass->mesh);
     osmesa_program_destroy(pass->program);
-    for (int k = 0; k < MAX_PLANES; k++) free(pass->memory[k]);
-    free(pass->views);
-    free(pass);
+    for (int k = 0; k < MAX_PLANES; k++) sl_free(pass->memory[k]);
+    sl_free(pass->views);
+    sl_free(pass);
 }

@@ -70,7 +70,7 @@ static void free_mesh(peer_mesh *m) {
 
 static void make_raster(bench_scene *s) {
     sl_error error;
-    if (sl_raster_create(s->scene, 1, &s->raster, &error) != SL_OK) bench_fail("raster", &error);
+    bench_check(sl_raster_create(s->scene, 1, &s->raster, &error), &error);
 }
 
 /* Points of gathers: what the camera sees in random places, with the normal turned to it. */
@@ -78,7 +78,7 @@ static void find_points(bench_scene *s) {
     sl_gather_point points[BENCH_POINTS];
     sl_tracer *tracer;
     sl_error error;
-    if (sl_tracer_create(s->scene, 1, NULL, &tracer, &error) != SL_OK) bench_fail(s->name, &error);
+    bench_check(sl_tracer_create(s->scene, 1, NULL, &tracer, &error), &error);
     s->points = bench_visible_points(s->scene, tracer, BENCH_POINTS, points);
     for (size_t i = 0; i < s->points; i++)
         s->point[i] = points[i].position, s->normal[i] = points[i].geometric_normal;
@@ -88,8 +88,8 @@ static void find_points(bench_scene *s) {
 void bench_scene_open(bench_scene *s) {
     if (s->scene) return;
     sl_error error;
-    if (sl_scene_load_with(s->path, &(sl_load_options){.allow_outside = true}, &s->scene, &error) != SL_OK)
-        bench_fail(s->path, &error);
+    const sl_load_options load = {.allow_outside = true};
+    bench_check(sl_scene_load_with(s->path, &load, &s->scene, &error), &error);
     find_points(s);
     make_raster(s);
     s->mesh = shared_vertices(s->scene);
@@ -98,7 +98,7 @@ void bench_scene_open(bench_scene *s) {
 void bench_scene_of_triangles(bench_scene *s, const float *xyz, const float *colours, size_t count) {
     size_t floats = 9 * count;
     s->scene = scene_of_triangles(xyz, count);
-    if (s->scene->triangle_count != count) bench_fail("a triangle without area", NULL);
+    if (s->scene->triangle_count != count) bench_fail("a triangle without area");
     make_raster(s);
     float *position = bench_allocate(floats, sizeof(float)), *colour = bench_allocate(floats, sizeof(float));
     uint32_t *index = bench_allocate(3 * count, sizeof *index);

@@ -10,10 +10,6 @@
 
 static const double wanted_id = 4.0, wanted_gbuffer = 3.0, wanted_gather = 5.0, wanted_cube = 3.0;
 
-static void expect_ok(sl_status status, const sl_error *error) {
-    if (status != SL_OK) bench_fail("render", error);
-}
-
 /* ---- large targets, parallel inside: ID map, depth cube -------------------------------------- */
 
 typedef struct large_pass {
@@ -30,7 +26,7 @@ static void draw_large(void *context, unsigned threads, sl_counters *counters) {
     for (size_t i = 0; i < p->views; i++) {
         size_t pixels = (size_t)p->view[i].width * (size_t)p->view[i].height;
         sl_target target = {p->view[i].width, p->view[i].height, p->id, p->depth + i * pixels};
-        expect_ok(sl_raster_id(p->scene->raster, &p->view[i], threads, &target, counters, &error), &error);
+        bench_check(sl_raster_id(p->scene->raster, &p->view[i], threads, &target, counters, &error), &error);
     }
 }
 
@@ -94,7 +90,7 @@ typedef struct gbuffer_pass {
 static void draw_gbuffer(void *context, unsigned threads, sl_counters *counters) {
     gbuffer_pass *p = context;
     sl_error error;
-    expect_ok(sl_raster_gbuffer(p->scene->raster, &p->view, threads, &p->planes, counters, &error), &error);
+    bench_check(sl_raster_gbuffer(p->scene->raster, &p->view, threads, &p->planes, counters, &error), &error);
 }
 
 /* Share of the pixels where positions are apart by more than interpolation's rounding can be. Vertices that
@@ -122,7 +118,7 @@ void bench_gbuffer(measurer *m, bench_scene *scene) {
     bench_scene_open(scene);
     sl_gbuffer *g;
     sl_error error;
-    expect_ok(sl_gbuffer_create(SIZE, SIZE, &g, &error), &error);
+    bench_check(sl_gbuffer_create(SIZE, SIZE, &g, &error), &error);
     gbuffer_pass p = {scene, bench_camera_view(scene, SIZE, SIZE), *g};
     p.planes.geometric_x = p.planes.geometric_y = p.planes.geometric_z = NULL;
     p.planes.material = NULL;
@@ -184,7 +180,7 @@ static void run_gathers(measurer *m, workload *w, gather_pass *p, int size) {
     for (int t = 0; t < THREADS; t++) {
         p->id[t] = bench_allocate(pixels, sizeof(uint32_t));
         p->depth[t] = bench_allocate(pixels, sizeof(float));
-        expect_ok(sl_raster_scratch_create(p->scene->raster, size, size, &p->scratch[t], &error), &error);
+        bench_check(sl_raster_scratch_create(p->scene->raster, size, size, &p->scratch[t], &error), &error);
     }
     w->context = p;
     w->ours = draw_points;

@@ -29,7 +29,7 @@ static sl_settings settings_for(int size, int area, int indirect) {
 static void make_tracer(shading_world *w) {
     sl_error error;
     sl_tracer_destroy(w->own);
-    if (sl_tracer_create(w->scene, 1, NULL, &w->own, &error) != SL_OK) bench_fail("tracer", &error);
+    bench_check(sl_tracer_create(w->scene, 1, NULL, &w->own, &error), &error);
     w->tracer = w->own;
 }
 
@@ -41,10 +41,9 @@ static void make_renderers(shading_world *w) {
                               .seed = w->settings.seed,
                               .threads = 1};
     sl_error error;
-    if (plan.direct && sl_area_renderer(&s, &w->renderer[w->renderers++], &error) != SL_OK)
-        bench_fail("direct light", &error);
-    if (plan.indirect && sl_bidirectional_renderer(&s, &w->renderer[w->renderers++], &error) != SL_OK)
-        bench_fail("indirect light", &error);
+    if (plan.direct) bench_check(sl_area_renderer(&s, &w->renderer[w->renderers++], &error), &error);
+    if (plan.indirect)
+        bench_check(sl_bidirectional_renderer(&s, &w->renderer[w->renderers++], &error), &error);
 }
 
 bool shading_open(const bench_options *o, const char *path, int size, int area, int indirect,
@@ -76,11 +75,10 @@ void shading_close(shading_world *w) {
 unsigned shading_move(shading_world *w, double time) {
     unsigned changes = 0;
     sl_error error;
-    if (sl_scene_set_time(w->scene, time, &changes, &error) != SL_OK) bench_fail("time", &error);
+    bench_check(sl_scene_set_time(w->scene, time, &changes, &error), &error);
     if (changes & SL_CHANGED_OBJECTS) make_tracer(w);
     for (int i = 0; i < w->renderers && changes & ~(unsigned)SL_CHANGED_CAMERA; i++)
-        if (w->renderer[i].edit(w->renderer[i].state, &error) != SL_OK)
-            bench_fail("renderer", &error);
+        bench_check(w->renderer[i].edit(w->renderer[i].state, &error), &error);
     return changes;
 }
 
@@ -126,21 +124,21 @@ void shading_run_open(shading_run *run, shading_world *w, const sl_settings *set
     sl_error error;
     memset(run, 0, sizeof *run);
     run->world = w;
-    if (sl_method_create(w->scene, &s, &run->method, &error) != SL_OK) bench_fail("shading cache", &error);
+    bench_check(sl_method_create(w->scene, &s, &run->method, &error), &error);
 }
 
 void shading_run_close(shading_run *run) { sl_method_destroy(run->method); }
 
 void shading_run_edit(shading_run *run, unsigned changes) {
     sl_error error;
-    if (changes && sl_method_edit(run->method, changes, &error) != SL_OK) bench_fail("edit", &error);
+    if (changes) bench_check(sl_method_edit(run->method, changes, &error), &error);
 }
 
 void shading_run_update(shading_run *run) {
     sl_progress progress = {0};
     sl_error error;
     double from = process_ms();
-    if (sl_method_update(run->method, &progress, &error) != SL_OK) bench_fail("update", &error);
+    bench_check(sl_method_update(run->method, &progress, &error), &error);
     run->seconds += 1e-3 * (process_ms() - from);
     run->updates++;
 }
@@ -152,7 +150,7 @@ uint64_t shading_run_points(const shading_run *run) {
 static sl_image *picture_of(shading_run *run) {
     sl_image *image;
     sl_error error;
-    if (sl_method_resolve(run->method, &image, &error) != SL_OK) bench_fail("picture", &error);
+    bench_check(sl_method_resolve(run->method, &image, &error), &error);
     return image;
 }
 
@@ -186,10 +184,9 @@ double shading_path_error(shading_world *w, uint32_t samples, double *seconds) {
     settings.transport.filter = SL_FILTER_CENTRE;
     float *planes = bench_allocate(3 * pixels, sizeof *planes);
     double from = process_ms();
-    if (sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error) != SL_OK)
-        bench_fail("path tracer", &error);
+    bench_check(sl_path_tracer_create(w->scene, w->tracer, &settings, &path, &error), &error);
     for (uint32_t i = 0; i < samples; i++)
-        if (sl_path_tracer_sample(path, i, &counters, &error) != SL_OK) bench_fail("path tracer", &error);
+        bench_check(sl_path_tracer_sample(path, i, &counters, &error), &error);
     *seconds = 1e-3 * (process_ms() - from);
     sl_path_tracer_mean(path, -1, planes, planes + pixels, planes + 2 * pixels);
     double e = shading_error(w, planes);
