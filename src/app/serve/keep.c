@@ -199,7 +199,7 @@ static void show_reference(sl_stage *s, const sl_work_done *done) {
 static void tell_error(sl_stage *s, int side, const sl_work_done *done) {
     cJSON *m = sl_message_of_side("error", side);
     cJSON_AddNumberToObject(m, "seconds", sl_seconds_now() - s->side[side].began);
-    cJSON_AddNumberToObject(m, "error", done->error[side]);
+    cJSON_AddNumberToObject(m, "error", done->side[side].error);
     sl_say(s, 0, m);
 }
 
@@ -210,11 +210,12 @@ void sl_work_step(sl_stage *s) {
     if (done.exact_news) take_exact(s, &done);
     show_reference(s, &done);
     for (int i = 0; i < SL_SIDES; i++) {
-        if (done.difference[i] && s->difference)
-            sl_show(s, SL_FRAME_DIFFERENCE, (unsigned)i, done.difference[i], &plain, s->side[i].shown, true);
-        if (done.map[i] && s->error)
-            sl_show(s, SL_FRAME_ERROR, (unsigned)i, done.map[i], &plain, s->side[i].shown, true);
-        if (done.judged[i] && (s->error || s->difference)) tell_error(s, i, &done);
+        const struct sl_work_side *d = &done.side[i];
+        if (d->difference && s->difference)
+            sl_show(s, SL_FRAME_DIFFERENCE, (unsigned)i, d->difference, &plain, s->side[i].shown, true);
+        if (d->map && s->error)
+            sl_show(s, SL_FRAME_ERROR, (unsigned)i, d->map, &plain, s->side[i].shown, true);
+        if (d->judged && (s->error || s->difference)) tell_error(s, i, &done);
     }
     sl_work_forget(&done);
 }

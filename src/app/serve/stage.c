@@ -53,22 +53,18 @@ static sl_status spread(sl_stage *s, unsigned changes, sl_error *error) {
     return status;
 }
 
-static sl_status take_camera(sl_stage *s, sl_taking *t) {
-    sl_camera camera;
+static sl_status look(sl_stage *s, const sl_camera *camera, bool told, sl_error *error) {
     unsigned changes;
-    sl_status status = sl_take_camera(t, s->world.scene, &camera);
-    if (status == SL_OK) status = sl_world_look(&s->world, &camera, &changes, t->error);
-    if (status == SL_OK) status = spread(s, changes, t->error);
-    if (status == SL_OK && s->viewers > 1) sl_say(s, 0, sl_describe_camera(s));
+    sl_status status = sl_world_look(&s->world, camera, &changes, error);
+    if (status == SL_OK) status = spread(s, changes, error);
+    if (status == SL_OK && told) sl_say(s, 0, sl_describe_camera(s));
     return status;
 }
 
-static sl_status look_first(sl_stage *s, sl_error *error) {
-    unsigned changes;
-    sl_status status = sl_world_look(&s->world, &s->world.first_camera, &changes, error);
-    if (status == SL_OK) status = spread(s, changes, error);
-    if (status == SL_OK) sl_say(s, 0, sl_describe_camera(s));
-    return status;
+static sl_status take_camera(sl_stage *s, sl_taking *t) {
+    sl_camera camera;
+    sl_status status = sl_take_camera(t, s->world.scene, &camera);
+    return status == SL_OK ? look(s, &camera, s->viewers > 1, t->error) : status;
 }
 
 static sl_status go_to(sl_stage *s, double seconds, sl_error *error) {
@@ -82,7 +78,7 @@ static sl_status go_to(sl_stage *s, double seconds, sl_error *error) {
 static sl_status take_reset(sl_stage *s, sl_taking *t) {
     s->plays = false;
     sl_status status = s->world.duration > 0.0 ? go_to(s, s->world.first_time, t->error) : SL_OK;
-    if (status == SL_OK) status = look_first(s, t->error);
+    if (status == SL_OK) status = look(s, &s->world.first_camera, true, t->error);
     s->world.looks = false;
     return status;
 }
@@ -123,14 +119,11 @@ static sl_status take_edit(sl_stage *s, sl_taking *t) {
     return edited(s, status, changes, t->error);
 }
 
+/* "undo" or "redo". */
 static sl_status take_undo(sl_stage *s, sl_taking *t) {
+    const bool again = *sl_take_text(t, "do", "") == 'r';
     unsigned changes = 0;
-    return edited(s, sl_world_undo(&s->world, &changes, t->error), changes, t->error);
-}
-
-static sl_status take_redo(sl_stage *s, sl_taking *t) {
-    unsigned changes = 0;
-    return edited(s, sl_world_redo(&s->world, &changes, t->error), changes, t->error);
+    return edited(s, sl_world_undo(&s->world, again, &changes, t->error), changes, t->error);
 }
 
 /* ---- what is shown of it ---- */
@@ -269,7 +262,7 @@ static const struct {
                 {"play", take_play},
                 {"edit", take_edit},
                 {"undo", take_undo},
-                {"redo", take_redo},
+                {"redo", take_undo},
                 {"size", take_size},
                 {"method", take_method},
                 {"tone", take_tone},

@@ -143,10 +143,10 @@ static sl_image *map_of(const sl_image *picture, const sl_image *reference) {
 static void publish(sl_worker *w, int side, double error, sl_image *difference, sl_image *map) {
     sl_work_done *d = &w->done;
     sl_monitor_enter(&w->meeting);
-    if (difference) renew(&d->difference[side], difference);
-    if (map) renew(&d->map[side], map);
-    d->judged[side] = true;
-    d->error[side] = error;
+    if (difference) renew(&d->side[side].difference, difference);
+    if (map) renew(&d->side[side].map, map);
+    d->side[side].judged = true;
+    d->side[side].error = error;
     w->news = true;
     sl_monitor_leave(&w->meeting);
 }
@@ -329,8 +329,8 @@ void sl_work_forget(sl_work_done *d) {
     sl_image_destroy(d->exact);
     sl_image_destroy(d->reference);
     for (int i = 0; i < SL_WORKER_SIDES; i++) {
-        sl_image_destroy(d->difference[i]);
-        sl_image_destroy(d->map[i]);
+        sl_image_destroy(d->side[i].difference);
+        sl_image_destroy(d->side[i].map);
     }
 }
 

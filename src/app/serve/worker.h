@@ -27,9 +27,11 @@ typedef struct sl_work_done {
     sl_image *reference;
     uint64_t samples;
     bool reference_done;
-    sl_image *difference[SL_WORKER_SIDES], *map[SL_WORKER_SIDES];
-    bool judged[SL_WORKER_SIDES];
-    double error[SL_WORKER_SIDES]; /* relative RMSE */
+    struct sl_work_side {
+        sl_image *difference, *map;
+        bool judged;
+        double error; /* relative RMSE */
+    } side[SL_WORKER_SIDES];
 } sl_work_done;
 
 /* The world must outlive it. */

@@ -178,19 +178,12 @@ sl_status sl_world_edit(sl_world *w, const sl_item *items, size_t count, bool dr
     return status;
 }
 
-sl_status sl_world_undo(sl_world *w, unsigned *changes, sl_error *error) {
-    if (w->undone == w->undo_count) return sl_fail(error, SL_ERROR_USAGE, "there is nothing to undo");
-    const sl_undo *step = &w->undo[w->undo_count - 1 - w->undone];
-    sl_status status = happen(w, step->before, step->count, changes, error);
-    w->undone += status == SL_OK;
+sl_status sl_world_undo(sl_world *w, bool again, unsigned *changes, sl_error *error) {
+    if (again ? !w->undone : w->undone == w->undo_count)
+        return sl_fail(error, SL_ERROR_USAGE, "there is nothing to %s", again ? "do again" : "undo");
+    const sl_undo *step = &w->undo[w->undo_count - w->undone - !again];
+    sl_status status = happen(w, again ? step->after : step->before, step->count, changes, error);
+    if (status == SL_OK) w->undone = again ? w->undone - 1 : w->undone + 1;
     w->drags = false;
-    return status;
-}
-
-sl_status sl_world_redo(sl_world *w, unsigned *changes, sl_error *error) {
-    if (!w->undone) return sl_fail(error, SL_ERROR_USAGE, "there is nothing to do again");
-    const sl_undo *step = &w->undo[w->undo_count - w->undone];
-    sl_status status = happen(w, step->after, step->count, changes, error);
-    w->undone -= status == SL_OK;
     return status;
 }

@@ -220,10 +220,12 @@ static sl_status set_name(const row *r, sl_settings *s, const char *text, sl_err
                    near ? "; did you mean " : "", near ? near : "");
 }
 
-static sl_status set_flag(const row *r, sl_settings *s, const char *text, sl_error *error) {
+/* A flag is a choice of four words. */
+static sl_status set_choice(const row *r, sl_settings *s, const char *text, sl_error *error) {
+    const bool flag = r->kind == FIELD_FLAG;
     int index = 0;
-    sl_status status = sl_value_choice(text, "0|1|false|true", &index, error);
-    if (status == SL_OK) put_value(r, s, index % 2);
+    sl_status status = sl_value_choice(text, flag ? "0|1|false|true" : r->told.unit, &index, error);
+    if (status == SL_OK) put_value(r, s, flag ? index % 2 : index);
     return status;
 }
 
@@ -243,23 +245,16 @@ static sl_status set_number(const row *r, sl_settings *s, const char *text, sl_e
     return status;
 }
 
-static sl_status set_choice(const row *r, sl_settings *s, const char *text, sl_error *error) {
-    int index = 0;
-    sl_status status = sl_value_choice(text, r->told.unit, &index, error);
-    if (status == SL_OK) put_value(r, s, index);
-    return status;
-}
-
 static sl_status set_row(const row *r, sl_settings *s, const char *text, sl_error *error) {
     if (r->kind == FIELD_NAME) return set_name(r, s, text, error);
-    if (r->kind == FIELD_FLAG) return set_flag(r, s, text, error);
     if (is_size(r)) {
         int size[2];
         sl_status status = sl_value_size(text, (int)r->told.maximum, size, error);
         if (status == SL_OK) s->width = size[0], s->height = size[1];
         return status;
     }
-    return is_choice(r) ? set_choice(r, s, text, error) : set_number(r, s, text, error);
+    return r->kind == FIELD_FLAG || is_choice(r) ? set_choice(r, s, text, error)
+                                                 : set_number(r, s, text, error);
 }
 
 static sl_status unknown(const char *name, sl_error *error) {
