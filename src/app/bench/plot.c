@@ -1,8 +1,5 @@
 /* Error over time. The line joins the settings that pay; what does not is a hollow point beside it. Each
  * curve ends at its name. */
-#include "app/bench/plot.h"
-
-#include "app/bench/results.h"
 #include "app/bench/report.h"
 #include "app/page.h"
 

@@ -1,6 +1,5 @@
 #include "app/bench/report.h"
 
-#include "app/bench/plot.h"
 #include "app/page.h"
 
 #include <math.h>

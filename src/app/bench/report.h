@@ -32,6 +32,19 @@ void sl_missing_text(const sl_bench_reference *reference, char text[32]);
 /* "0.31" to three digits; "" for 0. */
 void sl_seconds_text(double seconds, char text[32]);
 
+/* ---- plot.c: SVG, for light and for dark paper, as files and inside a page ---- */
+
+/* Error over time, both logarithmic, a curve a method. */
+typedef struct sl_plot {
+    const sl_bench_scene *scene;
+    sl_bench_truth truth;
+} sl_plot;
+
+/* Tells whether there is anything to be drawn: two settings with a known error. */
+bool sl_plot_is_there(const sl_plot *plot);
+/* Draws an sl_plot. */
+void sl_put_plot(FILE *out, const void *plot);
+
 /* ---- tables about trials (cells.c has the columns' names) ---- */
 
 enum { SL_CELL = 512 };

@@ -1,5 +1,4 @@
 /* The report's part about a scene, as Markdown. */
-#include "app/bench/plot.h"
 #include "app/bench/report.h"
 
 #include <string.h>

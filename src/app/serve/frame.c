@@ -1,4 +1,4 @@
-#include "app/serve/frame.h"
+#include "app/serve/mail.h"
 
 #include "image/formats.h"
 

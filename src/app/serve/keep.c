@@ -256,19 +256,13 @@ void sl_film_frame(sl_stage *s, const sl_image *frame) {
 
 /* ---- keep ---- */
 
-static sl_status keep_scene(sl_stage *s, sl_error *error) {
+/* "scene" or "log". */
+static sl_status keep_text(sl_stage *s, const char *what, sl_error *error) {
     char path[4096];
-    sl_status status = new_name(s, "scene", ".json", path, error);
-    if (status == SL_OK) status = sl_scene_write(s->world.scene, path, error);
-    if (status == SL_OK) tell_kept(s, "scene", path);
-    return status;
-}
-
-static sl_status keep_log(sl_stage *s, sl_error *error) {
-    char path[4096];
-    sl_status status = new_name(s, "log", ".json", path, error);
-    if (status == SL_OK) status = sl_log_write(s, path, error);
-    if (status == SL_OK) tell_kept(s, "log", path);
+    sl_status status = new_name(s, what, ".json", path, error);
+    if (status == SL_OK)
+        status = *what == 's' ? sl_scene_write(s->world.scene, path, error) : sl_log_write(s, path, error);
+    if (status == SL_OK) tell_kept(s, what, path);
     return status;
 }
 
@@ -287,8 +281,7 @@ sl_status sl_take_keep(sl_stage *s, sl_taking *t) {
     static const char *const made[] = {"png", "exr", "page"};
     const char *what = sl_take_text(t, "what", "");
     if (t->status != SL_OK) return t->status;
-    if (strcmp(what, "scene") == 0) return keep_scene(s, t->error);
-    if (strcmp(what, "log") == 0) return keep_log(s, t->error);
+    if (strcmp(what, "scene") == 0 || strcmp(what, "log") == 0) return keep_text(s, what, t->error);
     if (strcmp(what, "film") == 0) return keep_film(s, t->error);
     for (size_t i = 0; i < sizeof made / sizeof made[0]; i++)
         if (strcmp(what, made[i]) == 0) return keep_exact(s, made[i], t->error);

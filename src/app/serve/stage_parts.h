@@ -2,7 +2,6 @@
 #pragma once
 
 #include "app/rate.h"
-#include "app/serve/frame.h"
 #include "app/serve/parse.h"
 #include "app/show_files.h"
 #include "app/serve/stage.h"

@@ -1,4 +1,6 @@
-#include "cache/frame/exposure.h"
+/* A method draws a picture's sub-frames one after the other; ranks (base/ranks.h) share out those that only
+ * show what is there, since each of them can be drawn by itself. */
+#include "cache/frame/method.h"
 
 #include "base/batch.h"
 #include "base/counters.h"

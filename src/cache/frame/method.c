@@ -5,7 +5,6 @@
 #include "base/print.h"
 #include "cache/frame/all_light.h"
 #include "cache/frame/budget.h"
-#include "cache/frame/exposure.h"
 #include "cache/frame/settings.h"
 
 #include "base/counters.h"

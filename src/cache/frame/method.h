@@ -188,3 +188,11 @@ sl_status sl_method_choose(const sl_scene *scene, const sl_settings *asked, sl_s
  * sl_method_explanation(). */
 sl_status sl_explanation_tell(const sl_method_class *method, void *state, const sl_image *picture, int x,
                               int y, sl_explanation **explanation, sl_error *error);
+
+/* ---- exposure.c: a picture's sub-frames, one after the other, or shared out by ranks ---- */
+
+/* Shows the class the first sub-frame, of which it is told nothing else. Without a film: the scene itself. */
+void sl_expose_anew(sl_method *method, bool objects_moved);
+/* Updates the class, and hands the sub-frames that are finished to the film. now->batches goes up by what
+ * there was on top of one update; now->done: the picture is whole. */
+sl_status sl_expose(sl_method *method, sl_progress *now, sl_error *error);
