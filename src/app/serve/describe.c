@@ -141,8 +141,8 @@ static void add_scene(cJSON *m, const sl_stage *stage) {
     cJSON_AddNumberToObject(m, "redo", (double)w->undone);
 }
 
-cJSON *sl_describe_scene(const sl_stage *stage, bool inner) {
-    cJSON *m = inner ? cJSON_CreateObject() : sl_message("scene");
+cJSON *sl_describe_scene(const sl_stage *stage) {
+    cJSON *m = sl_message("scene");
     add_scene(m, stage);
     return m;
 }
@@ -202,13 +202,13 @@ cJSON *sl_describe_hello(const sl_stage *stage) {
     for (size_t i = 0; sl_setting_at(i); i++) cJSON_AddItemToArray(list, setting_of(sl_setting_at(i)));
     cJSON *sides = cJSON_AddObjectToObject(m, "sides");
     for (int i = 0; i < SL_SIDES; i++)
-        cJSON_AddStringToObject(sides, i ? "b" : "a",
+        cJSON_AddStringToObject(sides, sl_side_name(i),
                                 stage->side[i].wanted ? stage->side[i].settings.method : "");
     cJSON *tone = cJSON_AddObjectToObject(m, "tone");
     cJSON_AddNumberToObject(tone, "exposure", (double)stage->tone.exposure_stops);
     cJSON_AddStringToObject(tone, "curve", stage->tone.curve == SL_TONE_CLIP ? "clip" : "reinhard");
     cJSON_AddBoolToObject(tone, "auto", stage->tone.automatic);
     cJSON_AddNumberToObject(m, "event", (double)stage->world.count);
-    cJSON_AddItemToObject(m, "scene", sl_describe_scene(stage, true));
+    add_scene(cJSON_AddObjectToObject(m, "scene"), stage);
     return m;
 }

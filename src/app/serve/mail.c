@@ -75,12 +75,7 @@ void sl_mail_end(sl_mail *m) {
     sl_monitor_leave(&m->meeting);
 }
 
-bool sl_mail_has_ended(sl_mail *m) {
-    sl_monitor_enter(&m->meeting);
-    const bool ended = m->closed;
-    sl_monitor_leave(&m->meeting);
-    return ended;
-}
+bool sl_mail_has_ended(const sl_mail *m) { return m->closed; }
 
 void sl_mail_send(sl_mail *m, sl_packet *packet) {
     if (!packet) return;

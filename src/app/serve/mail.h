@@ -5,6 +5,7 @@
 #include "base/thread.h"
 
 #include <cjson/cJSON.h>
+#include <stdatomic.h>
 #include <stdint.h>
 
 /* ---- from viewers ---- */
@@ -61,7 +62,7 @@ typedef struct sl_mail {
     sl_packet *packets, **last;
     char *files[SL_FILES]; /* that viewers may fetch */
     size_t file_count;
-    bool closed;
+    atomic_bool closed;
     void (*wake)(void *context); /* the network's thread: there are packets */
     void *context;
 } sl_mail;
@@ -74,7 +75,7 @@ bool sl_mail_post(sl_mail *mail, sl_letter letter);
 bool sl_mail_read(sl_mail *mail, double seconds, sl_letter *letter);
 /* Tells the stage to end, which waits no more then. */
 void sl_mail_end(sl_mail *mail);
-bool sl_mail_has_ended(sl_mail *mail);
+bool sl_mail_has_ended(const sl_mail *mail);
 /* Takes the packet over; NULL is allowed. */
 void sl_mail_send(sl_mail *mail, sl_packet *packet);
 /* Lets viewers fetch a file by a number, which is returned; SL_FILES: there are too many. */

@@ -138,8 +138,7 @@ static void tell_overlay(sl_stage *s, sl_passes *p, int side, const sl_watched_p
 
 /* The first pass of that name that has marks; marks are where the camera sees them now. */
 static void step_overlay(sl_stage *s, sl_passes *p, int side) {
-    const sl_tracer *tracer;
-    if (!*p->overlay || sl_stage_tracer(s, &tracer, NULL) != SL_OK) return;
+    if (!*p->overlay || sl_stage_needs_tracer(s, NULL) != SL_OK) return;
     sl_monitor_enter(&p->meeting);
     const sl_watched_pass *o = p->watched.pass, *end = o + p->watched.count;
     while (o < end && !(o->mark_count && strstr(o->name, p->overlay))) o++;

@@ -5,10 +5,8 @@
 
 #include <math.h>
 
-sl_status sl_stage_tracer(sl_stage *s, const sl_tracer **tracer, sl_error *error) {
-    sl_status status = s->tracer ? SL_OK : sl_tracer_create(s->world.scene, 1, NULL, &s->tracer, error);
-    *tracer = s->tracer;
-    return status;
+sl_status sl_stage_needs_tracer(sl_stage *s, sl_error *error) {
+    return s->tracer ? SL_OK : sl_tracer_create(s->world.scene, 1, NULL, &s->tracer, error);
 }
 
 void sl_stage_forget_tracer(sl_stage *s) {
@@ -70,9 +68,8 @@ static void add_light(cJSON *m, const sl_scene *scene, uint32_t light) {
 
 sl_status sl_take_pick(sl_stage *s, sl_taking *t) {
     int column, row;
-    const sl_tracer *tracer;
     sl_status status = sl_take_pixel(t, &s->side[0].settings, &column, &row);
-    if (status == SL_OK) status = sl_stage_tracer(s, &tracer, t->error);
+    if (status == SL_OK) status = sl_stage_needs_tracer(s, t->error);
     if (status != SL_OK) return status;
     const sl_mark_view view = sl_stage_view(s);
     const sl_vec3 direction = through(&view, column, row);
@@ -81,7 +78,7 @@ sl_status sl_take_pick(sl_stage *s, sl_taking *t) {
     sl_ray16 ray;
     sl_hit16 hit;
     sl_ray16_set(&ray, 0, view.camera.eye, direction, 0.0f, INFINITY, SL_NO_INDEX);
-    sl_trace(tracer, &ray, 1, false, &hit, &unused);
+    sl_trace(s->tracer, &ray, 1, false, &hit, &unused);
     cJSON *m = sl_message("picked");
     cJSON_AddNumberToObject(m, "x", column);
     cJSON_AddNumberToObject(m, "y", row);

@@ -103,7 +103,7 @@ static sl_status take_play(sl_stage *s, sl_taking *t) {
 
 static sl_status edited(sl_stage *s, sl_status status, unsigned changes, sl_error *error) {
     if (status == SL_OK) status = spread(s, changes, error);
-    if (status == SL_OK) sl_say(s, 0, sl_describe_scene(s, false));
+    if (status == SL_OK) sl_say(s, 0, sl_describe_scene(s));
     return status;
 }
 
@@ -336,7 +336,7 @@ static void tell_motion(sl_stage *s, double now) {
     if (!s->things_move || now - s->motion_told < 0.25) return;
     s->things_move = false;
     s->motion_told = now;
-    sl_say(s, 0, sl_describe_scene(s, false));
+    sl_say(s, 0, sl_describe_scene(s));
 }
 
 double sl_stage_step(sl_stage *s) {

@@ -100,14 +100,14 @@ const char *sl_side_name(int index);
 
 /* ---- describe.c: messages about what there is ---- */
 cJSON *sl_describe_hello(const sl_stage *stage);
-cJSON *sl_describe_scene(const sl_stage *stage, bool inner); /* inner: without "is" */
+cJSON *sl_describe_scene(const sl_stage *stage);
 cJSON *sl_describe_camera(const sl_stage *stage);
 cJSON *sl_describe_settings(const sl_settings *settings); /* those that are not as they are by default */
 cJSON *sl_describe_changes(unsigned changes);
 
 /* ---- pick.c ---- */
 sl_status sl_take_pick(sl_stage *stage, sl_taking *t);
-sl_status sl_stage_tracer(sl_stage *stage, const sl_tracer **tracer, sl_error *error);
+sl_status sl_stage_needs_tracer(sl_stage *stage, sl_error *error);
 void sl_stage_forget_tracer(sl_stage *stage); /* things have moved */
 sl_mark_view sl_stage_view(const sl_stage *stage);
 

@@ -9,6 +9,7 @@
  * come. Shading goes from one to the other in the display's two copies (patches/display/window.c); of methods
  * without such a display, in pictures that are handed over whole. */
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 #include "base/counters.h"
@@ -50,6 +51,7 @@ struct sl_live {
     sl_method *method; /* likewise */
     sl_thread thread;
     bool runs;
+    atomic_bool ended; /* the updates have */
 
     sl_scene *scene_copy;
     const char *reduced; /* the method's */
@@ -67,7 +69,7 @@ struct sl_live {
     sl_counters smoothing; /* of pictures: by the thread */
 
     sl_monitor meeting; /* guards what follows */
-    bool stop, ended;
+    bool stop;
     /* by moves that the thread has not taken yet; by what updates have made of those that it took */
     change moved, found;
     uint64_t changes_found;
@@ -356,9 +358,7 @@ static void update_on_and_on(sl_live *l) {
 static void update_thread(void *context) {
     sl_live *l = context;
     if (!l->opening || open_show(l)) update_on_and_on(l);
-    sl_monitor_enter(&l->meeting);
-    l->ended = true;
-    sl_monitor_leave(&l->meeting);
+    l->ended = true; /* whoever asks for a visit behind that is refused */
     be_visited(l, NULL);
 }
 
@@ -371,12 +371,7 @@ void sl_live_leave(sl_live *l) {
     sl_monitor_leave(&l->meeting);
 }
 
-bool sl_live_has_ended(sl_live *l) {
-    sl_monitor_enter(&l->meeting);
-    const bool ended = l->ended;
-    sl_monitor_leave(&l->meeting);
-    return ended;
-}
+bool sl_live_has_ended(const sl_live *l) { return l->ended; }
 
 uint64_t sl_live_halt(sl_live *l) {
     if (l->runs) {

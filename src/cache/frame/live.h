@@ -63,6 +63,6 @@ void sl_live_counters(sl_live *live, sl_counters *counters);
  * of the newest change that they have followed; 0: of none. */
 uint64_t sl_live_halt(sl_live *live);
 void sl_live_leave(sl_live *live);     /* the same, without waiting */
-bool sl_live_has_ended(sl_live *live); /* the updates have */
+bool sl_live_has_ended(const sl_live *live); /* the updates have */
 /* Lets updates rest, or go on. */
 void sl_live_rest(sl_live *live, bool rest);
