@@ -158,7 +158,8 @@ static sl_status render(sl_render_options *o, sl_scene *scene, sl_render_end *en
     sl_status status = choose_method(o, scene, error);
     if (status == SL_OK) status = choose_bounces(o, scene, error);
     if (status != SL_OK) return status;
-    return is_target(o) ? sl_render_to_target(o, scene, end, error) : sl_render_pictures(o, scene, end, error);
+    return is_target(o) ? sl_render_to_target(o, scene, end, error)
+                        : sl_render_pictures(o, scene, end, error);
 }
 
 /* ---- names of files ---- */
@@ -173,7 +174,8 @@ static sl_status check_name(const sl_render_options *o, sl_error *error) {
                            "frame-%%04d.png; got '%s'",
                            o->output)
                  : sl_fail(error, SL_ERROR_USAGE,
-                           "--output: expected a name that ends with .exr, .png or .pfm, got '%s'", o->output);
+                           "--output: expected a name that ends with .exr, .png or .pfm, got '%s'",
+                           o->output);
 }
 
 /* Fails where the picture, the first of a series or the cache could not be written. */

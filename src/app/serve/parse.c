@@ -162,7 +162,8 @@ static sl_status take_added_light(sl_taking *t, const sl_world *w, sl_item *item
     l->has_position = take_numbers(t, "position", 3, l->position);
     if (!l->has_position || !l->has_strength) sl_malformed(t, "add-light", "a position and a power");
     if (t->status == SL_OK && w->scene->light_count >= LIGHTS)
-        return sl_fail(t->error, SL_ERROR_USAGE, "add-light: there are %d lights, which are the most", LIGHTS);
+        return sl_fail(t->error, SL_ERROR_USAGE, "add-light: there are %d lights, which are the most",
+                       LIGHTS);
     return t->status;
 }
 

@@ -5,8 +5,8 @@
 
 #include <cjson/cJSON.h>
 
-/* A message, and what is wrong with it. SL_ERROR_INPUT: malformed; SL_ERROR_USAGE: well formed, and cannot be.
- * The first mistake stays, so that it is looked for once all has been taken. */
+/* A message, and what is wrong with it. SL_ERROR_INPUT: malformed; SL_ERROR_USAGE: well formed, and cannot
+ * be. The first mistake stays, so that it is looked for once all has been taken. */
 typedef struct sl_taking {
     const cJSON *message;
     sl_error *error;

@@ -98,5 +98,6 @@ sl_status sl_world_go_to(sl_world *world, double time_seconds, unsigned *changes
 /* An edit that can be undone. drag: more of the same follows, which is to be undone together. */
 sl_status sl_world_edit(sl_world *world, const sl_item *items, size_t count, bool drag, unsigned *changes,
                         sl_error *error);
-/* Undoes the newest edit that is not undone; again: does the one that was undone last. USAGE: there is none. */
+/* Undoes the newest edit that is not undone; again: does the one that was undone last. USAGE: there is none.
+ */
 sl_status sl_world_undo(sl_world *world, bool again, unsigned *changes, sl_error *error);
