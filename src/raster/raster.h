@@ -158,7 +158,8 @@ bool sl_raster_meets(const sl_raster *raster, const sl_view *view);
 void sl_raster_barycentrics(const sl_raster *raster, const sl_view *view, size_t count, const uint32_t *pixel,
                             const uint32_t *id, float *w1, float *w2);
 
-/* G-buffer planes (NULL: not wanted); all of width*height, row 0 at the bottom. */
+/* G-buffer planes (NULL: not wanted, but for id; normals are not without positions); all of width*height, row
+ * 0 at the bottom. */
 typedef struct sl_gbuffer {
     int width, height;
     uint32_t *id;

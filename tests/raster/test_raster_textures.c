@@ -86,7 +86,7 @@ static void half_a_picture_has_its_mean_whatever_its_size(void **state) {
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
         int w = sizes[k][0], h = sizes[k][1], width = sl_half_size(w), height = sl_half_size(h);
         sl_texture_image *image = random_image(w, h, k), *half = random_image(width, height, 0);
-        sl_mip_halve(image->texels, w, h, (size_t)w, half->texels, (size_t)width, 1);
+        sl_mip_halve(image->texels, w, h, half->texels, 1);
         for (int c = 0; c < 4; c++)
             assert_near(mean_of(half->texels, width, height, c), mean_of(image->texels, w, h, c), 3e-7);
         sl_texture_image_destroy(image);

@@ -69,8 +69,7 @@ typedef struct {
     const sl_pass_view *view;
     const uint32_t *id;
     sl_gbuffer *out;
-    size_t start, pixels; /* of the planes */
-    bool positions, normals; /* wanted */
+    size_t start; /* of the planes */
 } resolution;
 
 static void fetch_normals(const sl_scene *scene, workspace *w) {
@@ -127,10 +126,9 @@ static void resolve_bumps(const sl_scene *scene, const sl_pass_view *view, const
 
 static void resolve_surfaces(const resolution *r, const sl_pass_view *view, size_t first, workspace *w) {
     sl_surface_block *s = &w->surface;
-    s->normals = r->normals;
-    if (s->normals) fetch_normals(r->raster->scene, w);
+    fetch_normals(r->raster->scene, w);
     SL_KERNEL_OF(r->raster->isa, sl_resolve_surfaces)(&w->pixels, view, s);
-    if (s->normals) resolve_bumps(r->raster->scene, view, &w->pixels, &s->normal, NULL);
+    resolve_bumps(r->raster->scene, view, &w->pixels, &s->normal, NULL);
     uint32_t count = w->pixels.count;
     put(r, r->out->position_x, first, s->position.x, count);
     put(r, r->out->position_y, first, s->position.y, count);
@@ -191,11 +189,6 @@ static void resolve_material(const resolution *r, size_t first, workspace *w) {
     put(r, r->out->material, first, w->index, w->pixels.count);
 }
 
-static bool positions_wanted(const sl_gbuffer *g) { return g->position_x || g->position_y || g->position_z; }
-static bool normals_wanted(const sl_gbuffer *g) {
-    return g->normal_x || g->normal_y || g->normal_z || g->geometric_x || g->geometric_y || g->geometric_z;
-}
-
 /* Returns how many pixels show a triangle. */
 static uint64_t resolve_pixels(const resolution *r, size_t first, size_t end, workspace *w) {
     const sl_gbuffer *g = r->out;
@@ -203,71 +196,13 @@ static uint64_t resolve_pixels(const resolution *r, size_t first, size_t end, wo
     while (first < end) {
         const sl_pass_view *view = r->view;
         size_t count = sl_resolve_next(r->raster, view, end - first, first, NULL, r->id + first, &w->pixels);
-        if (r->positions || r->normals) resolve_surfaces(r, view, first, w);
-        if (g->diffuse_r || g->diffuse_g || g->diffuse_b) resolve_diffuse(r, view, first, w);
+        if (g->position_x) resolve_surfaces(r, view, first, w);
+        if (g->diffuse_r) resolve_diffuse(r, view, first, w);
         if (g->material) resolve_material(r, first, w);
         shaded += sl_resolve_shaded(&w->pixels);
         first += count;
     }
     return shaded;
-}
-
-/* ---- a whole picture ---- */
-
-typedef struct {
-    resolution resolution;
-    uint64_t *shaded; /* by strip */
-    workspace *worker; /* too large for a thread's stack */
-} strips;
-
-static void resolve_strip(void *context, size_t index, unsigned worker) {
-    const strips *s = context;
-    size_t first = index * STRIP, pixels = s->resolution.pixels,
-           end = pixels - first < STRIP ? pixels : first + STRIP;
-    workspace *w = &s->worker[worker];
-    memset(w, 0, sizeof *w);
-    s->shaded[index] = resolve_pixels(&s->resolution, first, end, w);
-}
-
-static sl_status resolve(const sl_raster *raster, const sl_view *view, const uint32_t *id, unsigned threads,
-                         sl_gbuffer *g, sl_counters *counters, sl_error *error) {
-    size_t pixels = (size_t)view->width * (size_t)view->height, count = (pixels + STRIP - 1) / STRIP;
-    uint64_t *shaded = sl_allocate(count, sizeof *shaded);
-    const sl_pass_view pass = sl_pass_view_make(view, view->width, view->height);
-    workspace *worker = sl_allocate_unset(sl_thread_count(threads), sizeof *worker);
-    bool ok = shaded && worker;
-    if (ok) {
-        strips s = {{.raster = raster, .view = &pass, .id = id, .out = g, .pixels = pixels,
-                     .positions = positions_wanted(g), .normals = normals_wanted(g)}, shaded, worker};
-        sl_parallel_for(sl_thread_count(threads), count, resolve_strip, &s);
-        for (size_t n = 0; n < count; n++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, shaded[n]);
-    }
-    sl_free(shaded);
-    sl_free(worker);
-    return ok ? SL_OK : sl_fail_memory(error, "the G-buffer's resolution");
-}
-
-static sl_status fail_without_scene(sl_error *error) {
-    return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
-}
-
-sl_status sl_raster_resolve(const sl_raster *raster, const sl_view *view, unsigned threads,
-                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error) {
-    if (!raster->scene) return fail_without_scene(error);
-    return resolve(raster, view, gbuffer->id, threads, gbuffer, counters, error);
-}
-
-sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads,
-                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error) {
-    if (!raster->scene) return fail_without_scene(error);
-    uint32_t *id =
-        gbuffer->id ? gbuffer->id : sl_allocate((size_t)view->width * (size_t)view->height, sizeof *id);
-    if (!id) return sl_fail_memory(error, "the G-buffer's id plane");
-    sl_target target = {view->width, view->height, id, gbuffer->depth};
-    sl_status status = sl_raster_id(raster, view, threads, &target, counters, error);
-    if (status == SL_OK) status = resolve(raster, view, id, threads, gbuffer, counters, error);
-    if (!gbuffer->id) sl_free(id);
-    return status;
 }
 
 /* ---- part by part ---- */
@@ -276,13 +211,14 @@ struct sl_resolver {
     const sl_raster *raster;
     sl_pass_view view;
     const uint32_t *id;
-    workspace *worker;
+    workspace *worker; /* too large for a thread's stack */
 };
 
 sl_status sl_resolver_create(const sl_raster *raster, const sl_view *view, const uint32_t *id,
                              unsigned workers, sl_resolver **resolver, sl_error *error) {
     *resolver = NULL;
-    if (!raster->scene) return fail_without_scene(error);
+    if (!raster->scene)
+        return sl_fail(error, SL_ERROR_USAGE, "a G-buffer needs a scene: triangles alone have no materials");
     sl_resolver *r = sl_allocate(1, sizeof *r);
     if (!r) return sl_fail_memory(error, "the G-buffer's resolution");
     *r = (sl_resolver){raster, sl_pass_view_make(view, view->width, view->height), id,
@@ -301,14 +237,51 @@ void sl_resolver_destroy(sl_resolver *r) {
     sl_free(r);
 }
 
+/* Into planes whose first pixel is number `start` of the picture. */
+static uint64_t run(const sl_resolver *r, unsigned worker, size_t first, size_t count, size_t start,
+                    sl_gbuffer *out) {
+    const resolution part = {r->raster, &r->view, r->id, out, start};
+    return resolve_pixels(&part, first, first + count, &r->worker[worker]);
+}
+
 uint64_t sl_resolver_run(const sl_resolver *r, unsigned worker, size_t first, size_t count,
                          sl_gbuffer *part) {
-    const resolution all = {.raster = r->raster,
-                            .view = &r->view,
-                            .id = r->id,
-                            .out = part,
-                            .start = first,
-                            .positions = positions_wanted(part),
-                            .normals = normals_wanted(part)};
-    return resolve_pixels(&all, first, first + count, &r->worker[worker]);
+    return run(r, worker, first, count, first, part);
+}
+
+/* ---- a whole picture ---- */
+
+typedef struct {
+    const sl_resolver *resolver;
+    sl_gbuffer *out;
+    size_t pixels;
+    uint64_t *shaded; /* by strip */
+} strips;
+
+static void resolve_strip(void *context, size_t index, unsigned worker) {
+    const strips *s = context;
+    const size_t first = index * STRIP, left = s->pixels - first;
+    s->shaded[index] = run(s->resolver, worker, first, left < STRIP ? left : STRIP, 0, s->out);
+}
+
+sl_status sl_raster_resolve(const sl_raster *raster, const sl_view *view, unsigned threads,
+                            sl_gbuffer *g, sl_counters *counters, sl_error *error) {
+    size_t pixels = (size_t)view->width * (size_t)view->height, count = (pixels + STRIP - 1) / STRIP;
+    sl_resolver *resolver;
+    sl_status status = sl_resolver_create(raster, view, g->id, sl_thread_count(threads), &resolver, error);
+    if (status != SL_OK) return status;
+    strips s = {resolver, g, pixels, sl_allocate(count, sizeof *s.shaded)};
+    if (s.shaded) sl_parallel_for(sl_thread_count(threads), count, resolve_strip, &s);
+    else status = sl_fail_memory(error, "the G-buffer's resolution");
+    for (size_t n = 0; s.shaded && n < count; n++) sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, s.shaded[n]);
+    sl_free(s.shaded);
+    sl_resolver_destroy(resolver);
+    return status;
+}
+
+sl_status sl_raster_gbuffer(const sl_raster *raster, const sl_view *view, unsigned threads,
+                            sl_gbuffer *gbuffer, sl_counters *counters, sl_error *error) {
+    sl_target target = {view->width, view->height, gbuffer->id, gbuffer->depth};
+    sl_status status = sl_raster_id(raster, view, threads, &target, counters, error);
+    return status == SL_OK ? sl_raster_resolve(raster, view, threads, gbuffer, counters, error) : status;
 }

@@ -60,8 +60,7 @@ typedef struct sl_resolve_block {
 
 /* Surface points of a block. */
 typedef struct sl_surface_block {
-    bool normals; /* wanted: else positions alone */
-    bool facets;  /* every triangle of the block has one normal at all its corners */
+    bool facets; /* every triangle of the block has one normal at all its corners */
     sl_run_vectors corner_normal;
     float face_x[SL_RESOLVE_RUNS], face_y[SL_RESOLVE_RUNS], face_z[SL_RESOLVE_RUNS]; /* geometric normals */
     sl_vector_planes position, normal, geometric; /* out */

@@ -289,7 +289,6 @@ void SL_KERNEL(sl_resolve_surfaces)(const sl_resolve_block *block, const sl_pass
     const uint32_t count = whole_lanes(block->count);
     const sl_vec3 eye = sl_v3(view->origin[0], view->origin[1], view->origin[2]);
     interpolate_vectors(block, &block->corner, &s->position);
-    if (!s->normals) return;
     spread(block, s->face_x, s->face_y, s->face_z, &s->geometric);
     if (s->facets) {
         const sl_run_vectors *n = &s->corner_normal;

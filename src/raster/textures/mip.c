@@ -65,9 +65,7 @@ static bool make_levels(const sl_texture *texture, unsigned threads, sl_mip *mip
         float *coarse =
             sl_allocate_unset((size_t)level->width * (size_t)level->height, 4 * sizeof *coarse);
         made = coarse != NULL;
-        if (made)
-            sl_mip_halve(fine, above->width, above->height, (size_t)above->width, coarse,
-                         (size_t)level->width, threads);
+        if (made) sl_mip_halve(fine, above->width, above->height, coarse, threads);
         made = made && store(coarse, level);
         sl_free(fine);
         fine = coarse;

@@ -33,13 +33,12 @@ typedef struct {
     const float *from;
     float *to;
     int width, height;
-    size_t from_stride, to_stride;
 } halving;
 
 static void average(const halving *h, const cover *column, const cover *row, float *texel) {
     double sum[4] = {0.0, 0.0, 0.0, 0.0};
     for (int y = 0; y < row->count; y++) {
-        const float *from = h->from + 4 * ((size_t)(row->first + y) * h->from_stride + (size_t)column->first);
+        const float *from = h->from + 4 * ((size_t)(row->first + y) * (size_t)h->width + (size_t)column->first);
         for (int x = 0; x < column->count; x++) {
             double share = row->share[y] * column->share[x];
             for (int c = 0; c < 4; c++) sum[c] += share * (double)from[4 * x + c];
@@ -51,19 +50,18 @@ static void average(const halving *h, const cover *column, const cover *row, flo
 static void halve_rows(void *context, size_t index, unsigned worker) {
     (void)worker;
     const halving *h = context;
-    int end = sl_half_size(h->height), first = (int)index * ROWS;
+    int end = sl_half_size(h->height), width = sl_half_size(h->width), first = (int)index * ROWS;
     for (int y = first; y < end && y < first + ROWS; y++) {
         cover row = cover_of(y, h->height);
-        for (int x = 0; x < sl_half_size(h->width); x++) {
+        for (int x = 0; x < width; x++) {
             cover column = cover_of(x, h->width);
-            average(h, &column, &row, h->to + 4 * ((size_t)y * h->to_stride + (size_t)x));
+            average(h, &column, &row, h->to + 4 * ((size_t)y * (size_t)width + (size_t)x));
         }
     }
 }
 
-void sl_mip_halve(const float *from, int width, int height, size_t from_stride, float *to, size_t to_stride,
-                  unsigned threads) {
-    halving h = {from, to, width, height, from_stride, to_stride};
+void sl_mip_halve(const float *from, int width, int height, float *to, unsigned threads) {
+    halving h = {from, to, width, height};
     size_t tasks = ((size_t)sl_half_size(height) + ROWS - 1) / ROWS;
     sl_parallel_for(tasks > 4 ? sl_thread_count(threads) : 1, tasks, halve_rows, &h);
 }

@@ -48,6 +48,5 @@ uint32_t sl_volume_fetch(const sl_volume *volume, int x, int y, int z);
 static inline int sl_half_size(int n) { return n > 1 ? n / 2 : 1; }
 /* Halves a picture of RGBA texels. Each way the result has half as many, rounded down (OpenGL 4.5, section
  * 8.14.3), each the exact mean over its area: 2x2 texels, or 3 in a direction whose size is odd, those shared
- * by two weighted by their share. So its mean is the picture's. Rows start `stride` texels apart. */
-void sl_mip_halve(const float *from, int width, int height, size_t from_stride, float *to, size_t to_stride,
-                  unsigned threads);
+ * by two weighted by their share. So its mean is the picture's. */
+void sl_mip_halve(const float *from, int width, int height, float *to, unsigned threads);
