@@ -290,6 +290,11 @@ sl_splat_rect sl_sphere_bounds(const sl_camera *camera, int width, int height, f
  * plane between two pbuffers. */
 void sl_raster_reduce(const float *planes, int size, int channels, int final, float *scratch, float *out,
                       sl_counters *counters);
+/* The same down to SL_REDUCED pixels a side, or as many as there are; what is read back then is added up, row
+ * by row: a sum a plane. */
+enum { SL_REDUCED = 16, SL_REDUCED_PLANES = 3 };
+void sl_raster_sum(const float *planes, int size, int channels, float *scratch, double *sum,
+                   sl_counters *counters);
 
 /* Copies a bottom-first plane into top-first order. */
 void sl_raster_flip(const float *plane, int width, int height, float *image_plane);

@@ -141,10 +141,9 @@ static bool allocate_slots(const sl_gather *gather, sl_gather_scratch *s) {
     return !gather->sources || sl_light_scratch_create(gather, slots, &s->light, NULL) == SL_OK;
 }
 
-/* Of known colours: the picture, where it shows which triangle, the picture times weights, halves of that,
- * and what is left. */
+/* Of known colours: the picture, where it shows which triangle, the picture times weights, halves of that. */
 static bool allocate_coloured(sl_gather_scratch *s, size_t cells) {
-    float *block = sl_allocate(9 * cells + 3 * SL_GATHER_REDUCED * SL_GATHER_REDUCED, sizeof *block);
+    float *block = sl_allocate(9 * cells, sizeof *block);
     s->block = block;
     s->cell_id = s->ids = sl_allocate(cells, sizeof *s->ids);
     if (!block || !s->ids) return false;
@@ -153,7 +152,6 @@ static bool allocate_coloured(sl_gather_scratch *s, size_t cells) {
     s->cell_w2 = block + 4 * cells;
     s->weighted = block + 5 * cells;
     s->halved = block + 8 * cells;
-    s->reduced = block + 9 * cells;
     return true;
 }
 

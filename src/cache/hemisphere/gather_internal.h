@@ -109,10 +109,8 @@ struct sl_gather_scratch {
     const uint8_t **texel; /* by slot: of the surface's texture, or NULL */
     uint32_t *cell_id;
     float *cell_depth, *cell_w1, *cell_w2;
-    float *weighted, *halved, *reduced; /* known colours: three planes times weights, and their sums */
+    float *weighted, *halved; /* known colours: three planes times weights, and halves of one */
 };
-
-enum { SL_GATHER_REDUCED = 16 }; /* pixels a side of what is read back of those */
 
 /* The gather under way. */
 typedef struct sl_gather_view {

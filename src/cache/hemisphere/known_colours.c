@@ -84,18 +84,6 @@ static void add_sky(const sl_texture_image *sky, const sl_colour_pixels *p) {
 
 /* ---- one gather ---- */
 
-/* Three planes of size x size to one sum each: halved on the hardware to SL_GATHER_REDUCED a side, read back,
- * and added row by row. */
-static void add_up(const sl_gather_scratch *s, int size, sl_counters *counters, double sum[3]) {
-    int reduced = size < SL_GATHER_REDUCED ? size : SL_GATHER_REDUCED;
-    size_t count = (size_t)reduced * (size_t)reduced;
-    sl_raster_reduce(s->weighted, size, 3, reduced, s->halved, s->reduced, counters);
-    for (size_t k = 0; k < 3; k++) {
-        sum[k] = 0.0;
-        for (size_t i = 0; i < count; i++) sum[k] += (double)s->reduced[k * count + i];
-    }
-}
-
 static float finite(double value) { return value > 0.0 && value < 1e37 ? (float)value : 0.0f; }
 
 sl_rgb sl_gather_known_colours(const sl_gather *gather, const sl_gather_point *point, sl_gather_scratch *s,
@@ -123,6 +111,6 @@ sl_rgb sl_gather_known_colours(const sl_gather *gather, const sl_gather_point *p
     add_sky(gather->sky, &pixels);
     sl_count(counters, SL_COUNT_FRAGMENTS_SHADED, t->cells);
     double sum[3];
-    add_up(s, t->size, counters, sum);
+    sl_raster_sum(s->weighted, t->size, 3, s->halved, sum, counters);
     return (sl_rgb){finite(sum[0]), finite(sum[1]), finite(sum[2])};
 }

@@ -163,9 +163,8 @@ static bool allocate_planes(const sl_light_sampling *sampling, sl_light_sample_s
     s->id = sl_allocate(pixels, sizeof *s->id);
     s->planes = sl_allocate(2 * pixels, sizeof *s->planes);
     s->halves = sl_allocate(pixels / 2 + 1, sizeof *s->halves);
-    s->sums = sl_allocate(2 * SL_REDUCED * SL_REDUCED, sizeof *s->sums);
     s->column_x = sl_allocate(4 * side, sizeof *s->column_x);
-    bool ok = s->id && s->planes && s->halves && s->sums && s->column_x;
+    bool ok = s->id && s->planes && s->halves && s->column_x;
     if (!ok) return false;
     s->column_y = s->column_x + side;
     s->row_x = s->column_y + side;
@@ -195,12 +194,9 @@ sl_status sl_light_sample_scratch_create(const sl_light_sampling *sampling, sl_l
 
 void sl_light_sample_scratch_destroy(sl_light_sample_scratch *s) {
     if (!s) return;
-    void *blocks[] = {s->id,    s->planes,   s->halves,      s->sums,  s->column_x,
-                      s->depth, s->light_id, s->light_depth, s->facing};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) sl_free(blocks[i]);
     sl_raster_scratch_destroy(s->raster);
     sl_raster_scratch_destroy(s->light_raster);
-    sl_free(s);
+    SL_FREE_ALL(s->id, s->planes, s->halves, s->column_x, s->depth, s->light_id, s->light_depth, s->facing, s);
 }
 
 sl_light_picture sl_light_last_picture(const sl_light_sample_scratch *s) {

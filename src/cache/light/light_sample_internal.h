@@ -13,9 +13,6 @@
  * from it. */
 #define SL_LIGHT_MARGIN 1e-4
 
-/* sums are read back at so many pixels a side, or as many as there are */
-enum { SL_REDUCED = 16 };
-
 /* Known of an area light beforehand. */
 typedef struct sl_light_shape_info {
     sl_light_surface surface;
@@ -57,7 +54,6 @@ struct sl_light_sample_scratch {
     float *depth, *light_depth;
     float *planes;             /* two of largest^2: the light's weights as they are seen, and all of them */
     float *halves;             /* for the reduction */
-    float *sums;               /* two of SL_REDUCED^2 */
     float *column_x, *column_y, *row_x, *row_y; /* tangents of the pixels' centres */
     uint8_t *facing;           /* by triangle of a light */
     int picture_size;          /* of planes' first, 0: none */
@@ -94,8 +90,6 @@ sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *poin
 
 /* look_at.c */
 sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_sums *sums);
-/* Sums the two planes of size x size weights by reduction on the hardware. */
-sl_light_sums sl_light_reduce(const sl_light_query *query, int size);
 
 /* shadow_ray.c. Is the light's middle hidden? */
 bool sl_light_middle_hidden(const sl_light_query *query);

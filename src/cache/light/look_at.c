@@ -44,19 +44,6 @@ static bool hides_all(const float *depth, size_t pixels, float nearest) {
     return true;
 }
 
-sl_light_sums sl_light_reduce(const sl_light_query *query, int size) {
-    sl_light_sample_scratch *scratch = query->scratch;
-    int final = size < SL_REDUCED ? size : SL_REDUCED;
-    size_t left = (size_t)final * (size_t)final;
-    sl_light_sums sums = {.all = 0.0};
-    sl_raster_reduce(scratch->planes, size, 2, final, scratch->halves, scratch->sums, query->counters);
-    for (size_t i = 0; i < left; i++) {
-        sums.seen += (double)scratch->sums[i];
-        sums.all += (double)scratch->sums[left + i];
-    }
-    return sums;
-}
-
 /* The picture's position in its frustum's rectangle, each half of whose sides counts as 1: turned, and so
  * much larger that it holds it. The paper's lies along an edge of the light. Edges of a scene run along its
  * lamps more often than not, and an edge along the pixels hides whole columns at a time, which shows as
@@ -167,6 +154,8 @@ sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_s
                               .all = s->planes + (size_t)size * (size_t)size};
     SL_KERNEL_OF(sampling->isa, sl_look_at_weigh)(&pixels, s->light_id, s->facing, s->light_depth, s->depth);
     s->picture_size = size;
-    *sums = sl_light_reduce(query, size);
+    double sum[2];
+    sl_raster_sum(s->planes, size, 2, s->halves, sum, query->counters);
+    *sums = (sl_light_sums){.seen = sum[0], .all = sum[1]};
     return SL_SHOT_TAKEN;
 }

@@ -196,7 +196,6 @@ static double half_seen(const sl_multi_mesh_state *s, size_t light, uint32_t ver
 
 static void announce_sample(sl_multi_mesh_state *s, size_t light, const sl_lit_point *point,
                             sl_light_sample_scratch *scratch) {
-    enum { REDUCED = 16 };
     sl_counters nobodys = {{0}};
     sl_light_sample_take(s->now.sampling, light, point, scratch, &nobodys);
     sl_light_picture picture = sl_light_last_picture(scratch);
@@ -204,13 +203,14 @@ static void announce_sample(sl_multi_mesh_state *s, size_t light, const sl_lit_p
     sl_announce(&s->announcer, "one light sample", "equation (3)", picture.size, picture.size, 1,
                 picture.weight, true);
     float *halves = sl_allocate((size_t)picture.size * (size_t)picture.size, sizeof *halves),
-          sums[REDUCED * REDUCED];
-    if (!halves || picture.size < REDUCED) {
+          sums[SL_REDUCED * SL_REDUCED];
+    if (!halves || picture.size < SL_REDUCED) {
         sl_free(halves);
         return;
     }
-    sl_raster_reduce(picture.weight, picture.size, 1, REDUCED, halves, sums, &nobodys);
-    sl_announce(&s->announcer, "... reduced to 16 x 16", "equation (3)", REDUCED, REDUCED, 1, sums, true);
+    sl_raster_reduce(picture.weight, picture.size, 1, SL_REDUCED, halves, sums, &nobodys);
+    sl_announce(&s->announcer, "... reduced to 16 x 16", "equation (3)", SL_REDUCED, SL_REDUCED, 1, sums,
+                true);
     sl_free(halves);
 }
 

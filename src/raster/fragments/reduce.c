@@ -32,6 +32,17 @@ void sl_raster_reduce(const float *planes, int size, int channels, int final, fl
     sl_count(counters, SL_COUNT_BYTES_READ_BACK, depth * left * sizeof *out);
 }
 
+void sl_raster_sum(const float *planes, int size, int channels, float *scratch, double *sum,
+                   sl_counters *counters) {
+    float left[SL_REDUCED_PLANES * SL_REDUCED * SL_REDUCED];
+    const int final = size < SL_REDUCED ? size : SL_REDUCED, pixels = final * final;
+    sl_raster_reduce(planes, size, channels, final, scratch, left, counters);
+    for (int c = 0; c < channels; c++) {
+        sum[c] = 0.0;
+        for (int i = 0; i < pixels; i++) sum[c] += (double)left[c * pixels + i];
+    }
+}
+
 void sl_raster_flip(const float *plane, int width, int height, float *image_plane) {
     size_t row = (size_t)width;
     for (int y = 0; y < height; y++) {
