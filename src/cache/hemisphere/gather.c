@@ -241,7 +241,7 @@ static sl_vec3 tangential(const sl_frame *f, const double v[2]) {
 }
 
 /* Returns the eigenvalue of the larger absolute value. */
-static float greatest_curvature(const sl_gather_curvature *h) {
+static float greatest_curvature(const sl_curvature *h) {
     double mean = 0.5 * (h->xx + h->yy), half = 0.5 * (h->xx - h->yy),
            radius = sqrt(half * half + h->xy * h->xy);
     return (float)(mean < 0.0 ? mean - radius : mean + radius);
@@ -249,7 +249,7 @@ static float greatest_curvature(const sl_gather_curvature *h) {
 
 /* Turns the sums of gather_kernels.c into the world. */
 static void finish(const sl_gather_view *view, const sl_gather_sums *sums,
-                      const sl_gather_curvature *curvature, sl_irradiance *out) {
+                      const sl_curvature *curvature, sl_irradiance *out) {
     const sl_gather_tables *t = view->gather->tables;
     out->curvature = greatest_curvature(curvature);
     out->value = (sl_rgb){(float)sums->irradiance[0], (float)sums->irradiance[1], (float)sums->irradiance[2]};
@@ -267,7 +267,7 @@ static void gather_light(const sl_gather *gather, const sl_gather_point *point, 
                          sl_gather_scratch *scratch, sl_irradiance *irradiance, sl_counters *counters) {
     const sl_gather_planes *p = &scratch->planes;
     sl_gather_sums sums;
-    sl_gather_curvature curvature;
+    sl_curvature curvature;
     float nearest;
     double back_weight;
     sl_count(counters, SL_COUNT_GATHERS, 1);

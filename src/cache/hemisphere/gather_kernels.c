@@ -196,7 +196,7 @@ static inline double nearer(float a, float b) { return (double)(a > b ? a : b); 
 /* d2E = sum over walls of s / Z^2 K_wall, with the step s of L across the wall, Z of the nearer of the two
  * cells beside it, and K of sl_wall_curvature(). */
 static void sum_curvature(const sl_gather_tables *t, const float *restrict light,
-                          const float *restrict nearness, sl_gather_curvature *curvature) {
+                          const float *restrict nearness, sl_curvature *curvature) {
     const size_t row = (size_t)t->width;
     const float *restrict left = light - 1, *restrict below = light - row;
     const float *restrict near_left = nearness - 1, *restrict near_below = nearness - row;
@@ -220,7 +220,7 @@ static void sum_curvature(const sl_gather_tables *t, const float *restrict light
 }
 
 void SL_KERNEL(sl_gather_curvature)(const sl_gather_tables *t, const float *r, const float *g, const float *b,
-                                    const float *nearness, float *mean, sl_gather_curvature *curvature) {
+                                    const float *nearness, float *mean, sl_curvature *curvature) {
     for (size_t i = 0; i < t->padded; i++) mean[i] = (r[i] + g[i] + b[i]) * (1.0f / 3.0f);
     sum_curvature(t, mean, nearness, curvature);
 }

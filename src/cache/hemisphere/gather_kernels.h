@@ -11,11 +11,6 @@ typedef struct sl_gather_sums {
     double inverse_distance;    /* sum of W / r */
 } sl_gather_sums;
 
-/* Of the channels' mean. */
-typedef struct sl_gather_curvature {
-    double xx, xy, yy;
-} sl_gather_curvature;
-
 typedef struct sl_ray_cells {
     size_t count;
     const float *slot_a, *slot_b;
@@ -55,7 +50,7 @@ SL_KERNELS(void, sl_gather_sums,
            (const sl_gather_tables *tables, const float *r, const float *g, const float *b,
             const float *nearness, const float *first, sl_gather_sums *sums));
 
-/* mean: a plane to work in, laid out as the others. */
+/* Of the channels' mean, for which there is a plane, laid out as the others. */
 SL_KERNELS(void, sl_gather_curvature,
            (const sl_gather_tables *tables, const float *r, const float *g, const float *b,
-            const float *nearness, float *mean, sl_gather_curvature *curvature));
+            const float *nearness, float *mean, sl_curvature *curvature));

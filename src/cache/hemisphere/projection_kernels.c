@@ -68,50 +68,21 @@ static inline void add_lanes(double *restrict sum, const sl_lanes_floats *restri
     for (int i = 0; i < SL_WIDTH; i++) sum[i] += (double)(*part)[i];
 }
 
-/* Three vectors of one group over one block. */
-static inline void multiply_3(const float *restrict table, float factor[3][BLOCK], double sum[3][GROUP]) {
+/* Some vectors of one group over one block; a constant number, so that loops over them are unrolled. */
+static inline __attribute__((always_inline)) void multiply(const float *restrict table, int vectors,
+                                                           float (*restrict factor)[BLOCK],
+                                                           double (*restrict sum)[GROUP]) {
     for (int first = 0; first < GROUP; first += PIECES * SL_WIDTH) {
-        sl_lanes_floats r[PIECES], g[PIECES], b[PIECES];
-        memset(r, 0, sizeof r), memset(g, 0, sizeof g), memset(b, 0, sizeof b);
+        sl_lanes_floats part[6][PIECES];
+        memset(part, 0, sizeof part);
         for (int k = 0; k < BLOCK; k++) {
             for (int i = 0; i < PIECES; i++) {
                 const sl_lanes_floats h = sl_lanes_load_floats(table + k * GROUP + first + i * SL_WIDTH);
-                r[i] += h * factor[0][k];
-                g[i] += h * factor[1][k];
-                b[i] += h * factor[2][k];
+                for (int v = 0; v < vectors; v++) part[v][i] += h * factor[v][k];
             }
         }
-        for (int i = 0; i < PIECES; i++) {
-            add_lanes(&sum[0][first + i * SL_WIDTH], &r[i]);
-            add_lanes(&sum[1][first + i * SL_WIDTH], &g[i]);
-            add_lanes(&sum[2][first + i * SL_WIDTH], &b[i]);
-        }
-    }
-}
-
-/* Six: x and y of three channels. */
-static inline void multiply_6(const float *restrict table, float x[3][BLOCK], float y[3][BLOCK],
-                              double sum[6][GROUP]) {
-    for (int first = 0; first < GROUP; first += PIECES * SL_WIDTH) {
-        sl_lanes_floats rx[PIECES], gx[PIECES], bx[PIECES], ry[PIECES], gy[PIECES], by[PIECES];
-        memset(rx, 0, sizeof rx), memset(gx, 0, sizeof gx), memset(bx, 0, sizeof bx);
-        memset(ry, 0, sizeof ry), memset(gy, 0, sizeof gy), memset(by, 0, sizeof by);
-        for (int k = 0; k < BLOCK; k++) {
-            for (int i = 0; i < PIECES; i++) {
-                const sl_lanes_floats h = sl_lanes_load_floats(table + k * GROUP + first + i * SL_WIDTH);
-                rx[i] += h * x[0][k];
-                gx[i] += h * x[1][k];
-                bx[i] += h * x[2][k];
-                ry[i] += h * y[0][k];
-                gy[i] += h * y[1][k];
-                by[i] += h * y[2][k];
-            }
-        }
-        for (int i = 0; i < PIECES; i++) {
-            int at = first + i * SL_WIDTH;
-            add_lanes(&sum[0][at], &rx[i]), add_lanes(&sum[1][at], &gx[i]), add_lanes(&sum[2][at], &bx[i]);
-            add_lanes(&sum[3][at], &ry[i]), add_lanes(&sum[4][at], &gy[i]), add_lanes(&sum[5][at], &by[i]);
-        }
+        for (int v = 0; v < vectors; v++)
+            for (int i = 0; i < PIECES; i++) add_lanes(&sum[v][first + i * SL_WIDTH], &part[v][i]);
     }
 }
 
@@ -123,8 +94,8 @@ static void add_cells(const sl_projection *p, size_t block, const float *const p
     for (int c = 0; c < 3; c++) fold_cells(&p->cells, block * BLOCK, picture[c], folded[c]);
     for (int g = 0; g < p->groups; g++) {
         for (int c = 0; c < 3; c++) memcpy(factor[c], folded[c][p->class_of[g]], sizeof factor[c]);
-        multiply_3(p->cells.table + (block * (size_t)p->groups + (size_t)g) * BLOCK * GROUP, factor,
-                   sums->sum[g]);
+        multiply(p->cells.table + (block * (size_t)p->groups + (size_t)g) * BLOCK * GROUP, 3, factor,
+                 sums->sum[g]);
     }
 }
 
@@ -132,21 +103,22 @@ static void add_cells(const sl_projection *p, size_t block, const float *const p
  * those with y. */
 static void add_walls(const sl_projection *p, size_t block, const float *const picture[4],
                       sl_projection_sums *sums) {
-    float near[4][BLOCK], folded[3][CLASSES][BLOCK], x[3][BLOCK], y[3][BLOCK];
+    float near[4][BLOCK], folded[3][CLASSES][BLOCK], moved[6][BLOCK];
     const float *wall_x = p->walls.x + block * BLOCK, *wall_y = p->walls.y + block * BLOCK;
     nearer_surfaces(&p->walls, block * BLOCK, picture[3], near);
     for (int c = 0; c < 3; c++) fold_walls(&p->walls, block * BLOCK, picture[c], near, folded[c]);
     for (int g = 0; g < p->groups; g++) {
         const float *table = p->walls.table + (block * (size_t)p->groups + (size_t)g) * BLOCK * GROUP;
         for (int c = 0; c < 3; c++) {
+            float *restrict x = moved[c], *restrict y = moved[3 + c];
             const float *folded_x = folded[c][p->class_of[g] ^ 1], *folded_y = folded[c][p->class_of[g] ^ 2];
 #pragma omp simd
             for (int k = 0; k < BLOCK; k++) {
-                x[c][k] = folded_x[k] * wall_x[k];
-                y[c][k] = folded_y[k] * wall_y[k];
+                x[k] = folded_x[k] * wall_x[k];
+                y[k] = folded_y[k] * wall_y[k];
             }
         }
-        multiply_6(table, x, y, &sums->sum[g][3]);
+        multiply(table, 6, moved, &sums->sum[g][3]);
     }
 }
 
