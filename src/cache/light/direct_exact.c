@@ -4,18 +4,9 @@
  * are the best weights for choosing an emitter: the samples of many differ in nothing but visibility, and
  * what is seen whole or not at all has no noise. */
 #include "cache/light/direct_internal.h"
-#include "cache/light/direct_lamps.h"
-#include "cache/light/near_light.h"
-
-typedef struct {
-    size_t sides;                                            /* that light some pixel of the block */
-    uint32_t side[SL_EXACT_EMITTERS_MAX];
-    float share[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];     /* irradiance for radiance 1 */
-    float sums[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];      /* cumulative, in luminance */
-} weighed;
 
 /* Weighs all sides for all points, and adds up what arrives unoccluded. */
-static void weigh(const sl_direct *direct, const sl_lit_block *block, weighed *w,
+static void weigh(const sl_direct *direct, const sl_lit_block *block, sl_weighed_sides *w,
                   float exact[3][SL_LIGHT_BLOCK]) {
     sl_light_points points = sl_lit_points(block);
     w->sides = 0;
@@ -87,22 +78,10 @@ static void aim_at_near(const sl_direct *direct, const sl_lit_block *block, cons
 
 /* ---- samples ---- */
 
-enum { CHUNK = 8, LANES = CHUNK * SL_LIGHT_BLOCK };
-
-/* Some samples of every pixel of the block, sample by sample: SL_LIGHT_BLOCK lanes each. */
-typedef struct {
-    uint32_t samples;
-    float u0[LANES], u1[LANES], u2[LANES];
-    int32_t chosen[LANES];
-    float x[LANES], y[LANES], z[LANES];
-    float r[LANES], g[LANES], b[LANES];
-    float weight[LANES], wanted[LANES], visible[LANES];
-} light_samples;
-
-static void draw(const sl_direct *direct, const sl_lit_block *block, const weighed *w, uint32_t first,
-                 light_samples *s) {
+static void draw(const sl_direct *direct, const sl_lit_block *block, const sl_weighed_sides *w,
+                 uint32_t first, sl_block_samples *s) {
     sl_light_points points = sl_lit_points(block);
-    sl_aim_block aims[CHUNK];
+    sl_aim_block aims[SL_LIGHT_CHUNK];
     sl_direct_points(direct, block, (sl_sample_range){first, first + s->samples}, SL_STREAM_SHARES,
                      SL_LIGHT_BLOCK, s->u0, s->u1, s->u2);
     for (uint32_t k = 0; k < s->samples; k++) {
@@ -118,8 +97,8 @@ static void draw(const sl_direct *direct, const sl_lit_block *block, const weigh
 
 /* Rays from neighbouring pixels to one emitter go the same way: lanes in the order of emitters, samples and
  * pixels. */
-static size_t order_by_emitter(const sl_lit_block *block, size_t sides, const light_samples *s,
-                               uint32_t order[LANES]) {
+static size_t order_by_emitter(const sl_lit_block *block, size_t sides, const sl_block_samples *s,
+                               uint32_t order[SL_SAMPLE_LANES]) {
     uint32_t start[SL_EXACT_EMITTERS_MAX + 1] = {0};
     for (uint32_t k = 0; k < s->samples; k++) {
         for (uint32_t lane = k * SL_LIGHT_BLOCK; lane < k * SL_LIGHT_BLOCK + block->count; lane++) {
@@ -137,8 +116,8 @@ static size_t order_by_emitter(const sl_lit_block *block, size_t sides, const li
 }
 
 /* seen: how many samples of a pixel were, of: of how many. */
-static void add_samples(const sl_lit_block *block, const light_samples *s, float scale, sl_direct_sums *sums,
-                        float *seen, float *of) {
+static void add_samples(const sl_lit_block *block, const sl_block_samples *s, float scale,
+                        sl_direct_sums *sums, float *seen, float *of) {
     for (size_t i = 0; i < block->count; i++) {
         size_t p = block->pixel[i] - sums->first;
         for (size_t lane = i; lane < s->samples * SL_LIGHT_BLOCK; lane += SL_LIGHT_BLOCK) {
@@ -165,23 +144,10 @@ typedef struct {
     float seen[SL_LIGHT_BLOCK], of[SL_LIGHT_BLOCK]; /* samples */
 } answers;
 
-struct sl_direct_scratch {
-    weighed weighed;
-    light_samples samples;
-    uint32_t order[LANES];
-    sl_lamps lamps;
-};
-
-size_t sl_direct_scratch_bytes(void) { return sizeof(sl_direct_scratch); }
-sl_direct_scratch *sl_direct_scratch_of(void *blocks, unsigned worker) {
-    return (sl_direct_scratch *)blocks + worker;
-}
-sl_lamps *sl_direct_scratch_lamps(sl_direct_scratch *scratch) { return &scratch->lamps; }
-
 /* Traces and adds up samples that are drawn. */
 static void take(const sl_direct *direct, const sl_lit_block *block, size_t sides,
                  sl_direct_scratch *scratch, sl_direct_sums *sums, answers *a, sl_counters *counters) {
-    light_samples *s = &scratch->samples;
+    sl_block_samples *s = &scratch->samples;
     size_t rays = order_by_emitter(block, sides, s, scratch->order);
     sl_direct_trace(direct, block, rays, scratch->order, (sl_aims){s->x, s->y, s->z, false}, s->visible,
                     counters);
@@ -203,14 +169,14 @@ static void conclude(const sl_lit_block *block, sl_sample_range range, const ans
 
 void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
                      sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters) {
-    weighed *w = &scratch->weighed;
-    light_samples *s = &scratch->samples;
+    sl_weighed_sides *w = &scratch->weighed;
+    sl_block_samples *s = &scratch->samples;
     answers a = {{0.0f}, {0.0f}};
     float exact[3][SL_LIGHT_BLOCK] = {{0.0f}};
     weigh(direct, block, w, exact);
     if (w->sides == 0) return;
-    for (uint32_t first = range.first; first < range.end; first += CHUNK) {
-        s->samples = range.end - first < CHUNK ? range.end - first : CHUNK;
+    for (uint32_t first = range.first; first < range.end; first += SL_LIGHT_CHUNK) {
+        s->samples = range.end - first < SL_LIGHT_CHUNK ? range.end - first : SL_LIGHT_CHUNK;
         draw(direct, block, w, first, s);
         take(direct, block, w->sides, scratch, sums, &a, counters);
     }

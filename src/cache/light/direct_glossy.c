@@ -2,7 +2,7 @@
  * the lobe are bad where lights are small: both are taken, each weighted by the power heuristic (Veach and
  * Guibas 1995), since one of them mostly has all but no noise. */
 #include "base/math.h"
-#include "cache/light/direct_lamps.h"
+#include "cache/light/direct_internal.h"
 #include "cache/frame/picture_value.h"
 
 /* Both kinds of samples of a pixel wait here for their rays. */
@@ -118,7 +118,7 @@ sl_rgb sl_direct_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t
                .position = sl_gbuffer_position(gbuffer, pixel),
                .triangle = gbuffer->id[pixel],
                .lobe = sl_pixel_lobe(direct, gbuffer, pixel)};
-    sl_lamps *lamps = sl_direct_scratch_lamps(scratch);
+    sl_lamps *lamps = &scratch->lamps;
     bool by_angle =
         direct->sides.count && !direct->settings.sun && sl_lamps_look(direct, &q.lobe, q.position, lamps);
     q.lamps = by_angle ? lamps : NULL;

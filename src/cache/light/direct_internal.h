@@ -14,6 +14,7 @@
 
 #include "cache/light/light_kernels.h"
 #include "cache/light/direct.h"
+#include "cache/light/near_light.h"
 #include "trace/bsdf.h"
 #include "trace/sequence.h"
 
@@ -106,12 +107,63 @@ void sl_direct_trace(const sl_direct *direct, const sl_lit_block *block, size_t 
 void sl_direct_visible(const sl_direct *direct, const sl_lit_block *block, sl_aims aims, const float *wanted,
                        float *visible, sl_counters *counters);
 
-/* A worker's memory for a block, too large for a thread's stack: a third of a megabyte. Not set. */
-typedef struct sl_direct_scratch sl_direct_scratch;
-struct sl_lamps;
-size_t sl_direct_scratch_bytes(void);
-sl_direct_scratch *sl_direct_scratch_of(void *blocks, unsigned worker);
-struct sl_lamps *sl_direct_scratch_lamps(sl_direct_scratch *scratch);
+/* ---- emitters as a glossy lobe sees them (direct_lamps.c) ---- */
+
+/* A side of an emitter, above the horizon. */
+typedef struct sl_lamp {
+    uint32_t side;
+    sl_seen_triangle seen;          /* without parts where it is sampled by its area */
+    /* the sum of the importances up to and with this one; this one's share of all */
+    float sum, chance;
+} sl_lamp;
+
+typedef struct sl_lamps {
+    const sl_direct *direct;
+    sl_vec3 position;
+    size_t count;
+    double solid_angle;             /* of all lamps */
+    float closest;                  /* the lobe's largest value on any of them, 1 at its axis */
+    sl_lamp lamp[SL_EXACT_EMITTERS_MAX];
+} sl_lamps;
+
+/* All that the lobe of a surface may see. False: none. */
+bool sl_lamps_look(const sl_direct *direct, const sl_bsdf *lobe, sl_vec3 position, sl_lamps *lamps);
+/* A sample from two numbers in [0,1); as of sl_light_sampler_sample_2d(). */
+bool sl_lamps_draw(const sl_lamps *lamps, const float u[2], sl_light_sample *sample);
+/* The density with which that would have drawn the direction that hit this triangle of an emitter. */
+float sl_lamps_pdf(const sl_lamps *lamps, sl_vec3 direction, uint32_t triangle, float distance);
+
+/* ---- a worker's memory ---- */
+
+/* Sides that light some pixel of a block. */
+typedef struct sl_weighed_sides {
+    size_t sides;
+    uint32_t side[SL_EXACT_EMITTERS_MAX];
+    float share[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK]; /* irradiance for radiance 1 */
+    float sums[SL_EXACT_EMITTERS_MAX * SL_LIGHT_BLOCK];  /* cumulative, in luminance */
+} sl_weighed_sides;
+
+enum { SL_LIGHT_CHUNK = 8, SL_SAMPLE_LANES = SL_LIGHT_CHUNK * SL_LIGHT_BLOCK };
+
+/* Some samples of every pixel of the block, sample by sample: SL_LIGHT_BLOCK lanes each. */
+typedef struct sl_block_samples {
+    uint32_t samples;
+    float u0[SL_SAMPLE_LANES], u1[SL_SAMPLE_LANES], u2[SL_SAMPLE_LANES];
+    int32_t chosen[SL_SAMPLE_LANES];
+    float x[SL_SAMPLE_LANES], y[SL_SAMPLE_LANES], z[SL_SAMPLE_LANES];
+    float r[SL_SAMPLE_LANES], g[SL_SAMPLE_LANES], b[SL_SAMPLE_LANES];
+    float weight[SL_SAMPLE_LANES], wanted[SL_SAMPLE_LANES], visible[SL_SAMPLE_LANES];
+} sl_block_samples;
+
+/* For a block; too large for a thread's stack: a third of a megabyte. Not set. */
+typedef struct sl_direct_scratch {
+    sl_weighed_sides weighed;
+    sl_block_samples samples;
+    uint32_t order[SL_SAMPLE_LANES];
+    sl_lamps lamps;
+} sl_direct_scratch;
+
+/* ---- the parts ---- */
 
 void sl_direct_exact(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
                      sl_direct_scratch *scratch, sl_direct_sums *sums, sl_counters *counters);

@@ -2,7 +2,7 @@
  * radiance, the lobe's largest value on it and its solid angle, but of that no more than the lobe's own.
  * Directions to it are spread evenly over its solid angle (Arvo 1995), so that nothing but the lobe differs
  * between them, however near the lamp is; far away points spread over its area do as well. */
-#include "cache/light/direct_lamps.h"
+#include "cache/light/direct_internal.h"
 
 #include "base/math.h"
 

@@ -231,7 +231,7 @@ typedef struct {
     int row, end;           /* of the pass: its first, and behind its last */
     int each;               /* rows of an item */
     sl_direct_sums *sums;
-    void *scratch;          /* of all workers */
+    sl_direct_scratch *scratch; /* by worker */
     sl_counters *counters;
     bool refine, last;      /* the second pass; all samples are taken by it */
 } pass;
@@ -254,7 +254,7 @@ static void clear_row(const pass *p, sl_pixel_run row) {
 
 static void light_block(const pass *p, const sl_lit_block *block, unsigned worker, sl_counters *counters) {
     const sl_direct *direct = p->direct;
-    sl_direct_scratch *scratch = sl_direct_scratch_of(p->scratch, worker);
+    sl_direct_scratch *scratch = &p->scratch[worker];
     uint32_t pilot = pilot_samples(direct);
     sl_sample_range range = {p->refine ? pilot : 0, p->refine ? samples_with_refinement(direct) : pilot};
     if (block->count == 0) return;
@@ -329,7 +329,7 @@ static void finish_run(const pass *p, size_t first, size_t end, unsigned worker,
                glossy = {0.0f, 0.0f, 0.0f};
         if (lobe)
             glossy = sl_direct_lobe(direct, g, i, sl_luminance(exact) * direct->sides.unit,
-                                    sl_direct_samples(direct), sl_direct_scratch_of(p->scratch, worker),
+                                    sl_direct_samples(direct), &p->scratch[worker],
                                     counters);
         const float lobes[3] = {glossy.r, glossy.g, glossy.b};
         for (int c = 0; c < 3; c++) {
@@ -399,7 +399,7 @@ static sl_status light_strip(const sl_direct *direct, const sl_gbuffer *gbuffer,
     const size_t width = (size_t)gbuffer->width;
     sl_direct_sums sums;
     pass p = {direct, gbuffer, .row0 = row0, .each = each, .sums = &sums, .counters = counters};
-    p.scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sl_direct_scratch_bytes());
+    p.scratch = sl_allocate_unset(sl_thread_count(direct->settings.threads), sizeof *p.scratch);
     const bool made = make_sums((size_t)row0 * width, (size_t)(lines - lines % each) * width, &sums) &&
                       p.scratch;
     if (made) run_all(&p, first, end);
