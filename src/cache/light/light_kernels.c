@@ -107,23 +107,17 @@ static inline float angle_of(float y, float x) {
     return x < 0.0f ? (float)SL_PI - a : a;
 }
 
-typedef struct {
-    float x, y, z;
-} vec;
-
-static inline vec minus(vec a, vec b) { return (vec){a.x - b.x, a.y - b.y, a.z - b.z}; }
-static inline vec along(vec a, float t, vec e) { return (vec){a.x + t * e.x, a.y + t * e.y, a.z + t * e.z}; }
-static inline float dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static inline vec cross(vec a, vec b) {
-    return (vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+/* angle (n . u) of the part t0..t1 of the edge from a along e. */
+static inline float edge_term(sl_vec3 n, sl_vec3 a, sl_vec3 e, float t0, float t1) {
+    sl_vec3 c = sl_cross(a, e);
+    float length = sqrtf(sl_dot(c, c)),
+          swing = angle_of(length * (t1 - t0), sl_dot(sl_mad(a, t0, e), sl_mad(a, t1, e)));
+    return swing * (sl_dot(n, c) / (length > 0.0f ? length : 1.0f));
 }
 
-/* angle (n . u) of the part t0..t1 of the edge from a along e. */
-static inline float edge_term(vec n, vec a, vec e, float t0, float t1) {
-    vec c = cross(a, e);
-    float length = sqrtf(dot(c, c)),
-          swing = angle_of(length * (t1 - t0), dot(along(a, t0, e), along(a, t1, e)));
-    return swing * (dot(n, c) / (length > 0.0f ? length : 1.0f));
+/* a where is_a, else b where is_b, else c; number by number, as loops over lanes want it. */
+static inline sl_vec3 one_of(bool is_a, sl_vec3 a, bool is_b, sl_vec3 b, sl_vec3 c) {
+    return sl_v3(is_a ? a.x : is_b ? b.x : c.x, is_a ? a.y : is_b ? b.y : c.y, is_a ? a.z : is_b ? b.z : c.z);
 }
 
 void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon_light *light,
@@ -131,21 +125,18 @@ void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon
     const float *restrict px = points->x, *restrict py = points->y, *restrict pz = points->z;
     const float *restrict nx = points->normal_x, *restrict ny = points->normal_y,
                           *restrict nz = points->normal_z;
-    const vec v0 = {light->corner[0].x, light->corner[0].y, light->corner[0].z};
-    const vec v1 = {light->corner[1].x, light->corner[1].y, light->corner[1].z};
-    const vec v2 = {light->corner[2].x, light->corner[2].y, light->corner[2].z};
-    const vec e0 = minus(v1, v0), e1 = minus(v2, v1), e2 = minus(v0, v2),
-              out = {light->normal.x, light->normal.y, light->normal.z};
-    const vec centre = {(v0.x + v1.x + v2.x) / 3.0f, (v0.y + v1.y + v2.y) / 3.0f,
-                        (v0.z + v1.z + v2.z) / 3.0f};
+    const sl_vec3 v0 = light->corner[0], v1 = light->corner[1], v2 = light->corner[2], out = light->normal;
+    const sl_vec3 e0 = sl_sub(v1, v0), e1 = sl_sub(v2, v1), e2 = sl_sub(v0, v2);
+    const sl_vec3 centre = {(v0.x + v1.x + v2.x) / 3.0f, (v0.y + v1.y + v2.y) / 3.0f,
+                            (v0.z + v1.z + v2.z) / 3.0f};
     const float far_away = light->extent_squared * (1.0f / (0.005f * 0.005f)),
                 area = light->area;
     const size_t count = points->count;
 #pragma omp simd
     for (size_t i = 0; i < count; i++) {
-        vec p = {px[i], py[i], pz[i]}, n = {nx[i], ny[i], nz[i]};
-        vec a = minus(v0, p), b = minus(v1, p), c = minus(v2, p), m = minus(centre, p);
-        float ha = dot(n, a), hb = dot(n, b), hc = dot(n, c);
+        sl_vec3 p = {px[i], py[i], pz[i]}, n = {nx[i], ny[i], nz[i]};
+        sl_vec3 a = sl_sub(v0, p), b = sl_sub(v1, p), c = sl_sub(v2, p), m = sl_sub(centre, p);
+        float ha = sl_dot(n, a), hb = sl_dot(n, b), hc = sl_dot(n, c);
         /* Where each edge crosses the horizon. */
         float ta = ha / (ha != hb ? ha - hb : 1.0f), tb = hb / (hb != hc ? hb - hc : 1.0f),
               tc = hc / (hc != ha ? hc - ha : 1.0f);
@@ -153,33 +144,16 @@ void SL_KERNEL(sl_polygon_light)(const sl_light_points *points, const sl_polygon
         float sum = edge_term(n, a, e0, ua ? 0.0f : ub ? ta : 0.0f, ub ? 1.0f : ua ? ta : 0.0f);
         sum += edge_term(n, b, e1, ub ? 0.0f : uc ? tb : 0.0f, uc ? 1.0f : ub ? tb : 0.0f);
         sum += edge_term(n, c, e2, uc ? 0.0f : ua ? tc : 0.0f, ua ? 1.0f : uc ? tc : 0.0f);
-        vec pa = along(a, ta, e0), pb = along(b, tb, e1), pc = along(c, tc, e2);
+        sl_vec3 pa = sl_mad(a, ta, e0), pb = sl_mad(b, tb, e1), pc = sl_mad(c, tc, e2);
         bool leaves_a = ua && !ub, leaves_b = ub && !uc, leaves_c = uc && !ua;
         bool comes_a = !ua && ub, comes_b = !ub && uc;
-        vec from = {leaves_a   ? pa.x
-                    : leaves_b ? pb.x
-                               : pc.x,
-                    leaves_a   ? pa.y
-                    : leaves_b ? pb.y
-                               : pc.y,
-                    leaves_a   ? pa.z
-                    : leaves_b ? pb.z
-                               : pc.z};
-        vec to = {comes_a   ? pa.x
-                  : comes_b ? pb.x
-                            : pc.x,
-                  comes_a   ? pa.y
-                  : comes_b ? pb.y
-                            : pc.y,
-                  comes_a   ? pa.z
-                  : comes_b ? pb.z
-                            : pc.z};
-        float horizon = edge_term(n, from, minus(to, from), 0.0f, 1.0f);
+        sl_vec3 from = one_of(leaves_a, pa, leaves_b, pb, pc), to = one_of(comes_a, pa, comes_b, pb, pc);
+        float horizon = edge_term(n, from, sl_sub(to, from), 0.0f, 1.0f);
         sum += leaves_a || leaves_b || leaves_c ? horizon : 0.0f;
         float near_value = -0.5f * sum;
 
-        float squared = dot(m, m), over = 1.0f / (squared > 0.0f ? squared : 1.0f), high = dot(n, m),
-              front = -dot(out, m);
+        float squared = sl_dot(m, m), over = 1.0f / (squared > 0.0f ? squared : 1.0f), high = sl_dot(n, m),
+              front = -sl_dot(out, m);
         high = high > 0.0f ? high : 0.0f;
         float far_value = area * high * front * over * over;
         float value = squared > far_away ? far_value : near_value;
