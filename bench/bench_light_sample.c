@@ -83,7 +83,7 @@ static void choose_light(bench *b) {
     for (size_t i = 0; i < b->lights->count; i++) {
         const sl_sampled_light *l = &b->lights->light[i];
         double power = 0.0;
-        for (size_t t = 0; l->kind == SL_SAMPLED_AREA && t < l->triangles; t++) {
+        for (size_t t = 0; l->kind == SL_SOURCE_AREA && t < l->triangles; t++) {
             sl_vec3 e = sl_sub(l->corner[3 * t + 1], l->corner[3 * t]),
                     f = sl_sub(l->corner[3 * t + 2], l->corner[3 * t]);
             power += (double)(sl_length(sl_cross(e, f)) * sl_rgb_mean(l->radiance));

@@ -42,8 +42,8 @@ typedef struct {
 enum { POINTS_OF_SOLIDS = 24 };
 
 static size_t points_of(const finding *f, const sl_sampled_light *lamp) {
-    return lamp->kind == SL_SAMPLED_AREA    ? f->side * f->side
-           : lamp->kind == SL_SAMPLED_SOLID ? f->solid * f->side * f->side
+    return lamp->kind == SL_SOURCE_AREA    ? f->side * f->side
+           : lamp->kind == SL_SOURCE_SOLID ? f->solid * f->side * f->side
                                             : 1;
 }
 
@@ -54,15 +54,10 @@ static size_t points_of_all(const finding *f) {
 }
 
 static sl_map_light light_of(const sl_sampled_light *lamp) {
-    static const sl_source_kind kinds[] = {[SL_SAMPLED_POINT] = SL_SOURCE_POINT,
-                                              [SL_SAMPLED_SPOT] = SL_SOURCE_SPOT,
-                                              [SL_SAMPLED_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL,
-                                              [SL_SAMPLED_AREA] = SL_SOURCE_AREA,
-                                              [SL_SAMPLED_SOLID] = SL_SOURCE_AREA};
     return (sl_map_light){
-        .source = {.kind = kinds[lamp->kind],
+        .source = {.kind = lamp->kind == SL_SOURCE_SOLID ? SL_SOURCE_AREA : lamp->kind,
                    .position = lamp->position,
-                   .direction = lamp->kind == SL_SAMPLED_AREA ? lamp->normal : lamp->direction,
+                   .direction = lamp->kind == SL_SOURCE_AREA ? lamp->normal : lamp->direction,
                    .colour = lamp->colour,
                    .cos_inner = lamp->cos_inner,
                    .cos_outer = lamp->cos_outer,
@@ -87,7 +82,7 @@ static sl_vec3 point_of(const finding *f, const sl_sampled_light *lamp, const sl
     const sl_vec3 p = sl_to_float(sl_light_surface_point(lamp, surface, u, &triangle, weight));
     const sl_vec3 *corner = &lamp->corner[3 * triangle];
     const sl_vec3 across = sl_cross(sl_sub(corner[1], corner[0]), sl_sub(corner[2], corner[0]));
-    if (lamp->kind == SL_SAMPLED_SOLID) *normal = sl_normalize_or(across, *normal);
+    if (lamp->kind == SL_SOURCE_SOLID) *normal = sl_normalize_or(across, *normal);
     return p;
 }
 

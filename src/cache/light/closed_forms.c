@@ -126,7 +126,7 @@ sl_vec3d sl_light_middle(const sl_sampled_light *light, const sl_lit_point *poin
     sl_vec3d n = sl_to_double(point->normal), g = sl_to_double(point->geometric_normal), middle = {0, 0, 0};
     bool above = is_above(light, point);
     double total = 0.0;
-    if (above && light->kind == SL_SAMPLED_AREA && side_of(light, 0, sl_to_double(point->position)) != 0) {
+    if (above && light->kind == SL_SOURCE_AREA && side_of(light, 0, sl_to_double(point->position)) != 0) {
         return sl_subd(sl_to_double(light->position), sl_to_double(point->position));
     }
     for (size_t t = 0; t < light->triangles; t++) {

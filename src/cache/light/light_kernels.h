@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/isa.h"
-#include "scene/scene.h"
+#include "cache/light/lights.h"
 
 enum { SL_LIGHT_BLOCK = 128 };
 
@@ -23,15 +23,8 @@ static inline bool sl_is_chord(sl_vec3 d, sl_vec3 sum) {
 }
 
 /* A light without extent, or a point of an emitter; and as pictures are taken from it. */
-typedef enum sl_source_kind {
-    SL_SOURCE_POINT,
-    SL_SOURCE_SPOT,
-    SL_SOURCE_DIRECTIONAL,
-    SL_SOURCE_AREA
-} sl_source_kind;
-
 typedef struct sl_light_source {
-    sl_source_kind kind;
+    sl_source_kind kind;       /* not SOLID */
     sl_vec3 position;          /* directional: unused */
     /* unit: directional and spot, the way the light travels; area: the emitter's normal */
     sl_vec3 direction;

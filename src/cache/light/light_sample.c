@@ -56,7 +56,7 @@ static void measure(const sl_sampled_light *light, sl_light_shape_info *shape) {
         shape->size = larger(shape->size, 2.0 * sl_lengthd(sl_subd(sl_to_double(c), middle)));
     }
     shape->flatness = off + 6e-7 * coordinates;
-    shape->closed_form = light->kind == SL_SAMPLED_AREA || is_convex(light, shape->size);
+    shape->closed_form = light->kind == SL_SOURCE_AREA || is_convex(light, shape->size);
 }
 
 /* The light's triangles as a mesh of their own. */

@@ -18,10 +18,10 @@ enum { PIECES_MAX = 64 };
 /* An emissive triangle, as it is sorted: by what may make it one light with others, then by the piece, then
  * by its number. */
 typedef struct {
-    uint32_t object, two_sided;
-    uint32_t radiance[3]; /* bits */
+    uint32_t kind[5];     /* object, radiance (its bits), whether two-sided */
     uint32_t triangle;
     uint32_t piece;       /* the lowest place in the run of what it hangs together with */
+    bool two_sided;
 } source;
 
 /* A corner's position as bits, and the place in the run of its triangle. */
@@ -38,17 +38,14 @@ static int compare_words(const uint32_t *a, const uint32_t *b, size_t count) {
 
 static int by_kind(const void *a, const void *b) {
     const source *s = a, *t = b;
-    const uint32_t x[6] = {s->object,      s->two_sided,   s->radiance[0],
-                           s->radiance[1], s->radiance[2], s->triangle};
-    const uint32_t y[6] = {t->object,      t->two_sided,   t->radiance[0],
-                           t->radiance[1], t->radiance[2], t->triangle};
-    return compare_words(x, y, 6);
+    int order = compare_words(s->kind, t->kind, 5);
+    return order ? order : compare_words(&s->triangle, &t->triangle, 1);
 }
 
 static int by_piece(const void *a, const void *b) {
     const source *s = a, *t = b;
-    const uint32_t x[2] = {s->piece, s->triangle}, y[2] = {t->piece, t->triangle};
-    return compare_words(x, y, 2);
+    int order = compare_words(&s->piece, &t->piece, 1);
+    return order ? order : compare_words(&s->triangle, &t->triangle, 1);
 }
 
 static int by_position(const void *a, const void *b) {
@@ -60,11 +57,6 @@ static int by_position(const void *a, const void *b) {
 static int by_first_triangle(const void *a, const void *b) {
     const sl_sampled_light *s = a, *t = b;
     return compare_words(s->triangle, t->triangle, 1);
-}
-
-static bool one_kind(const source *a, const source *b) {
-    return a->object == b->object && a->two_sided == b->two_sided &&
-           memcmp(a->radiance, b->radiance, sizeof a->radiance) == 0;
 }
 
 /* ---- one plane? ---- */
@@ -187,7 +179,7 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
     const float left = area > 0.0 ? (float)(opaque / area) : 1.0f;
     sl_sampled_light *light = &c->lights->light[c->lights->count++];
     *light =
-        (sl_sampled_light){.kind = planar ? SL_SAMPLED_AREA : SL_SAMPLED_SOLID,
+        (sl_sampled_light){.kind = planar ? SL_SOURCE_AREA : SL_SOURCE_SOLID,
                            .colour = sl_rgb_scale(sl_rgb_scale(emitter->radiance, (float)SL_PI), left),
                            .radiance = emitter->radiance,
                            .opaque = left,
@@ -197,7 +189,7 @@ static void add_area_light(collection *c, const source *s, size_t count, bool pl
                            .triangle = triangles,
                            .normal = planar ? normal : sl_v3(0, 0, 0),
                            .position = area > 0.0 ? sl_to_float(sl_scaled(centre, 1.0 / area)) : corners[0],
-                           .object = s->object};
+                           .object = s->kind[0]};
     for (size_t k = 0; k < 3 * count; k++)
         light->extent = fmaxf(light->extent, sl_length(sl_sub(corners[k], light->position)));
     c->triangles += count;
@@ -290,16 +282,15 @@ static sl_status add_emitters(collection *c, sl_error *error) {
     if (!s) return sl_fail_memory(error, "the scene's lamps");
     for (size_t i = 0; i < count; i++) {
         const sl_emitter *e = &scene->emitters[i];
-        s[i] = (source){.object = scene->object_index[e->triangle],
-                        .two_sided = e->two_sided,
+        s[i] = (source){.kind = {scene->object_index[e->triangle], sl_float_bits(e->radiance.r),
+                                 sl_float_bits(e->radiance.g), sl_float_bits(e->radiance.b), e->two_sided},
                         .triangle = e->triangle,
-                        .radiance = {sl_float_bits(e->radiance.r), sl_float_bits(e->radiance.g),
-                                     sl_float_bits(e->radiance.b)}};
+                        .two_sided = e->two_sided};
     }
     qsort(s, count, sizeof *s, by_kind);
     sl_status status = SL_OK;
     for (size_t first = 0, end; first < count && status == SL_OK; first = end) {
-        for (end = first + 1; end < count && one_kind(&s[first], &s[end]);) end++;
+        for (end = first + 1; end < count && compare_words(s[first].kind, s[end].kind, 5) == 0;) end++;
         status = add_run(c, s + first, end - first, error);
     }
     sl_free(s);
@@ -307,11 +298,8 @@ static sl_status add_emitters(collection *c, sl_error *error) {
 }
 
 static void add_scene_light(sl_sampled_lights *lights, const sl_light *light) {
-    static const sl_sampled_kind kinds[] = {[SL_LIGHT_POINT] = SL_SAMPLED_POINT,
-                                            [SL_LIGHT_SPOT] = SL_SAMPLED_SPOT,
-                                            [SL_LIGHT_DIRECTIONAL] = SL_SAMPLED_DIRECTIONAL};
     if (!sl_light_is_lit(light)) return;
-    lights->light[lights->count++] = (sl_sampled_light){.kind = kinds[light->type],
+    lights->light[lights->count++] = (sl_sampled_light){.kind = (sl_source_kind)light->type,
                                                         .colour = light->intensity,
                                                         .position = light->position,
                                                         .direction = light->direction,

@@ -7,16 +7,16 @@
 
 #include "scene/scene.h"
 
-typedef enum sl_sampled_kind {
-    SL_SAMPLED_AREA,        /* planar: share F = E / (pi L), in [0,1] */
-    SL_SAMPLED_SOLID,       /* triangles in several planes: likewise */
-    SL_SAMPLED_POINT,       /* E / I, 1/m^2 */
-    SL_SAMPLED_SPOT,        /* likewise */
-    SL_SAMPLED_DIRECTIONAL  /* E / E_0, in [0,1] */
-} sl_sampled_kind;
+typedef enum sl_source_kind { /* as sl_light_type; and emitters */
+    SL_SOURCE_POINT,       /* F = E / I, 1/m^2 */
+    SL_SOURCE_SPOT,        /* likewise */
+    SL_SOURCE_DIRECTIONAL, /* E / E_0, in [0,1] */
+    SL_SOURCE_AREA,        /* planar: share E / (pi L), in [0,1]; or a point of it */
+    SL_SOURCE_SOLID        /* triangles in several planes: likewise */
+} sl_source_kind;
 
 typedef struct sl_sampled_light {
-    sl_sampled_kind kind;
+    sl_source_kind kind;
     sl_rgb colour;              /* that F multiplies to irradiance: pi L times `opaque`, I, or E_0 */
     sl_rgb radiance;            /* L of area lights where no mask takes it away; 0 of others */
     float opaque;               /* area lights: the share of them that alpha masks leave, all over alike */
@@ -41,7 +41,7 @@ typedef struct sl_sampled_lights {
 } sl_sampled_lights;
 
 static inline bool sl_light_has_extent(const sl_sampled_light *light) {
-    return light->kind == SL_SAMPLED_AREA || light->kind == SL_SAMPLED_SOLID;
+    return light->kind == SL_SOURCE_AREA || light->kind == SL_SOURCE_SOLID;
 }
 
 sl_status sl_sampled_lights_find(const sl_scene *scene, sl_sampled_lights **lights, sl_error *error);

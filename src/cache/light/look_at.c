@@ -106,7 +106,7 @@ sl_light_shot sl_look_at_shoot(const sl_light_query *query, int size, sl_light_s
     const sl_sampled_light *light = &sampling->lights->light[query->light];
     const sl_lit_point *point = query->point;
     const bool planar =
-        light->kind == SL_SAMPLED_AREA && sampling->settings.estimator == SL_LIGHT_RATIO;
+        light->kind == SL_SOURCE_AREA && sampling->settings.estimator == SL_LIGHT_RATIO;
     /* where no near plane cuts walls that stand on the point, the eye steps past them */
     const sl_vec3 eye = planar ? query->eye : query->lifted;
     sl_light_sample_scratch *s = query->scratch;

@@ -86,12 +86,12 @@ typedef struct cone {
  * around it, too. False: the point is in the ball. */
 static bool cone_to(const sl_sampled_light *light, sl_vec3 point, double reach, cone *c) {
     *c = (cone){.apex = sl_to_double(point), .cosine = 1.0, .length = INFINITY};
-    if (light->kind == SL_SAMPLED_DIRECTIONAL) {
+    if (light->kind == SL_SOURCE_DIRECTIONAL) {
         c->axis = sl_scaled(sl_to_double(light->direction), -1.0);
         return true;
     }
     sl_vec3d way = sl_subd(sl_to_double(light->position), c->apex);
-    double length = sl_lengthd(way), wider = light->kind == SL_SAMPLED_SOLID ? 1.5 : 1.0 + 1e-5;
+    double length = sl_lengthd(way), wider = light->kind == SL_SOURCE_SOLID ? 1.5 : 1.0 + 1e-5;
     double radius = wider * (double)light->extent + reach;
     if (!(length > radius)) return false;
     c->axis = sl_scaled(way, 1.0 / length);

@@ -12,10 +12,7 @@ size_t sl_emitter_sides(const sl_scene *scene) {
 }
 
 sl_light_source sl_light_source_of(const sl_light *light) {
-    static const sl_source_kind kinds[] = {[SL_LIGHT_POINT] = SL_SOURCE_POINT,
-                                           [SL_LIGHT_SPOT] = SL_SOURCE_SPOT,
-                                           [SL_LIGHT_DIRECTIONAL] = SL_SOURCE_DIRECTIONAL};
-    return (sl_light_source){.kind = kinds[light->type],
+    return (sl_light_source){.kind = (sl_source_kind)light->type,
                              .position = light->position,
                              .direction = light->direction,
                              .cos_inner = light->cos_inner,

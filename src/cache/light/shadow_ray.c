@@ -15,14 +15,14 @@ double sl_light_point_form(const sl_sampled_light *light, const sl_lit_point *po
     double strength = 1.0;
     *distance = INFINITY;
     *to_light = sl_scaled(axis, -1.0);
-    if (light->kind != SL_SAMPLED_DIRECTIONAL) {
+    if (light->kind != SL_SOURCE_DIRECTIONAL) {
         sl_vec3d d = sl_subd(sl_to_double(light->position), sl_to_double(point->position));
         double squared = sl_dotd(d, d);
         if (!(squared > 0.0) || !isfinite(squared)) return 0.0;
         *distance = sqrt(squared);
         *to_light = sl_scaled(d, 1.0 / *distance);
         strength = 1.0 / squared;
-        if (light->kind == SL_SAMPLED_SPOT)
+        if (light->kind == SL_SOURCE_SPOT)
             strength *= (double)sl_spot_falloff((float)-sl_dotd(*to_light, axis), light->cos_inner,
                                                 light->cos_outer);
     }
@@ -103,7 +103,7 @@ double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampl
         sl_count(counters, SL_COUNT_LIGHT_SAMPLES_SKIPPED, 1);
         return 0.0;
     }
-    bool sun = light->kind == SL_SAMPLED_DIRECTIONAL;
+    bool sun = light->kind == SL_SOURCE_DIRECTIONAL;
     sl_vec3 eye = sl_light_eye(sampling, sl_light_lifted(sampling, point),
                                sl_scaled(to, sun ? (double)sampling->scene->scale : distance));
     sl_vec3d d = sun ? to : sl_subd(sl_to_double(light->position), sl_to_double(eye));
@@ -155,7 +155,7 @@ static void aim(const sl_light_query *query, const float *u, const float *v, sl_
         sl_vec3d place = sl_light_surface_point(light, &query->sampling->shape[query->light].surface, at,
                                                 &triangle, weight);
         sl_vec3 d = sl_to_float(sl_subd(place, position));
-        sl_vec3 normal = light->kind == SL_SAMPLED_AREA ? light->normal : normal_of(light, triangle);
+        sl_vec3 normal = light->kind == SL_SOURCE_AREA ? light->normal : normal_of(light, triangle);
         rays->x[i] = d.x, rays->y[i] = d.y, rays->z[i] = d.z;
         rays->normal_x[i] = normal.x, rays->normal_y[i] = normal.y, rays->normal_z[i] = normal.z;
     }

@@ -13,7 +13,7 @@ static void a_parallel_rectangle_gives_its_closed_form(void **unused) {
     add_ceiling_light(&mesh, 0.0f, 0.0f, 3.0f, 0.5f, 2.0f);
     light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 1);
-    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_AREA);
+    assert_int_equal(w.lights->light[0].kind, SL_SOURCE_AREA);
     assert_share(sample_light(&w, 0, sl_v3(0, 0, 0), up), corner_form(1.5, 0.25), 1e-6);
     assert_share(sample_light(&w, 0, sl_v3(1, 0.5f, -2), up), rectangle_form(-1, 2, 2, 2.5, 1.5), 1e-6);
     light_world_free(&w);
@@ -40,7 +40,7 @@ static void a_ball_gives_its_closed_form(void **unused) {
     trace_mesh_sphere(&mesh, sl_v3(0, 2, 0), 0.5f, 24, 0.0f, false, lamp);
     light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 1);
-    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
+    assert_int_equal(w.lights->light[0].kind, SL_SOURCE_SOLID);
     assert_share(sample_light(&w, 0, sl_v3(0, 0, 0), up), 1.0 / 16.0, 0.01);
     double d = sqrt(8.0);
     assert_share(sample_light(&w, 0, sl_v3(2, 0, 0), up), 0.25 / 8.0 * 2.0 / d, 0.01);
@@ -93,7 +93,7 @@ static void point_lights_spots_and_the_sun_fall_off_and_cast_sharp_shadows(void 
     mesh.light_count = 3;
     light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 3);
-    assert_true(w.lights->light[0].colour.r == 3.0f && w.lights->light[2].kind == SL_SAMPLED_DIRECTIONAL);
+    assert_true(w.lights->light[0].colour.r == 3.0f && w.lights->light[2].kind == SL_SOURCE_DIRECTIONAL);
     double r2 = 0.01 + 4.0;
     assert_share(sample_light(&w, 0, sl_v3(-0.1f, 0, 0), up), 2.0 / (r2 * sqrt(r2)), 1e-6);
     assert_true(sample_light(&w, 0, sl_v3(0.1f, 0, 0), up) == 0.0);

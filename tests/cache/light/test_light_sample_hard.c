@@ -246,7 +246,7 @@ static void a_hollow_light_counts_what_is_seen_of_it(void **unused) {
     trace_mesh_sphere(&mesh, sl_v3(0, 0, 0), 1.0f, 8, 0.0f, true, lamp);
     light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 1);
-    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
+    assert_int_equal(w.lights->light[0].kind, SL_SOURCE_SOLID);
     assert_near(sample_light(&w, 0, sl_v3(0, 0, 0), up), 1.0, 0.1); /* all around: no frustum holds it */
     assert_true(sample_light(&w, 0, sl_v3(0, -3, 0), up) < 0.02);
     light_world_free(&w);
@@ -293,7 +293,7 @@ static void samples_of_anything_are_finite_and_repeat(void **unused) {
                         double f = sample_light(&w, l, p, n);
                         if (again) assert_true(f == first[l][k]);
                         else first[l][k] = f;
-                        if (estimators[e] == SL_LIGHT_RATIO && w.lights->light[l].kind == SL_SAMPLED_AREA)
+                        if (estimators[e] == SL_LIGHT_RATIO && w.lights->light[l].kind == SL_SOURCE_AREA)
                             assert_true(f <= 1.0 + 1e-6);
                     }
                 }

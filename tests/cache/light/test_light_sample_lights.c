@@ -24,7 +24,7 @@ static void coplanar_triangles_of_one_radiance_are_one_light(void **unused) {
     assert_int_equal(w.lights->count, 2);
     assert_int_equal(w.lights->light[0].triangles, 4);
     assert_int_equal(w.lights->light[1].triangles, 2);
-    assert_true(w.lights->light[0].kind == SL_SAMPLED_AREA && w.lights->light[0].normal.y == -1.0f);
+    assert_true(w.lights->light[0].kind == SL_SOURCE_AREA && w.lights->light[0].normal.y == -1.0f);
     assert_near((double)w.lights->light[0].position.x, 3.0, 1e-6);
     assert_near((double)w.lights->light[1].colour.r, 2.0 * 3.14159265, 1e-5);
     for (uint32_t t = 0; t < 6; t++) assert_int_equal(w.lights->light_of_triangle[t], t == 2 || t == 3);
@@ -42,8 +42,8 @@ static void bulbs_apart_are_lights_of_their_own(void **unused) {
     add_panel(&mesh, 1, 3, 1, 0.5f, lamp);
     light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 3);
-    assert_true(w.lights->light[0].kind == SL_SAMPLED_SOLID && w.lights->light[1].kind == SL_SAMPLED_SOLID);
-    assert_int_equal(w.lights->light[2].kind, SL_SAMPLED_AREA);
+    assert_true(w.lights->light[0].kind == SL_SOURCE_SOLID && w.lights->light[1].kind == SL_SOURCE_SOLID);
+    assert_int_equal(w.lights->light[2].kind, SL_SOURCE_AREA);
     assert_near((double)w.lights->light[1].position.x, 2.0, 1e-5);
     assert_true(sample_light(&w, 0, sl_v3(0, 0, 0), up) > sample_light(&w, 1, sl_v3(0, 0, 0), up));
     light_world_free(&w);
@@ -55,7 +55,7 @@ static void a_swarm_of_lamps_is_one_light(void **unused) {
     for (int i = 0; i < 100; i++) add_panel(&mesh, (float)i, 2 + 0.01f * (float)i, 0, 0.5f, lamp);
     light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 1);
-    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_SOLID);
+    assert_int_equal(w.lights->light[0].kind, SL_SOURCE_SOLID);
     assert_int_equal(w.lights->light[0].triangles, 200);
     assert_true(sample_light(&w, 0, sl_v3(50, 0, 0), up) > 0.0);
     light_world_free(&w);
@@ -69,9 +69,9 @@ static void lights_without_extent_follow_in_the_scenes_order(void **unused) {
     add_panel(&mesh, 0, 2, 0, 1, lamp_material(&mesh, 1));
     light_world w = light_world_make(&mesh);
     assert_int_equal(w.lights->count, 3);
-    assert_int_equal(w.lights->light[0].kind, SL_SAMPLED_AREA);
-    assert_int_equal(w.lights->light[1].kind, SL_SAMPLED_SPOT);
-    assert_int_equal(w.lights->light[2].kind, SL_SAMPLED_POINT);
+    assert_int_equal(w.lights->light[0].kind, SL_SOURCE_AREA);
+    assert_int_equal(w.lights->light[1].kind, SL_SOURCE_SPOT);
+    assert_int_equal(w.lights->light[2].kind, SL_SOURCE_POINT);
     light_world_free(&w);
 }
 
@@ -104,7 +104,7 @@ static void a_hollow_of_few_planes_is_as_many_lights(void **state) {
         assert_int_equal(sl_sampled_lights_find(scene, &lights, NULL), SL_OK);
         assert_int_equal(lights->count, inside ? 6 : 1);
         for (size_t i = 0; i < lights->count; i++) {
-            assert_int_equal(lights->light[i].kind, inside ? SL_SAMPLED_AREA : SL_SAMPLED_SOLID);
+            assert_int_equal(lights->light[i].kind, inside ? SL_SOURCE_AREA : SL_SOURCE_SOLID);
             assert_int_equal(lights->light[i].triangles, inside ? 2 : 12);
         }
         sl_sampled_lights_destroy(lights);
