@@ -3,6 +3,7 @@
  * measured: what one half of a pixel's samples says against what the other half says, over the same pixels.
  * With more samples it falls, and fewer neighbours are alike, so that the result still converges to the
  * truth; where all agree nothing changes. */
+#include "base/math.h"
 #include "cache/light/direct_internal.h"
 
 enum { RADIUS = 2 };
@@ -84,26 +85,17 @@ static float likeness(float difference, float variance) {
     return t > 0.0f ? t * t : 0.0f;
 }
 
-sl_row_scan sl_row_scan_start(const sl_direct_sums *sums, const float *plane, const sl_gbuffer *g, int row,
-                              int radius) {
-    const int first = row > radius ? row - radius : 0,
-              end = row + radius < g->height ? row + radius + 1 : g->height;
-    return (sl_row_scan){.plane = plane + ((size_t)first * (size_t)g->width - sums->first),
-                         .width = g->width, .rows = end - first, .radius = radius, .last = -radius - 1};
-}
-
-static bool column_has_any(const sl_row_scan *s, int column) {
-    for (int row = 0; row < s->rows; row++) {
-        if (s->plane[(size_t)row * (size_t)s->width + (size_t)column] > 0.0f) return true;
+bool sl_direct_is_near(const sl_direct_sums *sums, const float *plane, const sl_gbuffer *g, size_t pixel,
+                       int radius) {
+    const int x = (int)(pixel % (size_t)g->width), y = (int)(pixel / (size_t)g->width),
+              left = sl_greater(x - radius, 0), right = sl_lesser(x + radius, g->width - 1),
+              low = sl_greater(y - radius, 0), high = sl_lesser(y + radius, g->height - 1);
+    for (int row = low; row <= high; row++) {
+        const float *of_row = plane + ((size_t)row * (size_t)g->width - sums->first);
+        for (int column = left; column <= right; column++)
+            if (of_row[column] > 0.0f) return true;
     }
     return false;
-}
-
-bool sl_row_scan_near(sl_row_scan *s, int x) {
-    if (s->next < x - s->radius) s->next = x - s->radius;
-    for (; s->next <= x + s->radius && s->next < s->width; s->next++)
-        if (column_has_any(s, s->next)) s->last = s->next;
-    return s->last >= x - s->radius;
 }
 
 /* Replaces the pixel's own share, column x of the row, by the mean. */
@@ -124,13 +116,12 @@ static void smooth(const window *w, int x, size_t k) {
 void sl_direct_filter_run(const sl_direct_sums *s, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
                           bool smoothed) {
     const window w = {s, gbuffer, row};
-    sl_row_scan scatter = sl_row_scan_start(s, s->scatter, gbuffer, row, RADIUS);
     for (size_t i = run.first; i < run.end; i++) {
         const size_t k = i - s->first;
         const int x = (int)(i - (size_t)row * (size_t)gbuffer->width);
         const bool sampled = s->samples[k] > 0.0f;
         for (int c = 0; c < 3; c++) s->light[c][k] = sampled ? ratio(s, c, k) : 0.0f;
         if (!sampled || !(s->all[0][k] + s->all[1][k] + s->all[2][k] > 0.0f)) continue;
-        if (smoothed && sl_row_scan_near(&scatter, x)) smooth(&w, x, k);
+        if (smoothed && sl_direct_is_near(s, s->scatter, gbuffer, i, RADIUS)) smooth(&w, x, k);
     }
 }

@@ -188,19 +188,9 @@ void sl_direct_find_scatter(const sl_direct_sums *sums, size_t first, size_t cou
 void sl_direct_filter_run(const sl_direct_sums *sums, const sl_gbuffer *gbuffer, int row, sl_pixel_run run,
                           bool smoothed);
 
-/* ---- what is near, pixel by pixel along a row ---- */
-
-typedef struct sl_row_scan {
-    const float *plane;      /* from the window's first row on */
-    int width, rows, radius; /* of the plane; of the window; half its width */
-    int next, last;          /* column to look at; the last one in which the plane was > 0 */
-} sl_row_scan;
-
-/* plane: one of the sums. */
-sl_row_scan sl_row_scan_start(const sl_direct_sums *sums, const float *plane, const sl_gbuffer *gbuffer,
-                              int row, int radius);
-/* Tells whether the plane is > 0 within `radius` columns and rows; x ascends from call to call. */
-bool sl_row_scan_near(sl_row_scan *scan, int x);
+/* Tells whether a plane of the sums is > 0 within `radius` columns and rows of a pixel. */
+bool sl_direct_is_near(const sl_direct_sums *sums, const float *plane, const sl_gbuffer *gbuffer, size_t pixel,
+                       int radius);
 
 /* The lobe of a pixel that reflects light, towards whom it is seen by. */
 sl_bsdf sl_pixel_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel);

@@ -266,21 +266,20 @@ static void light_block(const pass *p, const sl_lit_block *block, unsigned worke
     if (direct->settings.sun) sl_direct_sampled(direct, block, true, p->sums, counters);
 }
 
-static bool takes_part(const pass *p, sl_row_scan *penumbrae, int x, size_t i) {
+static bool takes_part(const pass *p, size_t i) {
     if (!p->refine) return sl_pixel_reflects(p->gbuffer, p->direct->scene, i);
-    return p->sums->samples[i - p->sums->first] > 0.0f && sl_row_scan_near(penumbrae, x);
+    return p->sums->samples[i - p->sums->first] > 0.0f &&
+           sl_direct_is_near(p->sums, p->sums->partly, p->gbuffer, i, PENUMBRA_MARGIN);
 }
 
 /* Blocks are lit as they are full; the last one is left. */
 static void sample_row(const pass *p, int y, sl_lit_block *block, unsigned worker, sl_counters *counters) {
     const sl_gbuffer *g = p->gbuffer;
     const size_t width = (size_t)g->width, row = (size_t)y * width;
-    sl_row_scan penumbrae = {.rows = 0};
-    if (p->refine) penumbrae = sl_row_scan_start(p->sums, p->sums->partly, g, y, PENUMBRA_MARGIN);
-    else clear_row(p, (sl_pixel_run){row, row + width});
+    if (!p->refine) clear_row(p, (sl_pixel_run){row, row + width});
     for (sl_pixel_run r = shown(p, row, row + width); r.first < r.end; r = shown(p, r.end, row + width)) {
         for (size_t i = r.first; i < r.end; i++) {
-            if (!takes_part(p, &penumbrae, (int)(i - row), i)) continue;
+            if (!takes_part(p, i)) continue;
             sl_lit_block_add(p->direct, g, i, block);
             if (block->count < SL_LIGHT_BLOCK) continue;
             light_block(p, block, worker, counters);
