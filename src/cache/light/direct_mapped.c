@@ -112,34 +112,8 @@ static void light_block(mapped_block *b) {
     b->points.count = 0;
 }
 
-/* Tells whether all pixels of a tile's row reflect, by what is quick to look up. */
-static bool all_reflect(const sl_gbuffer *g, size_t pixel) {
-    bool all = true;
-    for (size_t i = pixel; i < pixel + PART_WIDTH; i++)
-        all &= (g->material[i] != SL_NO_INDEX) & (g->diffuse_r[i] > 0.0f);
-    return all;
-}
-
-/* The same as one sl_lit_block_add() for each. */
-static void add_row(const sl_gbuffer *g, size_t pixel, sl_lit_block *b) {
-    const float *from[9] = {g->position_x,  g->position_y,  g->position_z, g->geometric_x, g->geometric_y,
-                            g->geometric_z, g->normal_x,    g->normal_y,   g->normal_z};
-    float *to[9] = {b->x,           b->y,        b->z,        b->geometric_x, b->geometric_y,
-                    b->geometric_z, b->normal_x, b->normal_y, b->normal_z};
-    for (size_t k = 0; k < PART_WIDTH; k++) b->pixel[b->count + k] = (uint32_t)(pixel + k);
-    memcpy(b->triangle + b->count, g->id + pixel, PART_WIDTH * sizeof *g->id);
-    for (int k = 0; k < 9; k++) memcpy(to[k] + b->count, from[k] + pixel, PART_WIDTH * sizeof **from);
-    b->count += PART_WIDTH;
-}
-
 static void add_pixels(mapped_block *b, sl_pixel_run run) {
     const mapped_pass *p = b->pass;
-    if (run.end - run.first == PART_WIDTH && b->points.count + PART_WIDTH <= SL_LIGHT_BLOCK &&
-        all_reflect(p->gbuffer, run.first)) {
-        add_row(p->gbuffer, run.first, &b->points);
-        if (b->points.count == SL_LIGHT_BLOCK) light_block(b);
-        return;
-    }
     for (size_t i = run.first; i < run.end; i++) {
         if (sl_pixel_reflects(p->gbuffer, p->direct->scene, i)) {
             sl_lit_block_add(p->direct, p->gbuffer, i, &b->points);
