@@ -53,19 +53,6 @@ void SL_KERNEL(sl_ray_jitter)(uint64_t key, int n, const int32_t *restrict colum
     }
 }
 
-void SL_KERNEL(sl_ray_places)(const float *restrict u, const float *restrict v, sl_vec3 corner, sl_vec3 e1,
-                              sl_vec3 e2, sl_vec3 normal, sl_aimed_rays *restrict r) {
-#pragma omp simd
-    for (int i = 0; i < SL_AIMED; i++) {
-        r->x[i] = (corner.x + u[i] * e1.x) + v[i] * e2.x;
-        r->y[i] = (corner.y + u[i] * e1.y) + v[i] * e2.y;
-        r->z[i] = (corner.z + u[i] * e1.z) + v[i] * e2.z;
-        r->normal_x[i] = normal.x;
-        r->normal_y[i] = normal.y;
-        r->normal_z[i] = normal.z;
-    }
-}
-
 /* (n . d)+ (-m . d)+ / |d|^4, each cosine over |d|^2 so that tiny distances do not overflow early. */
 void SL_KERNEL(sl_ray_weights)(const sl_ray_receiver *receiver, sl_aimed_rays *restrict r) {
     const sl_vec3 n = receiver->normal, g = receiver->geometric;

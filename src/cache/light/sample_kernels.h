@@ -45,8 +45,4 @@ typedef struct sl_ray_receiver {
 /* Numbers in [0,1) of the strata in columns and rows of n x n. */
 SL_KERNELS(void, sl_ray_jitter,
            (uint64_t key, int n, const int32_t *column, const int32_t *row, float *u, float *v));
-/* Of a parallelogram: corner + u e1 + v e2. */
-SL_KERNELS(void, sl_ray_places,
-           (const float *u, const float *v, sl_vec3 corner, sl_vec3 e1, sl_vec3 e2, sl_vec3 normal,
-            sl_aimed_rays *rays));
 SL_KERNELS(void, sl_ray_weights, (const sl_ray_receiver *receiver, sl_aimed_rays *rays));

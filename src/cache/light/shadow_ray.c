@@ -144,20 +144,24 @@ bool sl_light_middle_hidden(const sl_light_query *q) {
     return is_hidden(q->sampling, q->point, q->eye, d, 1.0 - SL_LIGHT_MARGIN, q->counters);
 }
 
-/* Places and normals of a light of any shape, relative to the point. */
+/* Places and normals on a light, relative to the point. */
 static void aim(const sl_light_query *query, const float *u, const float *v, sl_aimed_rays *rays) {
     const sl_sampled_light *light = &query->sampling->lights->light[query->light];
+    const sl_light_surface *surface = &query->sampling->shape[query->light].surface;
     const sl_vec3d position = sl_to_double(query->point->position);
+    const sl_vec3 corner = sl_to_float(sl_subd(surface->corner, position)), e1 = sl_to_float(surface->e1),
+                  e2 = sl_to_float(surface->e2);
     for (unsigned i = 0; i < SL_AIMED; i++) {
-        size_t triangle;
-        const double at[2] = {(double)u[i], (double)v[i]};
-        double weight[2];
-        sl_vec3d place = sl_light_surface_point(light, &query->sampling->shape[query->light].surface, at,
-                                                &triangle, weight);
-        sl_vec3 d = sl_to_float(sl_subd(place, position));
-        sl_vec3 normal = light->kind == SL_SOURCE_AREA ? light->normal : normal_of(light, triangle);
-        rays->x[i] = d.x, rays->y[i] = d.y, rays->z[i] = d.z;
-        rays->normal_x[i] = normal.x, rays->normal_y[i] = normal.y, rays->normal_z[i] = normal.z;
+        sl_vec3 d = sl_mad(sl_mad(corner, u[i], e1), v[i], e2), normal = light->normal;
+        if (!surface->parallelogram) {
+            size_t triangle;
+            double weight[2];
+            d = sl_to_float(sl_subd(sl_light_surface_point(light, surface, (double[2]){(double)u[i],
+                                                           (double)v[i]}, &triangle, weight), position));
+            normal = light->kind == SL_SOURCE_AREA ? normal : normal_of(light, triangle);
+        }
+        sl_put(rays->x, rays->y, rays->z, i, d);
+        sl_put(rays->normal_x, rays->normal_y, rays->normal_z, i, normal);
     }
 }
 
@@ -206,8 +210,6 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
     const uint64_t key = jitter_key(point, query->light);
     const sl_vec3d position = sl_to_double(point->position),
                    back = sl_subd(position, sl_to_double(query->eye));
-    const sl_vec3 corner = sl_to_float(sl_subd(surface->corner, position)), e1 = sl_to_float(surface->e1),
-                  e2 = sl_to_float(surface->e2);
     const double each = query->numbers ? 1.0 : (double)n * (double)n;
     const sl_ray_receiver receiver = {.normal = point->normal,
                                       .geometric = point->geometric_normal,
@@ -220,9 +222,7 @@ sl_light_sums sl_light_rays(const sl_light_query *query) {
         float u[SL_AIMED], v[SL_AIMED];
         sl_aimed_rays rays;
         unsigned count = numbers_of(query, key, k, u, v);
-        if (surface->parallelogram)
-            SL_KERNEL_OF(sampling->isa, sl_ray_places)(u, v, corner, e1, e2, light->normal, &rays);
-        else aim(query, u, v, &rays);
+        aim(query, u, v, &rays);
         SL_KERNEL_OF(sampling->isa, sl_ray_weights)(&receiver, &rays);
         for (unsigned i = 0; i < count; i++) {
             if (!(rays.weight[i] > 0.0f)) continue;
