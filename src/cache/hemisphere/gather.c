@@ -248,10 +248,9 @@ static float greatest_curvature(const sl_curvature *h) {
 }
 
 /* Turns the sums of gather_kernels.c into the world. */
-static void finish(const sl_gather_view *view, const sl_gather_sums *sums,
-                      const sl_curvature *curvature, sl_irradiance *out) {
+static void finish(const sl_gather_view *view, const sl_gather_sums *sums, sl_irradiance *out) {
     const sl_gather_tables *t = view->gather->tables;
-    out->curvature = greatest_curvature(curvature);
+    out->curvature = greatest_curvature(&sums->curvature);
     out->value = (sl_rgb){(float)sums->irradiance[0], (float)sums->irradiance[1], (float)sums->irradiance[2]};
     for (int c = 0; c < 3; c++) {
         out->rotational[c] = tangential(&view->frame, sums->rotational[c]);
@@ -265,19 +264,15 @@ static void finish(const sl_gather_view *view, const sl_gather_sums *sums,
 
 static void gather_light(const sl_gather *gather, const sl_gather_point *point, bool second_alone,
                          sl_gather_scratch *scratch, sl_irradiance *irradiance, sl_counters *counters) {
-    const sl_gather_planes *p = &scratch->planes;
     sl_gather_sums sums;
-    sl_curvature curvature;
     float nearest;
     double back_weight;
     sl_count(counters, SL_COUNT_GATHERS, 1);
     sl_gather_view view = see(gather, point, scratch, counters);
     view.second_alone = second_alone;
     sl_gather_shade(&view, &nearest, &back_weight, counters);
-    SL_KERNEL_OF(gather->isa, sl_gather_sums)(gather->tables, p->r, p->g, p->b, p->nearness, p->first, &sums);
-    SL_KERNEL_OF(gather->isa, sl_gather_curvature)(gather->tables, p->r, p->g, p->b, p->nearness, p->mean,
-                                                   &curvature);
-    finish(&view, &sums, &curvature, irradiance);
+    SL_KERNEL_OF(gather->isa, sl_gather_sums)(gather->tables, &scratch->planes, &sums);
+    finish(&view, &sums, irradiance);
     irradiance->nearest = nearest;
     irradiance->back_share = (float)(back_weight / gather->tables->weight_sum);
 }

@@ -78,15 +78,6 @@ typedef struct sl_onward {
     sl_rgb *carried; /* and what is reflected there to the gather of what arrives by it */
 } sl_onward;
 
-/* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be
- * read. */
-typedef struct sl_gather_planes {
-    /* radiance; 1 / depth of the nearest thing seen, with which the cell's walls move (0: nothing) */
-    float *r, *g, *b, *nearness;
-    float *first, *distance;     /* 1 / depth and distance of what the first ray saw */
-    float *mean;                            /* of r, g, b */
-} sl_gather_planes;
-
 struct sl_gather_scratch {
     const sl_gather *gather;
     void *block;             /* of the planes of floats, */

@@ -159,8 +159,8 @@ static double sum_products(size_t cells, const float *restrict a, const float *r
  * between j and the cell below. */
 static void sum_walls(const sl_gather_tables *t, size_t cells, const float *restrict radiance,
                       const float *restrict nearness, double translational[2]) {
-    const float *restrict column_x = t->column_x, *restrict column_y = t->column_y;
-    const float *restrict row_x = t->row_x, *restrict row_y = t->row_y;
+    const float *restrict column_x = t->column.x, *restrict column_y = t->column.y;
+    const float *restrict row_x = t->row.x, *restrict row_y = t->row.y;
     const float *restrict left = radiance - 1, *restrict below = radiance - t->width;
     const float *restrict near_left = nearness - 1, *restrict near_below = nearness - t->width;
     double x[LANES] = {0}, y[LANES] = {0};
@@ -177,16 +177,6 @@ static void sum_walls(const sl_gather_tables *t, size_t cells, const float *rest
     }
     translational[0] = lanes_sum(x);
     translational[1] = lanes_sum(y);
-}
-
-void SL_KERNEL(sl_gather_sums)(const sl_gather_tables *t, const float *r, const float *g, const float *b,
-                               const float *nearness, const float *first, sl_gather_sums *sums) {
-    const float *channel[3] = {r, g, b};
-    for (int c = 0; c < 3; c++) {
-        sum_cells(t, t->padded, channel[c], &sums->irradiance[c], sums->rotational[c]);
-        sum_walls(t, t->padded, channel[c], nearness, sums->translational[c]);
-    }
-    sums->inverse_distance = sum_products(t->padded, t->weight_by_depth, first);
 }
 
 /* ---- second derivatives ---------------------------------------------------------------------- */
@@ -209,9 +199,9 @@ static void sum_curvature(const sl_gather_tables *t, const float *restrict light
                    near_row = nearer(nearness[j], near_below[j]);
             double column = ((double)light[j] - (double)left[j]) * near_column * near_column,
                    across = ((double)light[j] - (double)below[j]) * near_row * near_row;
-            xx[lane] += column * (double)t->column_xx[j] + across * (double)t->row_xx[j];
-            xy[lane] += column * (double)t->column_xy[j] + across * (double)t->row_xy[j];
-            yy[lane] += column * (double)t->column_yy[j] + across * (double)t->row_yy[j];
+            xx[lane] += column * (double)t->column.xx[j] + across * (double)t->row.xx[j];
+            xy[lane] += column * (double)t->column.xy[j] + across * (double)t->row.xy[j];
+            yy[lane] += column * (double)t->column.yy[j] + across * (double)t->row.yy[j];
         }
     }
     curvature->xx = lanes_sum(xx);
@@ -219,8 +209,16 @@ static void sum_curvature(const sl_gather_tables *t, const float *restrict light
     curvature->yy = lanes_sum(yy);
 }
 
-void SL_KERNEL(sl_gather_curvature)(const sl_gather_tables *t, const float *r, const float *g, const float *b,
-                                    const float *nearness, float *mean, sl_curvature *curvature) {
-    for (size_t i = 0; i < t->padded; i++) mean[i] = (r[i] + g[i] + b[i]) * (1.0f / 3.0f);
-    sum_curvature(t, mean, nearness, curvature);
+/* ---- all ------------------------------------------------------------------------------------- */
+
+void SL_KERNEL(sl_gather_sums)(const sl_gather_tables *t, const sl_gather_planes *p, sl_gather_sums *sums) {
+    const float *channel[3] = {p->r, p->g, p->b};
+    float *restrict mean = p->mean;
+    for (int c = 0; c < 3; c++) {
+        sum_cells(t, t->padded, channel[c], &sums->irradiance[c], sums->rotational[c]);
+        sum_walls(t, t->padded, channel[c], p->nearness, sums->translational[c]);
+    }
+    sums->inverse_distance = sum_products(t->padded, t->weight_by_depth, p->first);
+    for (size_t i = 0; i < t->padded; i++) mean[i] = (p->r[i] + p->g[i] + p->b[i]) * (1.0f / 3.0f);
+    sum_curvature(t, mean, p->nearness, &sums->curvature);
 }

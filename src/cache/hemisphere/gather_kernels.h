@@ -4,11 +4,21 @@
 #include "base/isa.h"
 #include "cache/hemisphere/gather_tables.h"
 
+/* By cell. `width` + 1 zeros lie before the first cell, so that its walls to cells outside the picture can be
+ * read. */
+typedef struct sl_gather_planes {
+    /* radiance; 1 / depth of the nearest thing seen, with which the cell's walls move (0: nothing) */
+    float *r, *g, *b, *nearness;
+    float *first, *distance;     /* 1 / depth and distance of what the first ray saw */
+    float *mean;                            /* of r, g, b */
+} sl_gather_planes;
+
 typedef struct sl_gather_sums {
     double irradiance[3];
     double rotational[3][2];    /* local x, y */
     double translational[3][2];
     double inverse_distance;    /* sum of W / r */
+    sl_curvature curvature;     /* of the channels' mean */
 } sl_gather_sums;
 
 typedef struct sl_ray_cells {
@@ -46,11 +56,6 @@ SL_KERNELS(void, sl_gather_spread, (int width, int height, const float *value, f
 /* Makes positions of slots first to first + count, their normals (interpolated, and by winding) unit and on
  * the gather's side, cosine and back. */
 SL_KERNELS(void, sl_gather_surfaces, (const sl_gather_hits *hits, size_t first, size_t count, sl_vec3 eye));
+/* Writes the planes' mean, too. */
 SL_KERNELS(void, sl_gather_sums,
-           (const sl_gather_tables *tables, const float *r, const float *g, const float *b,
-            const float *nearness, const float *first, sl_gather_sums *sums));
-
-/* Of the channels' mean, for which there is a plane, laid out as the others. */
-SL_KERNELS(void, sl_gather_curvature,
-           (const sl_gather_tables *tables, const float *r, const float *g, const float *b,
-            const float *nearness, float *mean, sl_curvature *curvature));
+           (const sl_gather_tables *tables, const sl_gather_planes *planes, sl_gather_sums *sums));

@@ -4,7 +4,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 
-enum { TILE = 4, PLANES = 20 };
+enum { TILE = 4, PLANES = 20, WEIGHTS = 14 /* of these, the first ones */ };
 
 /* ---- any cell bounded by great circles ------------------------------------------------------- */
 
@@ -108,12 +108,11 @@ sl_curvature sl_wall_curvature(sl_vec3d a, sl_vec3d b) {
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 static sl_status allocate_tables(sl_gather_tables *t, sl_error *error) {
-    float **const planes[PLANES] = {&t->weight,   &t->weight_by_depth, &t->vector_x,    &t->vector_y,
-                              &t->column_x, &t->column_y,        &t->row_x,       &t->row_y,
-                              &t->direction_x, &t->direction_y,  &t->direction_z, &t->length,
-                              &t->slot_a,   &t->slot_b,
-                              &t->column_xx, &t->column_xy, &t->column_yy,
-                              &t->row_xx, &t->row_xy, &t->row_yy};
+    float **const planes[PLANES] = {
+        &t->weight,      &t->weight_by_depth, &t->vector_x,  &t->vector_y,  &t->column.x,
+        &t->column.y,    &t->column.xx,       &t->column.xy, &t->column.yy, &t->row.x,
+        &t->row.y,       &t->row.xx,          &t->row.xy,    &t->row.yy, /* WEIGHTS */
+        &t->direction_x, &t->direction_y,     &t->direction_z, &t->length,  &t->slot_a, &t->slot_b};
     t->block = sl_allocate_planes(t->padded, PLANES, planes);
     t->order = sl_allocate(t->cells, sizeof(uint32_t));
     return t->block && t->order ? SL_OK : sl_fail_memory(error, "the gather's tables");
@@ -233,16 +232,14 @@ static void fill_cell(sl_gather_tables *t, size_t i, int x, int y) {
 
 /* ---- walls ----------------------------------------------------------------------------------- */
 
-static void set_wall(float *x, float *y, sl_vec3d a, sl_vec3d b) {
-    sl_vec3d wall = sl_wall_vector(a, b);
-    *x = (float)wall.x;
-    *y = (float)wall.y;
-}
-
-static void set_curvature(float *xx, float *xy, float *yy, sl_curvature k) {
-    *xx = (float)k.xx;
-    *xy = (float)k.xy;
-    *yy = (float)k.yy;
+static void set_wall(const sl_wall_planes *walls, size_t i, sl_vec3d a, sl_vec3d b) {
+    const sl_vec3d wall = sl_wall_vector(a, b);
+    const sl_curvature k = sl_wall_curvature(a, b);
+    walls->x[i] = (float)wall.x;
+    walls->y[i] = (float)wall.y;
+    walls->xx[i] = (float)k.xx;
+    walls->xy[i] = (float)k.xy;
+    walls->yy[i] = (float)k.yy;
 }
 
 /* Derives how the walls between a cell and those to its left and below it move with the receiver, to the
@@ -252,15 +249,8 @@ static void set_curvature(float *xx, float *xy, float *yy, sl_curvature k) {
 static void fill_walls(sl_gather_tables *t, size_t i, int x, int y) {
     sl_vec3d here = sl_gather_direction(t, x, y), right = sl_gather_direction(t, x + 1, y),
              up = sl_gather_direction(t, x, y + 1);
-    bool has_left = x > 0 && !is_blank(t, x - 1, y), has_below = y > 0 && !is_blank(t, x, y - 1);
-    if (has_left) {
-        set_wall(&t->column_x[i], &t->column_y[i], here, up);
-        set_curvature(&t->column_xx[i], &t->column_xy[i], &t->column_yy[i], sl_wall_curvature(here, up));
-    }
-    if (has_below) {
-        set_wall(&t->row_x[i], &t->row_y[i], right, here);
-        set_curvature(&t->row_xx[i], &t->row_xy[i], &t->row_yy[i], sl_wall_curvature(right, here));
-    }
+    if (x > 0 && !is_blank(t, x - 1, y)) set_wall(&t->column, i, here, up);
+    if (y > 0 && !is_blank(t, x, y - 1)) set_wall(&t->row, i, right, here);
 }
 
 static void fill(sl_gather_tables *t, bool walls) {
@@ -276,13 +266,9 @@ static void fill(sl_gather_tables *t, bool walls) {
 
 /* [LC04]: everything over the share F of the cosine-weighted hemisphere that the plane covers. */
 static void divide_by_coverage(sl_gather_tables *t) {
-    float *planes[] = {t->weight,    t->weight_by_depth, t->vector_x,  t->vector_y,  t->column_x, t->column_y,
-                       t->row_x,     t->row_y,           t->column_xx, t->column_xy, t->column_yy, t->row_xx,
-                       t->row_xy,    t->row_yy};
+    float *weights = t->weight;
     t->scale = SL_PI / t->weight_sum;
-    for (size_t p = 0; p < sizeof planes / sizeof *planes; p++) {
-        for (size_t i = 0; i < t->cells; i++) planes[p][i] = (float)(t->scale * (double)planes[p][i]);
-    }
+    for (size_t i = 0; i < WEIGHTS * t->padded; i++) weights[i] = (float)(t->scale * (double)weights[i]);
     t->weight_sum = SL_PI;
 }
 

@@ -17,6 +17,12 @@
 
 enum { SL_GATHER_LANES = 8 };
 
+/* Of walls: dE/dx, dE/dy = (L_i - L_i-1) (x, y) / smaller depth; and second derivatives, d2E/dx2, d2E/dxdy,
+ * d2E/dy2 = (L_i - L_i-1) (xx, xy, yy) / smaller depth squared. */
+typedef struct sl_wall_planes {
+    float *x, *y, *xx, *xy, *yy;
+} sl_wall_planes;
+
 typedef struct sl_gather_tables {
     sl_gather_kind kind;
     sl_border border;    /* of the plane, as */
@@ -32,10 +38,7 @@ typedef struct sl_gather_tables {
     /* Cosine weight W; W over the distance at unit depth (for the harmonic mean); tangential part of the
      * cell's vector V. */
     float *weight, *weight_by_depth, *vector_x, *vector_y;
-    /* dE/dx, dE/dy = (L_i - L_i-1) (x, y) / smaller depth. */
-    float *column_x, *column_y, *row_x, *row_y;
-    /* Second derivatives: d2E/dx2, d2E/dxdy, d2E/dy2 = (L_i - L_i-1) (xx, xy, yy) / smaller depth squared. */
-    float *column_xx, *column_xy, *column_yy, *row_xx, *row_xy, *row_yy;
+    sl_wall_planes column, row;
     /* Direction of the cell's centre in the local frame, in units of its depth: (u, v, 1) on the plane, one
      * face axis 1 on the hemicube, unit for rays. And its length. */
     float *direction_x, *direction_y, *direction_z, *length;

@@ -86,22 +86,17 @@ static uint32_t mirrored_cell(const sl_gather_tables *t, int x, int y, int image
     return (uint32_t)(y * t->width + x);
 }
 
-static void set_cell_images(const quadrant *q, size_t i) {
-    sl_projection_list *list = &q->projection->cells;
-    entry e = q->cells[i];
+static void set_images(const quadrant *q, sl_projection_list *list, int end, entry e, size_t i) {
     for (int image = 0; image < 4; image++)
-        list->cell[0][image][i] = mirrored_cell(q->tables, e.x, e.y, image);
+        list->cell[end][image][i] = mirrored_cell(q->tables, e.x, e.y, image);
 }
 
 static void set_wall_images(const quadrant *q, size_t i) {
-    sl_projection_list *list = &q->projection->walls;
     entry e = q->walls[i], from = e;
     if (e.type == COLUMN || e.type == BORDER_COLUMN) from.x--;
     else from.y--;
-    for (int image = 0; image < 4; image++) {
-        list->cell[0][image][i] = mirrored_cell(q->tables, from.x, from.y, image);
-        list->cell[1][image][i] = mirrored_cell(q->tables, e.x, e.y, image);
-    }
+    set_images(q, &q->projection->walls, 0, from, i);
+    set_images(q, &q->projection->walls, 1, e, i);
 }
 
 /* ---- integrals of the functions -------------------------------------------------------------- */
@@ -281,7 +276,7 @@ static void fill_cells(void *context, size_t block, unsigned worker) {
     for (size_t i = block * BLOCK; i < q->projection->cells.count && i < (block + 1) * BLOCK; i++) {
         integrate_cell(q, q->cells[i], sums);
         set_row(q->projection, &q->projection->cells, i, sums);
-        set_cell_images(q, i);
+        set_images(q, &q->projection->cells, 0, q->cells[i], i);
     }
 }
 
