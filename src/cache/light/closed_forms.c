@@ -55,10 +55,8 @@ static double lambert_triangle(const sl_vec3d corner[3], sl_vec3d normal, sl_vec
 
 /* The side of a triangle on which the point lies: 1 where it shines, -1 of a two-sided light's back, 0 where
  * nothing comes from it. */
-static int side_of(const sl_sampled_light *light, uint32_t triangle, sl_vec3d p) {
-    sl_vec3d a = sl_to_double(light->corner[3 * triangle]), b = sl_to_double(light->corner[3 * triangle + 1]);
-    sl_vec3d cross = sl_crossd(sl_subd(b, a), sl_subd(sl_to_double(light->corner[3 * triangle + 2]), a));
-    double front = sl_dotd(cross, sl_subd(p, a));
+static int side_of(const sl_sampled_light *light, size_t triangle, sl_vec3d p) {
+    double front = sl_dotd(sl_light_cross(light, triangle), sl_subd(p, sl_light_corner(light, 3 * triangle)));
     return front > 0.0 ? 1 : front < 0.0 && light->two_sided ? -1 : 0;
 }
 
@@ -67,7 +65,7 @@ static int side_of(const sl_sampled_light *light, uint32_t triangle, sl_vec3d p)
 static bool turned_to(const sl_sampled_light *light, size_t triangle, const sl_lit_point *point,
                       sl_vec3d corner[3]) {
     sl_vec3d p = sl_to_double(point->position);
-    int side = side_of(light, (uint32_t)triangle, p);
+    int side = side_of(light, triangle, p);
     for (size_t k = 0; k < 3; k++)
         corner[side < 0 ? 2 - k : k] = sl_subd(sl_to_double(light->corner[3 * triangle + k]), p);
     return side != 0;

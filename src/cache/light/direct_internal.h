@@ -189,8 +189,8 @@ void sl_direct_filter_run(const sl_direct_sums *sums, const sl_gbuffer *gbuffer,
                           bool smoothed);
 
 /* Tells whether a plane of the sums is > 0 within `radius` columns and rows of a pixel. */
-bool sl_direct_is_near(const sl_direct_sums *sums, const float *plane, const sl_gbuffer *gbuffer, size_t pixel,
-                       int radius);
+bool sl_direct_is_near(const sl_direct_sums *sums, const float *plane, const sl_gbuffer *gbuffer,
+                       size_t pixel, int radius);
 
 /* The lobe of a pixel that reflects light, towards whom it is seen by. */
 sl_bsdf sl_pixel_lobe(const sl_direct *direct, const sl_gbuffer *gbuffer, size_t pixel);

@@ -24,19 +24,15 @@ sl_light_sample_settings sl_light_sample_defaults(void) {
 
 /* ---- what all samples share ---- */
 
-static sl_vec3d corner_of(const sl_sampled_light *light, size_t k) { return sl_to_double(light->corner[k]); }
-
 /* Of one-sided triangles: all corners behind the plane of each, but for roundings. */
 static bool is_convex(const sl_sampled_light *light, double size) {
     enum { TRIANGLES_MAX = 4096 };
     if (light->two_sided || light->triangles > TRIANGLES_MAX) return false;
     for (size_t t = 0; t < light->triangles; t++) {
-        sl_vec3d a = corner_of(light, 3 * t);
-        sl_vec3d cross =
-            sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a));
+        sl_vec3d a = sl_light_corner(light, 3 * t), cross = sl_light_cross(light, t);
         double room = 1e-4 * size * sl_lengthd(cross);
         for (size_t k = 0; k < 3 * light->triangles; k++) {
-            if (sl_dotd(cross, sl_subd(corner_of(light, k), a)) > room) return false;
+            if (sl_dotd(cross, sl_subd(sl_light_corner(light, k), a)) > room) return false;
         }
     }
     return true;
@@ -47,7 +43,7 @@ static double larger(double a, double b) { return b > a ? b : a; }
 
 static void measure(const sl_sampled_light *light, sl_light_shape_info *shape) {
     double coordinates = 0.0, off = 0.0;
-    sl_vec3d origin = corner_of(light, 0), normal = sl_to_double(light->normal),
+    sl_vec3d origin = sl_light_corner(light, 0), normal = sl_to_double(light->normal),
              middle = sl_to_double(light->position);
     for (size_t k = 0; k < 3 * light->triangles; k++) {
         sl_vec3 c = light->corner[k];
@@ -196,7 +192,8 @@ void sl_light_sample_scratch_destroy(sl_light_sample_scratch *s) {
     if (!s) return;
     sl_raster_scratch_destroy(s->raster);
     sl_raster_scratch_destroy(s->light_raster);
-    SL_FREE_ALL(s->id, s->planes, s->halves, s->column_x, s->depth, s->light_id, s->light_depth, s->facing, s);
+    SL_FREE_ALL(s->id, s->planes, s->halves, s->column_x, s->depth, s->light_id, s->light_depth, s->facing,
+                s);
 }
 
 sl_light_picture sl_light_last_picture(const sl_light_sample_scratch *s) {

@@ -6,20 +6,18 @@
 #include "base/memory.h"
 #include "cache/light/lights.h"
 
-static sl_vec3d corner_of(const sl_sampled_light *light, size_t k) { return sl_to_double(light->corner[k]); }
-
 /* Two triangles with a common edge b c, and their other corners a and d opposite to each other: a + d = b +
  * c. */
 static void find_parallelogram(const sl_sampled_light *light, sl_light_surface *surface) {
     const double room = 2e-5 * (double)light->extent;
     if (light->triangles != 2) return;
     for (size_t i = 0; i < 3; i++) {
-        sl_vec3d a = corner_of(light, i), b = corner_of(light, (i + 1) % 3),
-                 c = corner_of(light, (i + 2) % 3);
+        sl_vec3d a = sl_light_corner(light, i), b = sl_light_corner(light, (i + 1) % 3),
+                 c = sl_light_corner(light, (i + 2) % 3);
         sl_vec3d opposite = sl_subd(sl_addd(b, c), a);
         for (size_t j = 0; j < 3; j++) {
-            sl_vec3d d = corner_of(light, 3 + j), after = corner_of(light, 3 + (j + 1) % 3),
-                     before = corner_of(light, 3 + (j + 2) % 3);
+            sl_vec3d d = sl_light_corner(light, 3 + j), after = sl_light_corner(light, 3 + (j + 1) % 3),
+                     before = sl_light_corner(light, 3 + (j + 2) % 3);
             if (sl_lengthd(sl_subd(after, c)) > room || sl_lengthd(sl_subd(before, b)) > room) continue;
             if (sl_lengthd(sl_subd(d, opposite)) > room) continue;
             surface->parallelogram = true;
@@ -34,12 +32,8 @@ static void find_parallelogram(const sl_sampled_light *light, sl_light_surface *
 sl_status sl_light_surface_make(const sl_sampled_light *light, sl_light_surface *surface, sl_error *error) {
     *surface = (sl_light_surface){.area_before = sl_allocate(light->triangles, sizeof *surface->area_before)};
     if (!surface->area_before) return sl_fail_memory(error, "a lamp");
-    for (size_t t = 0; t < light->triangles; t++) {
-        sl_vec3d a = corner_of(light, 3 * t);
-        sl_vec3d cross =
-            sl_crossd(sl_subd(corner_of(light, 3 * t + 1), a), sl_subd(corner_of(light, 3 * t + 2), a));
-        surface->area_before[t] = surface->area += 0.5 * sl_lengthd(cross);
-    }
+    for (size_t t = 0; t < light->triangles; t++)
+        surface->area_before[t] = surface->area += 0.5 * sl_lengthd(sl_light_cross(light, t));
     find_parallelogram(light, surface);
     return SL_OK;
 }
@@ -58,7 +52,7 @@ sl_vec3d sl_light_surface_point(const sl_sampled_light *light, const sl_light_su
     weight[0] = s * (1.0 - u[1]);
     weight[1] = s * u[1];
     *triangle = low;
-    sl_vec3d p = sl_scaled(corner_of(light, 3 * low), 1.0 - s);
-    p = sl_addd(p, sl_scaled(corner_of(light, 3 * low + 1), weight[0]));
-    return sl_addd(p, sl_scaled(corner_of(light, 3 * low + 2), weight[1]));
+    sl_vec3d p = sl_scaled(sl_light_corner(light, 3 * low), 1.0 - s);
+    p = sl_addd(p, sl_scaled(sl_light_corner(light, 3 * low + 1), weight[0]));
+    return sl_addd(p, sl_scaled(sl_light_corner(light, 3 * low + 2), weight[1]));
 }

@@ -40,6 +40,15 @@ typedef struct sl_sampled_lights {
     uint32_t *triangles;        /* behind light[i].triangle */
 } sl_sampled_lights;
 
+/* Returns a corner of an area light, and of its triangle t the normal, twice its area long. */
+static inline sl_vec3d sl_light_corner(const sl_sampled_light *light, size_t k) {
+    return sl_to_double(light->corner[k]);
+}
+static inline sl_vec3d sl_light_cross(const sl_sampled_light *light, size_t t) {
+    const sl_vec3d a = sl_light_corner(light, 3 * t), b = sl_light_corner(light, 3 * t + 1);
+    return sl_crossd(sl_subd(b, a), sl_subd(sl_light_corner(light, 3 * t + 2), a));
+}
+
 static inline bool sl_light_has_extent(const sl_sampled_light *light) {
     return light->kind == SL_SOURCE_AREA || light->kind == SL_SOURCE_SOLID;
 }

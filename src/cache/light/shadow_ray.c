@@ -113,9 +113,7 @@ double sl_light_without_extent(const sl_light_sampling *sampling, const sl_sampl
 /* ---- area lights ---- */
 
 static sl_vec3 normal_of(const sl_sampled_light *light, size_t triangle) {
-    sl_vec3d a = sl_to_double(light->corner[3 * triangle]), b = sl_to_double(light->corner[3 * triangle + 1]);
-    sl_vec3d cross = sl_crossd(sl_subd(b, a), sl_subd(sl_to_double(light->corner[3 * triangle + 2]), a));
-    return sl_normalize_or(sl_to_float(cross), sl_v3(0, 0, 0));
+    return sl_normalize_or(sl_to_float(sl_light_cross(light, triangle)), sl_v3(0, 0, 0));
 }
 
 /* The strata of packet k: 4 x 4 neighbours where n allows it, else a row's. Returns how many. */
