@@ -140,7 +140,7 @@ enum {
     A_PHOTON = 150,
     A_TRIANGLE = 180,
     A_HIT = 152,
-    A_TEXEL = 40,
+    A_TEXEL = 44,
     A_THREAD = 3000000
 };
 

@@ -1,7 +1,5 @@
 #include "cache/light_octree/atlas/parts.h"
 
-#include <string.h>
-
 #include "base/error.h"
 #include "base/math.h"
 #include "base/memory.h"
@@ -13,7 +11,6 @@ static const double BEND = 60.0 / 180.0 * SL_PI;
 typedef struct making {
     sl_atlas_faces faces;
     sl_atlas_charts charts;
-    sl_atlas_place *place;
 } making;
 
 /* Takes the plane of a chart to its place in the atlas. */
@@ -24,8 +21,8 @@ static sl_atlas_chart chart_at(const making *m, size_t id, double size, double d
     return (sl_atlas_chart){.centre = sl_to_float(centre),
                             .along = {sl_to_float(sl_scaled(p->right, density / size)),
                                       sl_to_float(sl_scaled(p->up, density / size))},
-                            .at = {(float)((m->place[id].x + density * sl_dotd(from, p->right)) / size),
-                                   (float)((m->place[id].y + density * sl_dotd(from, p->up)) / size)}};
+                            .at = {(float)((p->x + density * sl_dotd(from, p->right)) / size),
+                                   (float)((p->y + density * sl_dotd(from, p->up)) / size)}};
 }
 
 /* ---- the atlas ---- */
@@ -35,11 +32,9 @@ static sl_status make(making *m, const sl_scene *scene, sl_atlas *a, sl_error *e
     sl_status status = sl_atlas_faces_create(scene, &m->faces, error);
     if (status == SL_OK) status = sl_atlas_charts_create(&m->faces, BEND, &m->charts, error);
     if (status != SL_OK) return status;
-    m->place = sl_allocate(m->charts.count, sizeof *m->place);
     a->chart = sl_allocate(m->charts.count, sizeof *a->chart);
-    if (!m->place || !a->chart) return sl_fail_memory(error, "an atlas");
-    status = sl_atlas_pack(&m->charts, &m->faces, a->size, GUTTER, m->place, &a->texels_per_unit, &needed,
-                           error);
+    if (!a->chart) return sl_fail_memory(error, "an atlas");
+    status = sl_atlas_pack(&m->charts, &m->faces, a->size, GUTTER, &a->texels_per_unit, &needed, error);
     if (status == SL_OK && !(a->texels_per_unit > 0.0))
         status = sl_fail(error, SL_ERROR_RESOURCES,
                          "an atlas of %d x %d texels is too small for %zu charts: a size of %d would do",
@@ -48,7 +43,8 @@ static sl_status make(making *m, const sl_scene *scene, sl_atlas *a, sl_error *e
     a->chart_count = m->charts.count;
     for (size_t c = 0; c < a->chart_count; c++)
         a->chart[c] = chart_at(m, c, a->size, a->texels_per_unit);
-    memcpy(a->chart_of, m->charts.of_face, a->triangle_count * sizeof *a->chart_of);
+    a->chart_of = m->charts.of_face;
+    m->charts.of_face = NULL;
     return SL_OK;
 }
 
@@ -56,16 +52,13 @@ sl_status sl_atlas_create(const sl_scene *scene, int size, sl_atlas **atlas, sl_
     *atlas = NULL;
     if (!scene->triangle_count)
         return sl_fail(error, SL_ERROR_INPUT, "a scene without triangles has no atlas");
-    making m = {.place = NULL};
+    making m = {.charts = {0}};
     sl_atlas *a = sl_allocate(1, sizeof *a);
     if (!a) return sl_fail_memory(error, "an atlas");
-    *a = (sl_atlas){.size = size,
-                    .triangle_count = scene->triangle_count,
-                    .chart_of = sl_allocate(scene->triangle_count, sizeof *a->chart_of)};
-    sl_status status = a->chart_of ? make(&m, scene, a, error) : sl_fail_memory(error, "an atlas");
+    *a = (sl_atlas){.size = size, .triangle_count = scene->triangle_count};
+    sl_status status = make(&m, scene, a, error);
     sl_atlas_faces_release(&m.faces);
     sl_atlas_charts_release(&m.charts);
-    sl_free(m.place);
     if (status == SL_OK) *atlas = a;
     else sl_atlas_destroy(a);
     return status;

@@ -69,10 +69,9 @@ sl_atlas_side sl_atlas_side_seen(const sl_scene *scene, const sl_gbuffer *gbuffe
 
 typedef struct sl_atlas_canvas {
     sl_atlas *atlas;
-    /* of texels that hold a surface point: those in a chart, and those around it that filtering reads */
-    size_t count;
-    uint32_t *texel, *triangle; /* ascending; row * size + column */
-    float *w1, *w2;
+    /* of all texels: the surface point of those in a chart, and of those around it that filtering reads */
+    uint32_t *triangle;
+    float *w1, *w2;             /* w2 lies behind w1 */
     sl_texture_image *side[2];  /* RGBA, alpha 1 where there is something; NULL: never filled */
     bool filled[2];             /* with the light of the octree that is shown */
 } sl_atlas_canvas;

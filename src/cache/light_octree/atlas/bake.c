@@ -10,59 +10,43 @@
 
 /* ---- the canvas ---- */
 
-/* Keeps the texels that have a surface point, in order. */
-static bool list_texels(sl_atlas_canvas *c, const uint32_t *triangle, const float *w1, const float *w2) {
-    size_t texels = (size_t)c->atlas->size * (size_t)c->atlas->size;
-    for (size_t i = 0; i < texels; i++) c->count += triangle[i] != SL_NO_INDEX;
-    c->texel = sl_allocate(c->count, sizeof *c->texel);
-    c->triangle = sl_allocate(c->count, sizeof *c->triangle);
-    c->w1 = sl_allocate(c->count, sizeof *c->w1);
-    c->w2 = sl_allocate(c->count, sizeof *c->w2);
-    if (!c->texel || !c->triangle || !c->w1 || !c->w2) return false;
-    size_t at = 0;
-    for (size_t i = 0; i < texels; i++) {
-        if (triangle[i] == SL_NO_INDEX) continue;
-        c->texel[at] = (uint32_t)i;
-        c->triangle[at] = triangle[i];
-        c->w1[at] = w1[i];
-        c->w2[at++] = w2[i];
-    }
-    return true;
+static size_t texels_of(const sl_atlas_canvas *c) {
+    return (size_t)c->atlas->size * (size_t)c->atlas->size;
 }
 
 sl_status sl_atlas_canvas_create(sl_atlas *atlas, const sl_scene *scene, unsigned threads,
                                  sl_atlas_canvas **canvas, sl_error *error) {
-    size_t texels = (size_t)atlas->size * (size_t)atlas->size;
+    *canvas = NULL;
     sl_atlas_canvas *c = sl_allocate(1, sizeof *c);
-    uint32_t *triangle = sl_allocate(texels, sizeof *triangle);
-    float *w = sl_allocate(texels, 2 * sizeof *w);
-    sl_status status = c && triangle && w ? sl_atlas_texels(atlas, scene, threads, triangle, w, w + texels,
-                                                            error)
-                                          : sl_fail_memory(error, "the canvas of an atlas");
-    if (c) c->atlas = atlas;
-    else sl_atlas_destroy(atlas);
-    if (status == SL_OK && !list_texels(c, triangle, w, w + texels))
-        status = sl_fail_memory(error, "the canvas of an atlas");
-    sl_free(triangle);
-    sl_free(w);
-    *canvas = status == SL_OK ? c : NULL;
-    if (status != SL_OK) sl_atlas_canvas_destroy(c);
+    if (!c) {
+        sl_atlas_destroy(atlas);
+        return sl_fail_memory(error, "the canvas of an atlas");
+    }
+    c->atlas = atlas;
+    const size_t texels = texels_of(c);
+    c->triangle = sl_allocate(texels, sizeof *c->triangle);
+    c->w1 = sl_allocate(texels, 2 * sizeof *c->w1);
+    c->w2 = c->w1 ? c->w1 + texels : NULL;
+    sl_status status = c->triangle && c->w1
+                           ? sl_atlas_texels(atlas, scene, threads, c->triangle, c->w1, c->w2, error)
+                           : sl_fail_memory(error, "the canvas of an atlas");
+    if (status == SL_OK) *canvas = c;
+    else sl_atlas_canvas_destroy(c);
     return status;
 }
 
 void sl_atlas_canvas_destroy(sl_atlas_canvas *c) {
     if (!c) return;
-    SL_FREE_ALL(c->texel, c->triangle, c->w1, c->w2);
+    SL_FREE_ALL(c->triangle, c->w1);
     for (int s = 0; s < 2; s++) sl_texture_image_destroy(c->side[s]);
     sl_atlas_destroy(c->atlas);
     sl_free(c);
 }
 
 size_t sl_atlas_canvas_bytes(const sl_atlas_canvas *c) {
-    size_t texels = (size_t)c->atlas->size * (size_t)c->atlas->size,
-           sides = (size_t)(c->side[0] != NULL) + (c->side[1] != NULL);
-    return sizeof *c + sl_atlas_bytes(c->atlas) + c->count * (2 * sizeof(uint32_t) + 2 * sizeof(float)) +
-           texels * sides * 4 * sizeof(float);
+    size_t sides = (size_t)(c->side[0] != NULL) + (c->side[1] != NULL);
+    return sizeof *c + sl_atlas_bytes(c->atlas) +
+           texels_of(c) * (sizeof(uint32_t) + (2 + 4 * sides) * sizeof(float));
 }
 
 /* ---- irradiance from the octree's lights into the texels ---- */
@@ -76,6 +60,7 @@ typedef struct baking {
 static bool find_texel(const void *context, size_t i, sl_octree_point *point) {
     const baking *b = context;
     const sl_atlas_canvas *c = b->canvas;
+    if (c->triangle[i] == SL_NO_INDEX) return false;
     sl_vec3 n = sl_scene_geometric_normal(b->scene, c->triangle[i]);
     sl_surface surface;
     sl_scene_surface(b->scene, c->triangle[i], c->w1[i], c->w2[i],
@@ -87,7 +72,7 @@ static bool find_texel(const void *context, size_t i, sl_octree_point *point) {
 
 static void put_texel(void *context, size_t i, const float rgb[3]) {
     const baking *b = context;
-    float *texel = b->canvas->side[b->side]->texels + 4 * (size_t)b->canvas->texel[i];
+    float *texel = b->canvas->side[b->side]->texels + 4 * i;
     for (size_t k = 0; k < 3; k++) texel[k] = isfinite(rgb[k]) ? rgb[k] : 0.0f;
     texel[3] = 1.0f;
 }
@@ -96,7 +81,7 @@ sl_status sl_atlas_bake(sl_atlas_canvas *canvas, sl_atlas_side side, const sl_sc
                         const sl_octree_shading *shading, unsigned threads, sl_counters *counters,
                         sl_error *error) {
     baking b = {canvas, scene, side};
-    const sl_octree_points points = {canvas->count, find_texel, put_texel, &b};
+    const sl_octree_points points = {texels_of(canvas), find_texel, put_texel, &b};
     sl_status status = SL_OK;
     if (!canvas->side[side])
         status = sl_texture_image_create(canvas->atlas->size, canvas->atlas->size, &canvas->side[side],

@@ -17,7 +17,7 @@ enum { SIZE_MOST = 1 << 16 };
 
 typedef struct sorted_chart {
     double height, width;
-    uint32_t chart;
+    sl_atlas_plane *plane;
 } sorted_chart;
 
 /* A piece of the skyline reaches to the next one's x, the last one to the atlas's edge. */
@@ -38,7 +38,7 @@ static int by_height(const void *x, const void *y) {
     const sorted_chart *a = x, *b = y;
     if (a->height != b->height) return a->height > b->height ? -1 : 1;
     if (a->width != b->width) return a->width > b->width ? -1 : 1;
-    return (a->chart > b->chart) - (a->chart < b->chart);
+    return (a->plane > b->plane) - (a->plane < b->plane);
 }
 
 /* Returns the height of the skyline over [x, x + width), from the piece at x on. */
@@ -62,7 +62,7 @@ static void raise_skyline(packing *p, size_t from, double width, double y) {
 }
 
 /* Places all charts in a square of that size at a density, gutters included. Returns whether they fit. */
-static bool place_all(packing *p, double density, double size, sl_atlas_place *place) {
+static bool place_all(packing *p, double density, double size) {
     p->pieces = 1;
     p->piece[0] = (piece){0.0, 0.0};
     for (size_t c = 0; c < p->count; c++) {
@@ -75,7 +75,8 @@ static bool place_all(packing *p, double density, double size, sl_atlas_place *p
             if (over < y) y = over, at = i;
         }
         if (y + height > size) return false;
-        place[chart->chart] = (sl_atlas_place){p->piece[at].x + 0.5 * p->gutter, y + 0.5 * p->gutter};
+        chart->plane->x = p->piece[at].x + 0.5 * p->gutter;
+        chart->plane->y = y + 0.5 * p->gutter;
         raise_skyline(p, at, width, y + height);
     }
     return true;
@@ -100,32 +101,32 @@ static bool prepare(packing *p, const sl_atlas_charts *charts, const sl_atlas_fa
     p->piece = sl_allocate(2 * p->count + 2, sizeof *p->piece);
     if (!p->order || !p->piece) return false;
     for (size_t i = 0; i < p->count; i++)
-        p->order[i] = (sorted_chart){charts->plane[i].height, charts->plane[i].width, (uint32_t)i};
+        p->order[i] = (sorted_chart){charts->plane[i].height, charts->plane[i].width, &charts->plane[i]};
     qsort(p->order, p->count, sizeof *p->order, by_height);
     for (size_t f = 0; f < faces->count; f++) p->area += faces->area[f];
     return true;
 }
 
 /* Returns nearly the highest density at which all fit, or 0 where that is below `least`. */
-static double search(packing *p, double size, double least, sl_atlas_place *place) {
+static double search(packing *p, double size, double least) {
     double density = highest_density(p, size);
-    while (density >= least && !place_all(p, density, size, place)) density *= fall;
+    while (density >= least && !place_all(p, density, size)) density *= fall;
     if (density < least) return 0.0;
-    while (place_all(p, density * rise, size, place)) density *= rise;
-    place_all(p, density, size, place);
+    while (place_all(p, density * rise, size)) density *= rise;
+    place_all(p, density, size);
     return density;
 }
 
 sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *faces, int size, int gutter,
-                        sl_atlas_place *place, double *density, int *needed, sl_error *error) {
+                        double *density, int *needed, sl_error *error) {
     packing p = {.gutter = gutter + slack};
     bool good = prepare(&p, charts, faces);
     *needed = size;
     *density = 0.0;
     if (good) {
         double least = p.area > 0.0 ? sqrt((double)p.count / p.area) : 1.0;
-        *density = search(&p, size, least, place);
-        while (!(*density > 0.0) && *needed < SIZE_MOST && !place_all(&p, least, *needed, place))
+        *density = search(&p, size, least);
+        while (!(*density > 0.0) && *needed < SIZE_MOST && !place_all(&p, least, *needed))
             *needed += *needed / 16 + 1;
     }
     sl_free(p.order);

@@ -31,6 +31,7 @@ typedef struct sl_atlas_plane {
     size_t first, count;          /* its faces: a range of `face` */
     sl_vec3d origin, right, up;   /* right x up is the plane's normal */
     double width, height;         /* the longer side lies along `right` */
+    double x, y;                  /* its lower left corner in the atlas, in texels (pack.c) */
 } sl_atlas_plane;
 
 typedef struct sl_atlas_charts {
@@ -46,12 +47,8 @@ void sl_atlas_charts_release(sl_atlas_charts *charts);
 
 /* ---- pack.c ---- */
 
-typedef struct sl_atlas_place {
-    double x, y;            /* texels of the chart's lower left corner */
-} sl_atlas_place;
-
 /* Places all charts in a square of size x size texels at nearly the highest density at which shelves hold
  * them. Density 0: they do not fit with one texel a chart on the mean; then *needed is a size that would do.
  */
 sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *faces, int size, int gutter,
-                        sl_atlas_place *place, double *density, int *needed, sl_error *error);
+                        double *density, int *needed, sl_error *error);
