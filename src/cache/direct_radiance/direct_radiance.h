@@ -101,15 +101,6 @@ void sl_light_strip(const sl_direct_light *direct, const sl_photon_sums *sums, c
 void sl_indirect_light_explain(const sl_photon_sums *sums, const sl_receiver_tile *tile, bool glossy,
                                sl_rgb throughput, sl_explanation_writer *writer);
 
-/* The channels of a picture with layers: R, G, B = emission + direct + indirect, and each of the three alone;
- * top row first. */
-enum {
-    SL_RADIANCE_EMISSION = 3,
-    SL_RADIANCE_DIRECT = 6,
-    SL_RADIANCE_INDIRECT = 9,
-    SL_RADIANCE_CHANNELS = 12
-};
-
 /* ---- a frame (direct_radiance.c) ---- */
 
 typedef struct sl_radiance_state {

@@ -62,9 +62,9 @@ void sl_radiance_announce_light(sl_radiance_state *s) {
     if (!s->announcer.observer || s->settings.radiance_map.without_layers) return;
     if (sl_announcing(&s->announcer)) announce_seen(s);
     sl_announce(&s->announcer, "direct light", "(5), (9)", s->settings.width, s->settings.height, 3,
-                s->image->planes + SL_RADIANCE_DIRECT * pixels, false);
+                s->image->planes + SL_COMPOSED_DIRECT * pixels, false);
     sl_announce(&s->announcer, "indirect light", "(10)", s->settings.width, s->settings.height, 3,
-                s->image->planes + SL_RADIANCE_INDIRECT * pixels, false);
+                s->image->planes + SL_COMPOSED_INDIRECT * pixels, false);
 }
 
 /* ---- a pixel explained: (10) photon by photon ---- */

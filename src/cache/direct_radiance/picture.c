@@ -91,17 +91,13 @@ static void resolve_strip(const drawing *d, strip *s, unsigned worker, sl_counte
 
 /* ---- pass 8: the accumulation targets as a picture ---- */
 
-static const char *const layer_names[SL_RADIANCE_CHANNELS] = {
-    "R",        "G",        "B",        "emission.R", "emission.G", "emission.B",
-    "direct.R", "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B"};
-
 static void compose(const drawing *d, const strip *s, sl_counters *counters) {
     float *const *direct = s->target.direct, *const *indirect = s->target.indirect;
     const sl_composition composition = {
         .scene = d->scene, .view = &d->view, .gbuffer = s->gbuffer, .first_row = s->first_row,
         .reflections = s->reflections,
-        .layer = {{{direct[0], direct[1], direct[2]}, SL_RADIANCE_DIRECT},
-                  {{indirect[0], indirect[1], indirect[2]}, SL_RADIANCE_INDIRECT}},
+        .layer = {{{direct[0], direct[1], direct[2]}, SL_COMPOSED_DIRECT},
+                  {{indirect[0], indirect[1], indirect[2]}, SL_COMPOSED_INDIRECT}},
         .image = d->image};
     for (int row = 0; row < s->gbuffer->height; row++) sl_compose_row(&composition, row);
     sl_compose_mirrors(&composition);
@@ -137,8 +133,8 @@ static sl_status prepare(drawing *d, sl_error *error) {
         status = allocate_strip(d, &d->worker[w], error);
     if (status != SL_OK) return status;
     return sl_image_create_unset(d->view.width, d->view.height,
-                                 layers ? SL_RADIANCE_CHANNELS : SL_RADIANCE_EMISSION, layer_names, &d->image,
-                                 error);
+                                 layers ? SL_COMPOSED_CHANNELS : SL_COMPOSED_EMISSION, sl_composed_names,
+                                 &d->image, error);
 }
 
 static sl_status finish(const drawing *d, sl_image **image, sl_error *error) {

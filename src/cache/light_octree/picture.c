@@ -5,14 +5,9 @@
 
 #include <stdio.h>
 
-enum { DIRECT = 6, INDIRECT = 9, LAYERS = 12 };
-
-static const char *const layer_names[LAYERS] = {"R",          "G",          "B",          "emission.R",
-                                                "emission.G", "emission.B", "direct.R",   "direct.G",
-                                                "direct.B",   "indirect.R", "indirect.G", "indirect.B"};
-
 sl_status sl_octree_create_image(const sl_octree_state *s, sl_image **image, sl_error *error) {
-    return sl_image_create_unset(s->gbuffer->width, s->gbuffer->height, LAYERS, layer_names, image, error);
+    return sl_image_create_unset(s->gbuffer->width, s->gbuffer->height, SL_COMPOSED_CHANNELS,
+                                 sl_composed_names, image, error);
 }
 
 void sl_octree_compose(const sl_octree_state *s, sl_image *image) {
@@ -25,8 +20,8 @@ void sl_octree_compose(const sl_octree_state *s, sl_image *image) {
     const sl_view view = sl_view_scene(s->scene, g->width, g->height);
     const sl_composition composition = {
         .scene = s->scene, .view = &view, .gbuffer = g, .reflections = s->reflections,
-        .layer = {{{direct[0], direct[1], direct[2]}, DIRECT},
-                  {{indirect[0], indirect[1], indirect[2]}, INDIRECT}},
+        .layer = {{{direct[0], direct[1], direct[2]}, SL_COMPOSED_DIRECT},
+                  {{indirect[0], indirect[1], indirect[2]}, SL_COMPOSED_INDIRECT}},
         .image = image};
     sl_compose_picture(&composition, s->settings.threads);
 }

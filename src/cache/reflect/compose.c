@@ -5,6 +5,10 @@
 #include "base/parallel.h"
 #include "cache/frame/picture_value.h"
 
+const char *const sl_composed_names[SL_COMPOSED_CHANNELS] = {
+    "R",        "G",        "B",        "emission.R", "emission.G", "emission.B",
+    "direct.R", "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B"};
+
 static bool has_layers(const sl_composition *c) { return c->image->channels > SL_COMPOSED_EMISSION; }
 
 /* Channel `channel` of the picture, at the G-buffer's row. */

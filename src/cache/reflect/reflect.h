@@ -46,7 +46,15 @@ typedef struct sl_light_layer {
     int channel;
 } sl_light_layer;
 
-enum { SL_COMPOSED_LAYERS = 3, SL_COMPOSED_EMISSION = 3 };
+/* The channels of a picture with direct and indirect light as its layers, and their names. */
+enum {
+    SL_COMPOSED_LAYERS = 3,
+    SL_COMPOSED_EMISSION = 3,
+    SL_COMPOSED_DIRECT = 6,
+    SL_COMPOSED_INDIRECT = 9,
+    SL_COMPOSED_CHANNELS = 12
+};
+extern const char *const sl_composed_names[SL_COMPOSED_CHANNELS];
 
 /* R, G and B are the sum of what is seen without further reflection (L S* E: L_e on the shining side of
  * emitters, or the environment), which is the channels from SL_COMPOSED_EMISSION on, and of all layers, times
