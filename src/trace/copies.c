@@ -210,8 +210,7 @@ sl_status sl_copies_find(const sl_scene *scene, size_t worth, sl_copies *copies,
 }
 
 void sl_copies_release(sl_copies *copies) {
-    sl_free(copies->mesh);
-    sl_free(copies->copy);
+    SL_FREE_ALL(copies->mesh, copies->copy);
     *copies = (sl_copies){0};
 }
 

@@ -275,8 +275,7 @@ void sl_tracer_destroy(sl_tracer *tracer) {
         sl_free(tracer->meshes[i].order);
     }
     if (tracer->device) rtcReleaseDevice(tracer->device);
-    sl_free(tracer->plain.placed);
-    sl_free(tracer->meshes);
+    SL_FREE_ALL(tracer->plain.placed, tracer->meshes);
     sl_copies_release(&tracer->copies);
     sl_free(tracer);
 }

@@ -82,8 +82,7 @@ typedef struct {
 
 static void free_all(bouncing *b) {
     for (unsigned w = 0; b->sums && w < b->cache->gathers.threads; w++) {
-        sl_free(b->sums[w].share);
-        sl_free(b->sums[w].touched);
+        SL_FREE_ALL(b->sums[w].share, b->sums[w].touched);
     }
     for (size_t i = 0; b->rows && i < b->cache->list.count; i++) sl_free(b->rows[i].row);
     SL_FREE_ALL(b->sums, b->rows, b->gathers, b->now, b->next, b->all);

@@ -93,7 +93,6 @@ sl_status sl_record_octree_insert(const sl_scene *scene, const sl_record_terms *
 }
 
 void sl_record_octree_free(sl_record_octree *octree) {
-    sl_free(octree->nodes);
-    sl_free(octree->blocks);
+    SL_FREE_ALL(octree->nodes, octree->blocks);
     *octree = (sl_record_octree){0};
 }

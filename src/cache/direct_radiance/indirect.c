@@ -23,11 +23,10 @@ struct sl_photon_sums {
     sl_vec3 *ray_end;           /* of each photon; NULL: photons are seen from everywhere */
     sl_isa isa;
 };
-typedef sl_photon_sums indirect_pass;
 
 /* ---- once a frame: the j-indexed values ---- */
 
-static bool make_tables(indirect_pass *p) {
+static bool make_tables(sl_photon_sums *p) {
     const sl_map_photons *photons = p->pass->photons;
     const bool seen = p->pass->tracer != NULL, lobes = photons->lobe != NULL;
     p->photon = sl_allocate(p->count, sizeof *p->photon);
@@ -46,7 +45,7 @@ static sl_vec3 ray_end(const sl_map_photon *p, float offset) {
     return sl_mad(p->position, lift > offset && isfinite(lift) ? lift : offset, p->normal);
 }
 
-static void fill_tables(indirect_pass *p) {
+static void fill_tables(sl_photon_sums *p) {
     const sl_map_photons *photons = p->pass->photons;
     p->plain = !p->lobe && !p->ray_end;
     for (size_t j = 0; j < p->count; j++) {
@@ -56,16 +55,9 @@ static void fill_tables(indirect_pass *p) {
     }
 }
 
-static void release(indirect_pass *p) {
-    sl_free(p->ray_end);
-    sl_free(p->photon);
-    sl_free(p->form);
-    sl_free(p->lobe);
-}
-
 /* ---- a photon and what is done with its weight ---- */
 
-static void weigh(const indirect_pass *p, const sl_receiver_tile *tile, size_t j,
+static void weigh(const sl_photon_sums *p, const sl_receiver_tile *tile, size_t j,
                   const sl_photon_registers *r, float *weight) {
     if (p->form[j] != SL_FORM_POLYGON) {
         SL_KERNEL_OF(p->isa, sl_photon_weigh)(tile, r, p->form[j] == SL_FORM_COSINE, weight);
@@ -87,14 +79,14 @@ static void multiply(size_t count, const float *restrict b, float *restrict a) {
     for (size_t i = 0; i < count; i++) a[i] *= b[i];
 }
 
-static void add(const indirect_pass *p, size_t count, sl_rgb colour, const float *weight,
+static void add(const sl_photon_sums *p, size_t count, sl_rgb colour, const float *weight,
                 const float *visible, float (*sum)[SL_TILE_PIXELS]) {
     SL_KERNEL_OF(p->isa, sl_light_accumulate)(count, colour, weight, visible, sum[0], sum[1], sum[2]);
 }
 
 /* ---- does a receiver see a photon? ---- */
 
-static void set_ray(const indirect_pass *p, const sl_receiver_tile *t, size_t i, size_t j, unsigned k,
+static void set_ray(const sl_photon_sums *p, const sl_receiver_tile *t, size_t i, size_t j, unsigned k,
                     sl_ray16 *rays) {
     const sl_scene *scene = p->pass->scene;
     const sl_vec3 at = sl_v3(t->x[i], t->y[i], t->z[i]);
@@ -105,7 +97,7 @@ static void set_ray(const indirect_pass *p, const sl_receiver_tile *t, size_t i,
 
 /* Sets visible to 0 where something stands before photon j: a ray from each receiver that it would light,
  * sixteen together. */
-static void see(const indirect_pass *p, const sl_receiver_tile *tile, size_t j, const float *weight,
+static void see(const sl_photon_sums *p, const sl_receiver_tile *tile, size_t j, const float *weight,
                 float *visible, sl_counters *counters) {
     sl_ray16 rays = {0};
     size_t lane[SL_PACKET];
@@ -125,7 +117,7 @@ static void see(const indirect_pass *p, const sl_receiver_tile *tile, size_t j, 
 /* ---- all that is done with a photon ---- */
 
 /* Returns where a receiver's lobe looks: at a disc, with the weights that give photons an area. */
-static sl_lobe_target target_of(const indirect_pass *p, size_t j, const sl_photon_registers *r) {
+static sl_lobe_target target_of(const sl_photon_sums *p, size_t j, const sl_photon_registers *r) {
     const sl_map_photon *photon = &p->pass->photons->photon[j];
     bool disc = p->pass->weight == SL_WEIGHT_FLUX || p->pass->weight == SL_WEIGHT_POLYGON;
     float extent = disc && photon->cos_alpha > 0.0f
@@ -135,7 +127,7 @@ static sl_lobe_target target_of(const indirect_pass *p, size_t j, const sl_photo
     return (sl_lobe_target){.towards = {r->x, r->y, r->z}, .normal = {r->nx, r->ny, r->nz}, .extent = extent};
 }
 
-static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j,
+static void add_photon(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy, size_t j,
                        sl_tile_light *sum, sl_counters *counters) {
     const sl_photon_registers r = p->photon[j];
     const sl_rgb colour = {r.red, r.green, r.blue};
@@ -163,7 +155,7 @@ static void add_photon(const indirect_pass *p, const sl_receiver_tile *tile, boo
 
 /* ---- a tile ---- */
 
-static void sum_photons(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, sl_tile_light *sum,
+static void sum_photons(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy, sl_tile_light *sum,
                         sl_counters *counters) {
     memset(sum, 0, glossy ? sizeof *sum : sizeof sum->irradiance);
     if (p->plain && !glossy) {
@@ -184,7 +176,7 @@ void sl_indirect_light_tile(const sl_photon_sums *p, const sl_receiver_tile *til
 
 /* ---- photon by photon ---- */
 
-static void explain_photon(const indirect_pass *p, const sl_receiver_tile *tile, bool glossy, size_t j,
+static void explain_photon(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy, size_t j,
                            sl_rgb throughput, sl_explanation_writer *writer) {
     const sl_map_photon *photon = &p->pass->photons->photon[j];
     const float left[3] = {throughput.r, throughput.g, throughput.b};
@@ -236,8 +228,7 @@ sl_status sl_photon_sums_create(const sl_light_pass *pass, sl_photon_sums **sums
 
 void sl_photon_sums_destroy(sl_photon_sums *sums) {
     if (!sums) return;
-    release(sums);
-    sl_free(sums);
+    SL_FREE_ALL(sums->ray_end, sums->photon, sums->form, sums->lobe, sums);
 }
 
 void sl_photon_sums_irradiance(const sl_photon_sums *sums, const sl_receiver_tile *tile,

@@ -185,9 +185,7 @@ void sl_map_lights_destroy(sl_map_lights *lights) {
     if (!lights) return;
     for (size_t i = 0; lights->cube && i < lights->count; i++) sl_depth_cube_release(&lights->cube[i]);
     sl_sampled_lights_destroy(lights->lamps);
-    sl_free(lights->cube);
-    sl_free(lights->light);
-    sl_free(lights);
+    SL_FREE_ALL(lights->cube, lights->light, lights);
 }
 
 size_t sl_map_lights_bytes(const sl_map_lights *lights) {

@@ -52,10 +52,7 @@ void sl_radiance_map_destroy(sl_radiance_map *map) {
     for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) {
         for (int k = 0; k < 3; k++) sl_free(planes[i][k]);
     }
-    sl_free(map->face);
-    sl_free(map->triangle);
-    sl_free(map->path);
-    sl_free(map);
+    SL_FREE_ALL(map->face, map->triangle, map->path, map);
 }
 
 size_t sl_radiance_map_bytes(const sl_radiance_map *map) {

@@ -102,10 +102,7 @@ sl_status sl_map_photons_take(const sl_scene *scene, const sl_radiance_map *map,
 
 void sl_map_photons_destroy(sl_map_photons *photons) {
     if (!photons) return;
-    sl_free(photons->photon);
-    sl_free(photons->lobe);
-    sl_free(photons->polygon);
-    sl_free(photons);
+    SL_FREE_ALL(photons->photon, photons->lobe, photons->polygon, photons);
 }
 
 size_t sl_map_photons_bytes(const sl_map_photons *photons) {

@@ -49,8 +49,7 @@ static void octree_destroy(void *state) {
     forget_geometry(s);
     sl_reflections_destroy(s->reflections);
     sl_gbuffer_destroy(s->gbuffer);
-    sl_free(s->planes);
-    sl_free(s);
+    SL_FREE_ALL(s->planes, s);
 }
 
 static sl_status make_geometry(sl_octree_state *s, sl_error *error) {

@@ -250,8 +250,7 @@ sl_status sl_voxel_texture_create(const sl_octree *octree, const sl_voxel_lights
 void sl_voxel_texture_destroy(sl_voxel_texture *t) {
     if (!t) return;
     sl_volume_destroy(t->bricks);
-    sl_free(t->light);
-    sl_free(t);
+    SL_FREE_ALL(t->light, t);
 }
 
 size_t sl_voxel_texture_bytes(const sl_voxel_texture *t) {

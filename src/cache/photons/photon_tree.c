@@ -213,8 +213,7 @@ static sl_status build_tree(sl_photon_tree *tree, unsigned threads, sl_error *er
     build.points = sl_allocate(count, sizeof *build.points);
     build.ordered = sl_allocate(count, sizeof *build.ordered);
     if (!build.points || !build.ordered) {
-        sl_free(build.points);
-        sl_free(build.ordered);
+        SL_FREE_ALL(build.points, build.ordered);
         return sl_fail_memory(error, "the photons' tree");
     }
     for (size_t i = 0; i < count; i++) {
@@ -223,8 +222,7 @@ static sl_status build_tree(sl_photon_tree *tree, unsigned threads, sl_error *er
     }
     split_all(&build, threads);
     sl_parallel_for(threads, (tree->buckets + BUCKETS_A_TASK - 1) / BUCKETS_A_TASK, fill_buckets, &build);
-    sl_free(build.points);
-    sl_free(tree->list->photon);
+    SL_FREE_ALL(build.points, tree->list->photon);
     tree->list->photon = build.ordered;
     tree->list->capacity = count;
     return SL_OK;
@@ -258,10 +256,7 @@ sl_status sl_photon_tree_create(sl_photon_list *list, unsigned threads, sl_photo
 void sl_photon_tree_destroy(sl_photon_tree *tree) {
     if (!tree) return;
     sl_photon_list_destroy(tree->list);
-    sl_free(tree->bucket);
-    sl_free(tree->box);
-    sl_free(tree->place_of_id);
-    sl_free(tree);
+    SL_FREE_ALL(tree->bucket, tree->box, tree->place_of_id, tree);
 }
 
 const sl_photon_list *sl_photon_tree_list(const sl_photon_tree *tree) { return tree->list; }

@@ -319,8 +319,7 @@ static void order_photons(void *context, size_t index, unsigned worker, void *re
 void sl_photon_list_destroy(sl_photon_list *list) {
     if (!list) return;
     sl_light_sampler_destroy(list->lights);
-    sl_free(list->photon);
-    sl_free(list);
+    SL_FREE_ALL(list->photon, list);
 }
 
 static bool resize(sl_photon_list *list, size_t capacity) {
@@ -432,12 +431,9 @@ static sl_status trace_chunks(photon_job *job, const sl_photon_options *options,
         status = trace_some(job, options, threads, &chunks, list, counters, error);
     }
     for (size_t i = 0; job->chunks && i < CHUNKS_AT_ONCE; i++) {
-        sl_free(job->chunks[i].photon);
-        sl_free(job->chunks[i].path);
+        SL_FREE_ALL(job->chunks[i].photon, job->chunks[i].path);
     }
-    sl_free(job->chunks);
-    sl_free(job->results);
-    sl_free(job->blocks);
+    SL_FREE_ALL(job->chunks, job->results, job->blocks);
     *done = status == SL_OK && is_complete(list, options);
     if (*done) divide_fluxes(list);
     return status;

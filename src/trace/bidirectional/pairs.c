@@ -77,8 +77,7 @@ sl_status sl_path_pairs_create(const sl_path_walk *walk, const sl_path_lens *len
 void sl_path_pairs_destroy(sl_path_pairs *pairs) {
     if (!pairs) return;
     for (int i = 0; i < SL_PAIR_LISTS; i++) sl_free(pairs->lists[i].splats);
-    sl_free(pairs->workplaces);
-    sl_free(pairs);
+    SL_FREE_ALL(pairs->workplaces, pairs);
 }
 
 size_t sl_path_pairs_memory_bytes(const sl_path_pairs *pairs) {

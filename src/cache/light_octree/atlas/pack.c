@@ -129,7 +129,6 @@ sl_status sl_atlas_pack(const sl_atlas_charts *charts, const sl_atlas_faces *fac
         while (!(*density > 0.0) && *needed < SIZE_MOST && !place_all(&p, least, *needed))
             *needed += *needed / 16 + 1;
     }
-    sl_free(p.order);
-    sl_free(p.piece);
+    SL_FREE_ALL(p.order, p.piece);
     return good ? SL_OK : sl_fail_memory(error, "packing an atlas");
 }
