@@ -107,20 +107,20 @@ static double fraction_of(sl_multi_mesh_state *s) {
     return s->fraction;
 }
 
-static double mesh_bytes(const sl_multi_mesh_state *s) {
-    double bytes = s->irradiance ? (double)sl_irradiance_meshes_bytes(s->irradiance) : 0.0;
+static size_t mesh_bytes(const sl_multi_mesh_state *s) {
+    size_t bytes = s->irradiance ? sl_irradiance_meshes_bytes(s->irradiance) : 0;
     for (int i = 0; i < SL_COMPONENTS; i++)
-        if (s->part[i]) bytes += (double)sl_displayed_memory_bytes(s->part[i]);
+        if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);
     return bytes;
 }
 
 /* Tells whether the meshes have taken what memory they may: asked from the first refinement on. */
 static bool is_full(sl_multi_mesh_state *s) {
     if (!s->settings.memory_bytes || s->full) return s->full;
-    double bytes = mesh_bytes(s);
-    if (!s->bytes_of_roots) s->bytes_of_roots = (size_t)bytes;
+    const size_t bytes = mesh_bytes(s);
+    if (!s->bytes_of_roots) s->bytes_of_roots = bytes;
     /* arrays are there twice while they grow */
-    s->full = 2.0 * (bytes - (double)s->bytes_of_roots) > (double)s->settings.memory_bytes;
+    s->full = 2.0 * ((double)bytes - (double)s->bytes_of_roots) > (double)s->settings.memory_bytes;
     size_t leaves = 0;
     for (int i = 0; i < SL_COMPONENTS; i++) leaves += s->part[i] ? s->part[i]->mesh->leaves_alive : 0;
     if (s->full) snprintf(s->filled, sizeof s->filled, "meshes end at %zu leaves", leaves);
@@ -338,12 +338,9 @@ static size_t multi_mesh_bytes(const void *state) {
     if (s->now.tracer) bytes += sl_tracer_memory_bytes(s->now.tracer);
     if (s->primitives) bytes += sl_primitives_memory_bytes(s->primitives);
     if (s->now.sampling) bytes += sl_light_sampling_memory_bytes(s->now.sampling);
-    if (s->irradiance) bytes += sl_irradiance_meshes_bytes(s->irradiance);
     bytes += bytes_of_rounds(&s->whole, lights) + bytes_of_rounds(&s->next, lights) +
              sl_coarse_kept_bytes(&s->kept);
-    for (int i = 0; i < SL_COMPONENTS; i++)
-        if (s->part[i]) bytes += sl_displayed_memory_bytes(s->part[i]);
-    return bytes + sl_mesh_frames_bytes(s->frames);
+    return bytes + mesh_bytes(s) + sl_mesh_frames_bytes(s->frames);
 }
 
 const sl_method_class sl_multi_mesh_method = {

@@ -2,12 +2,12 @@
  * its bicubic patches. */
 #include "cache/patches/primitives.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "cache/patches/primitive_parts.h"
+#include "scene/ambient.h"
 
 static const float SAME_NORMAL = 1e-4f;
 static const double SAME_SIZE = 1e-5; /* of a parallelogram's */
@@ -211,11 +211,9 @@ sl_status sl_primitives_of_triangles(const sl_scene *scene, sl_primitives **prim
 }
 
 bool sl_triangle_is_degenerate(const sl_scene *scene, uint32_t triangle) {
-    sl_vec3d p[3];
-    for (int c = 0; c < 3; c++) p[c] = sl_to_double(sl_scene_position(scene, scene->vertex[c][triangle]));
-    double least = 1e-12 * (double)scene->scale * (double)scene->scale,
-           area = 0.5 * sl_lengthd(sl_crossd(sl_subd(p[1], p[0]), sl_subd(p[2], p[0])));
-    return !(area >= least && area > 0.0 && area <= DBL_MAX);
+    const double least = 1e-12 * (double)scene->scale * (double)scene->scale,
+                 area = sl_triangle_area(scene, triangle);
+    return !(area >= least && area > 0.0);
 }
 
 void sl_primitives_destroy(sl_primitives *p) {
