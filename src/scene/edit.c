@@ -334,43 +334,26 @@ static void swap_materials(sl_scene_edit *e) {
     }
 }
 
-static void restore_emitters(sl_scene *s, const sl_scene *before) {
-    sl_free(s->emitters);
-    sl_free(s->opaque_share);
-    s->emitters = before->emitters;
-    s->opaque_share = before->opaque_share;
-    s->emissive_count = before->emissive_count;
-}
-
-/* Lamps come and go, and masks change what is left of them. What was there is kept in *before. */
-static sl_status renew_emitters(sl_scene *s, sl_scene *before, sl_error *error) {
-    *before = *s;
-    sl_status status = sl_scene_make_emitters(s, error);
-    if (status != SL_OK) restore_emitters(s, before);
-    return status;
-}
-
+/* Lamps come and go, and masks change what is left of them. */
 static sl_status change_surfaces(sl_scene_edit *e, unsigned *changes, sl_error *error) {
-    sl_scene *s = e->scene, before = *s;
+    sl_scene *s = e->scene;
+    const sl_scene before = *s;
     const bool lamps = (*changes & (SL_CHANGED_KINDS | SL_CHANGED_LIGHTS)) != 0;
-    sl_status status = SL_OK;
     swap_materials(e);
-    if (lamps) status = renew_emitters(s, &before, error);
+    sl_status status = lamps ? sl_scene_make_emitters(s, error) : SL_OK;
     if (status == SL_OK) status = sl_animation_place(s, e->placements, e->placement, changes, error);
-    if (status == SL_OK) {
-        for (size_t i = 0; i < s->emitter_count; i++)
-            s->emitters[i].radiance = sl_triangle_material(s, s->emitters[i].triangle)->emission;
-    } else {
-        swap_materials(e);
-    }
-    if (!lamps || s->emitters == before.emitters) return status;
-    if (status == SL_OK) {
-        sl_free(before.emitters);
-        sl_free(before.opaque_share);
-    } else {
-        restore_emitters(s, &before);
-        sl_scene_derive(s);
-    }
+    const bool done = status == SL_OK;
+    for (size_t i = 0; i < s->emitter_count && done; i++)
+        s->emitters[i].radiance = sl_triangle_material(s, s->emitters[i].triangle)->emission;
+    if (!done) swap_materials(e);
+    if (!lamps) return status;
+    sl_free(done ? before.emitters : s->emitters);
+    sl_free(done ? before.opaque_share : s->opaque_share);
+    if (done) return status;
+    s->emitters = before.emitters;
+    s->opaque_share = before.opaque_share;
+    s->emissive_count = before.emissive_count;
+    sl_scene_derive(s);
     return status;
 }
 
