@@ -7,6 +7,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "scene/derive.h"
+#include "scene/object_motion.h"
 
 /* ---- rotations ------------------------------------------------------------------------------- */
 
@@ -123,34 +124,30 @@ static sl_vec3 moved(const sl_affine *motion, sl_vec3 rest) {
     return sl_to_float(sl_affine_point(motion, sl_to_double(rest)));
 }
 
-/* A track's at some time: of one of objects, and how normals go with it. */
-typedef struct motion {
-    bool moves;
-    sl_affine places, turns;
-} motion;
-
-static motion motion_at(const sl_animation *a, const sl_track *track, double time) {
+/* A track's at some time, which is of objects if it moves. */
+static sl_object_motion motion_at(const sl_animation *a, const sl_track *track, double time) {
     const sl_affine places = track_in_world(a, track, time);
-    return (motion){track->kind == SL_TRACK_OBJECTS, places, sl_affine_normal_map(&places)};
+    return (sl_object_motion){track->kind == SL_TRACK_OBJECTS, places, sl_affine_normal_map(&places)};
 }
 
 /* Returns the motion of a vertex; NULL: it stays where it is. */
-static const motion *motion_of(const sl_animation *a, const motion *motions, size_t vertex) {
+static const sl_object_motion *motion_of(const sl_animation *a, const sl_object_motion *motions,
+                                         size_t vertex) {
     const uint32_t track = a->track_of_vertex[vertex];
     return track != SL_NO_INDEX && motions[track].moves ? &motions[track] : NULL;
 }
 
 /* Returns a track that leaves all numbers; SL_NO_INDEX: none does. */
-static uint32_t find_beyond(const sl_scene *scene, const motion *motions) {
+static uint32_t find_beyond(const sl_scene *scene, const sl_object_motion *motions) {
     const sl_animation *a = scene->animation;
     uint32_t bad = SL_NO_INDEX;
     for (size_t v = 0; v < scene->vertex_count; v++) {
-        const motion *m = motion_of(a, motions, v);
+        const sl_object_motion *m = motion_of(a, motions, v);
         if (m && !sl_is_finite(moved(&m->places, a->rest_position[v]))) bad = a->track_of_vertex[v];
     }
     for (size_t k = 0; k < 16 * scene->bicubic_count; k++) {
         const uint32_t vertex = scene->bicubics[k / 16].first_vertex;
-        const motion *m = motion_of(a, motions, vertex);
+        const sl_object_motion *m = motion_of(a, motions, vertex);
         if (m && !sl_is_finite(moved(&m->places, a->rest_control[k]))) bad = a->track_of_vertex[vertex];
     }
     return bad;
@@ -164,11 +161,11 @@ static bool set_vector(float *x, float *y, float *z, sl_vec3 to) {
     return changed;
 }
 
-static bool move_vertices(sl_scene *s, const motion *motions) {
+static bool move_vertices(sl_scene *s, const sl_object_motion *motions) {
     const sl_animation *a = s->animation;
     bool changed = false;
     for (size_t v = 0; v < s->vertex_count; v++) {
-        const motion *m = motion_of(a, motions, v);
+        const sl_object_motion *m = motion_of(a, motions, v);
         if (!m) continue;
         sl_vec3 normal = sl_affine_unit(&m->turns, a->rest_normal[v]);
         if (!(sl_dot(normal, normal) > 0.5f)) normal = a->rest_normal[v];
@@ -179,12 +176,12 @@ static bool move_vertices(sl_scene *s, const motion *motions) {
     return changed;
 }
 
-static bool move_surfaces(sl_scene *s, const motion *motions) {
+static bool move_surfaces(sl_scene *s, const sl_object_motion *motions) {
     const sl_animation *a = s->animation;
     bool changed = false;
     for (size_t k = 0; k < 16 * s->bicubic_count; k++) {
         sl_bicubic *b = &s->bicubics[k / 16];
-        const motion *m = motion_of(a, motions, b->first_vertex);
+        const sl_object_motion *m = motion_of(a, motions, b->first_vertex);
         sl_vec3 *point = &b->point[k % 16 / 4][k % 4];
         if (m)
             changed |=
@@ -193,7 +190,7 @@ static bool move_surfaces(sl_scene *s, const motion *motions) {
     return changed;
 }
 
-static bool emissive_moves(const sl_scene *s, const motion *motions) {
+static bool emissive_moves(const sl_scene *s, const sl_object_motion *motions) {
     for (size_t t = 0; t < s->triangle_count; t++) {
         bool emissive = sl_material_is_emitter(sl_triangle_material(s, t));
         if (emissive && motion_of(s->animation, motions, s->vertex[0][t])) return true;
@@ -202,7 +199,7 @@ static bool emissive_moves(const sl_scene *s, const motion *motions) {
 }
 
 /* Moves what the motions move, none of it beyond all numbers, and tells what has changed by it. */
-static unsigned move(sl_scene *scene, const motion *motions) {
+static unsigned move(sl_scene *scene, const sl_object_motion *motions) {
     bool changed = move_vertices(scene, motions);
     if (move_surfaces(scene, motions)) changed = true;
     if (!changed) return 0;
@@ -211,11 +208,11 @@ static unsigned move(sl_scene *scene, const motion *motions) {
 }
 
 /* Of every track; released with sl_free(). NULL where nothing moves. */
-static sl_status motions_at(const sl_scene *scene, double time, motion **motions, sl_error *error) {
+static sl_status motions_at(const sl_scene *scene, double time, sl_object_motion **motions, sl_error *error) {
     const sl_animation *a = scene->animation;
     *motions = NULL;
     if (a->track_count == 0) return SL_OK;
-    motion *m = sl_allocate(a->track_count, sizeof *m);
+    sl_object_motion *m = sl_allocate(a->track_count, sizeof *m);
     if (!m) return sl_fail_memory(error, "the motion of objects");
     for (size_t i = 0; i < a->track_count; i++) m[i] = motion_at(a, &a->tracks[i], time);
     const uint32_t bad = find_beyond(scene, m);
@@ -278,7 +275,7 @@ double sl_scene_duration(const sl_scene *scene) {
 }
 
 /* Does all that can fail before the first change. */
-static sl_status look_ahead(const sl_scene *scene, double time, sl_camera *camera, motion **motions,
+static sl_status look_ahead(const sl_scene *scene, double time, sl_camera *camera, sl_object_motion **motions,
                             sl_error *error) {
     *motions = NULL;
     if (!isfinite(time)) return sl_fail(error, SL_ERROR_USAGE, "expected a finite time in seconds");
@@ -288,7 +285,7 @@ static sl_status look_ahead(const sl_scene *scene, double time, sl_camera *camer
 
 sl_status sl_scene_check_time(const sl_scene *scene, double time_seconds, sl_error *error) {
     sl_camera camera;
-    motion *motions;
+    sl_object_motion *motions;
     sl_status status = look_ahead(scene, time_seconds, &camera, &motions, error);
     sl_free(motions);
     return status;
@@ -299,7 +296,7 @@ sl_status sl_scene_set_time(sl_scene *scene, double time_seconds, unsigned *chan
     if (changes) *changes = 0;
     if (!scene) return sl_fail_null(error, "a scene");
     sl_camera camera;
-    motion *motions;
+    sl_object_motion *motions;
     sl_status status = look_ahead(scene, time_seconds, &camera, &motions, error);
     if (status != SL_OK || !scene->animation) return status;
     if (motions) changed = move(scene, motions);
@@ -365,7 +362,7 @@ sl_status sl_animation_attach(sl_scene *scene, sl_animation *a, sl_error *error)
 /* ---- objects that are placed ----------------------------------------------------------------- */
 
 /* Gives an object the track by which it was placed before, or one of its own, for which there is room. */
-static void place_track(sl_animation *a, const sl_placement *p, double time, motion *motions) {
+static void place_track(sl_animation *a, const sl_placement *p, double time, sl_object_motion *motions) {
     size_t i = 0;
     while (i < a->track_count && !(a->tracks[i].is_placed && a->tracks[i].first == p->object)) i++;
     a->track_count += i == a->track_count;
@@ -385,8 +382,8 @@ static void place_track(sl_animation *a, const sl_placement *p, double time, mot
 }
 
 /* Moves what the motions move, or nothing, where that would leave all numbers. */
-static sl_status move_placed(sl_scene *s, sl_animation *with, const motion *motions, unsigned *changes,
-                             sl_error *error) {
+static sl_status move_placed(sl_scene *s, sl_animation *with, const sl_object_motion *motions,
+                             unsigned *changes, sl_error *error) {
     sl_animation *const before = s->animation;
     s->animation = with;
     const uint32_t bad = find_beyond(s, motions);
@@ -403,7 +400,7 @@ static sl_status place(sl_scene *s, sl_animation *a, size_t count, const sl_plac
     with.track_room = a->track_count + count;
     with.tracks = sl_allocate(with.track_room, sizeof *with.tracks);
     with.track_of_vertex = sl_allocate_unset(s->vertex_count, sizeof *with.track_of_vertex);
-    motion *motions = sl_allocate(with.track_room, sizeof *motions);
+    sl_object_motion *motions = sl_allocate(with.track_room, sizeof *motions);
     const bool there = with.tracks && with.track_of_vertex && motions;
     if (there && a->track_count) memcpy(with.tracks, a->tracks, a->track_count * sizeof *a->tracks);
     for (size_t i = 0; i < count && there; i++) place_track(&with, &placement[i], s->time, motions);
