@@ -1,4 +1,5 @@
-/* The light sampler: unbiased against closed forms, and its pdf is the one it samples with. */
+/* The light sampler: unbiased against closed forms, and its pdf is the one it samples with. The points it is
+ * given. */
 #include <stdlib.h>
 
 #include "unit_test.h"
@@ -167,8 +168,29 @@ static void degenerate_questions_are_answered_with_nothing(void **unused) {
     sl_scene_destroy(scene);
 }
 
+/* 67 keys: no whole number of lanes. */
+static void a_row_of_points_is_that_of_single_ones(void **unused) {
+    enum { KEYS = 67 };
+    static sl_sequence sequence;
+    sl_sequence_make(&sequence);
+    uint64_t key[KEYS];
+    for (uint64_t i = 0; i < KEYS; i++) key[i] = sl_random_key(3, i);
+    for (int isa = 0; isa <= (int)sl_isa_best(); isa++) {
+        for (uint32_t index = 0; index < 1u << 29; index = 5 * index + 1) {
+            float x[KEYS], y[KEYS], z[KEYS], *const row[3] = {x, y, z};
+            SL_KERNEL_OF((sl_isa)isa, sl_sequence_points)(&sequence, KEYS, key, 11, index, row);
+            for (size_t i = 0; i < KEYS; i++) {
+                float single[3];
+                sl_sequence_point(&sequence, key[i], 11, index, single);
+                for (int d = 0; d < 3; d++) assert_true(row[d][i] == single[d]);
+            }
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_row_of_points_is_that_of_single_ones),
         cmocka_unit_test(irradiance_from_quads_is_that_of_the_polygon_formula),
         cmocka_unit_test(a_sky_picture_is_sampled_without_bias),
         cmocka_unit_test(lights_without_extent_are_exact_and_mix_with_the_others),

@@ -91,28 +91,28 @@ static uint32_t turn_of(const sl_direct *direct, uint32_t rank) {
     return direct->scene->sub_frame.turn * SL_SAMPLE_TILE * SL_SAMPLE_TILE + rank;
 }
 
-/* Finds point `sample`, of `all` in this sub-frame, of the pixel's own sequence: one over the pilot, and one
- * over the sub-frames behind it, which have fewer. */
-static void own_point(const sl_direct *direct, const sl_lit_block *block, size_t i, uint64_t stream,
-                      uint32_t sample, uint32_t all, float point[3]) {
-    const sl_sub_frame *now = &direct->scene->sub_frame;
-    const uint64_t key =
-        block->tile_key[i] + (uint64_t)now->share * SL_SAMPLE_TILE * SL_SAMPLE_TILE + block->rank[i];
-    sl_sequence_point(&direct->sequence, key, (uint32_t)stream, now->turn * all + sample, point);
+/* Returns the key of the pixel's own sequence: one over the pilot, and one over the sub-frames behind it, which
+ * have fewer samples. */
+static uint64_t own_key(const sl_direct *direct, const sl_lit_block *block, size_t i) {
+    const uint64_t share = direct->scene->sub_frame.share;
+    return block->tile_key[i] + share * SL_SAMPLE_TILE * SL_SAMPLE_TILE + block->rank[i];
+}
+
+/* Returns which point of it is sample `sample`, of `all` in this sub-frame. */
+static uint32_t own_index(const sl_direct *direct, uint32_t sample, uint32_t all) {
+    return direct->scene->sub_frame.turn * all + sample;
 }
 
 static void own_points(const sl_direct *direct, const sl_lit_block *block, sl_sample_range range,
                        uint64_t stream, size_t stride, float *const u[3]) {
     const uint32_t all = samples_with_refinement(direct);
-    for (size_t i = 0; i < block->count; i++) {
-        for (uint32_t sample = range.first; sample < range.end; sample++) {
-            const size_t to = (sample - range.first) * stride + i;
-            float point[3];
-            own_point(direct, block, i, stream, sample, all, point);
-            u[0][to] = point[2]; /* the first two are spread best together */
-            u[1][to] = point[0];
-            u[2][to] = point[1];
-        }
+    uint64_t key[SL_LIGHT_BLOCK];
+    for (size_t i = 0; i < block->count; i++) key[i] = own_key(direct, block, i);
+    for (uint32_t sample = range.first; sample < range.end; sample++) {
+        const size_t to = (sample - range.first) * stride;
+        float *const point[3] = {u[1] + to, u[2] + to, u[0] + to}; /* the first two are spread best together */
+        SL_KERNEL_OF(direct->isa, sl_sequence_points)(&direct->sequence, block->count, key, (uint32_t)stream,
+                                                      own_index(direct, sample, all), point);
     }
 }
 
@@ -151,7 +151,8 @@ void sl_direct_point_2d(const sl_direct *direct, const sl_lit_block *block, size
     const uint32_t all = 2 * sl_direct_samples(direct);
     if (is_shared_out(direct)) {
         float point[3];
-        own_point(direct, block, i, stream, sample, all, point);
+        sl_sequence_point(&direct->sequence, own_key(direct, block, i), (uint32_t)stream,
+                          own_index(direct, sample, all), point);
         u[0] = point[0], u[1] = point[1];
         return;
     }
