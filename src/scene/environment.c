@@ -16,8 +16,12 @@ static double row_edge(const sl_environment *e, int row) {
     return sl_cos(SL_PI * (double)row / (double)e->height);
 }
 
+static double solid_angle_between(const sl_environment *e, double top, double bottom) {
+    return 2.0 * SL_PI / (double)e->width * (top - bottom);
+}
+
 static double texel_solid_angle(const sl_environment *e, int row) {
-    return 2.0 * SL_PI / (double)e->width * (row_edge(e, row) - row_edge(e, row + 1));
+    return solid_angle_between(e, row_edge(e, row), row_edge(e, row + 1));
 }
 
 static sl_rgb texel_radiance(const sl_environment *e, int row, int column) {
@@ -39,16 +43,28 @@ static void normalize_sums(double *sums, int count, double total) {
     sums[count - 1] = 1.0;
 }
 
+/* Finds where a search among sums begins (Chen and Asau 1974). */
+static void make_guide(const double *sums, int count, uint32_t *guide) {
+    uint32_t i = 0;
+    for (int k = 0; k < count; k++) {
+        while (i + 1 < (uint32_t)count && sums[i] <= (double)k / (double)count) i++;
+        guide[k] = i;
+    }
+}
+
 static void make_sums(sl_environment *e) {
+    for (int row = 0; row <= e->height; row++) e->row_edge[row] = row_edge(e, row);
     for (int row = 0; row < e->height; row++) {
         double *columns = e->column_cdf + (size_t)row * (size_t)e->width;
         for (int column = 0; column < e->width; column++)
             columns[column] = (double)sl_luminance(texel_radiance(e, row, column));
         double light = cumulate(columns, e->width);
         normalize_sums(columns, e->width, light);
+        make_guide(columns, e->width, e->column_guide + (size_t)row * (size_t)e->width);
         e->row_cdf[row] = light * texel_solid_angle(e, row);
     }
     normalize_sums(e->row_cdf, e->height, cumulate(e->row_cdf, e->height));
+    make_guide(e->row_cdf, e->height, e->row_guide);
 }
 
 static bool is_light(float value) { return value >= 0.0f && isfinite(value); }
@@ -77,9 +93,14 @@ sl_status sl_environment_complete(sl_environment *e, size_t *repaired, sl_error 
         e->present = sl_rgb_max(e->constant) > 0.0f;
         return SL_OK;
     }
-    e->row_cdf = sl_allocate((size_t)e->height, sizeof(double));
-    e->column_cdf = sl_allocate((size_t)e->width * (size_t)e->height, sizeof(double));
-    if (!e->row_cdf || !e->column_cdf) return sl_fail_memory(error, "the environment");
+    const size_t rows = (size_t)e->height, texels = (size_t)e->width * rows;
+    e->row_cdf = sl_allocate(rows, sizeof *e->row_cdf);
+    e->row_guide = sl_allocate(rows, sizeof *e->row_guide);
+    e->row_edge = sl_allocate(rows + 1, sizeof *e->row_edge);
+    e->column_cdf = sl_allocate(texels, sizeof *e->column_cdf);
+    e->column_guide = sl_allocate(texels, sizeof *e->column_guide);
+    if (!e->row_cdf || !e->row_guide || !e->row_edge || !e->column_cdf || !e->column_guide)
+        return sl_fail_memory(error, "the environment");
     e->present = false;
     *repaired = clear_what_is_not_light(e, &e->present);
     make_sums(e);
@@ -87,7 +108,7 @@ sl_status sl_environment_complete(sl_environment *e, size_t *repaired, sl_error 
 }
 
 void sl_environment_release(sl_environment *e) {
-    SL_FREE_ALL(e->texels, e->row_cdf, e->column_cdf);
+    SL_FREE_ALL(e->texels, e->row_cdf, e->column_cdf, e->row_guide, e->column_guide, e->row_edge);
     *e = (sl_environment){0};
 }
 
@@ -118,7 +139,7 @@ static double probability(const double *sums, int i) { return i > 0 ? sums[i] - 
 static float texel_pdf(const sl_environment *e, int row, int column) {
     double chance =
         probability(e->row_cdf, row) * probability(e->column_cdf + (size_t)row * (size_t)e->width, column);
-    return (float)(chance / texel_solid_angle(e, row));
+    return (float)(chance / solid_angle_between(e, e->row_edge[row], e->row_edge[row + 1]));
 }
 
 float sl_environment_pdf(const sl_environment *e, sl_vec3 direction) {
@@ -132,11 +153,12 @@ float sl_environment_pdf(const sl_environment *e, sl_vec3 direction) {
 /* ---- sampling -------------------------------------------------------------------------------- */
 
 /* The first i with u < sums[i]; *within: where u lies in that interval, in [0,1). */
-static int invert(const double *sums, int count, double u, double *within) {
-    const size_t i = sl_first_above(sums, (size_t)count, u);
+static int invert(const double *sums, const uint32_t *guide, int count, double u, double *within) {
+    int i = (int)guide[clamp_index(u * (double)count, count)];
+    while (i + 1 < count && u >= sums[i]) i++;
     double start = i > 0 ? sums[i - 1] : 0.0, width = sums[i] - start;
     *within = width > 0.0 ? fmin(fmax((u - start) / width, 0.0), 1.0) : 0.5;
-    return (int)i;
+    return i;
 }
 
 static sl_vec3 direction_at(double u, double cosine) {
@@ -151,12 +173,13 @@ sl_vec3 sl_environment_sample(const sl_environment *e, float u1, float u2, sl_rg
         return direction_at((double)u2, 1.0 - 2.0 * (double)u1);
     }
     double down, across;
-    int row = invert(e->row_cdf, e->height, (double)u1, &down);
-    int column = invert(e->column_cdf + (size_t)row * (size_t)e->width, e->width, (double)u2, &across);
+    int row = invert(e->row_cdf, e->row_guide, e->height, (double)u1, &down);
+    const size_t first = (size_t)row * (size_t)e->width;
+    int column = invert(e->column_cdf + first, e->column_guide + first, e->width, (double)u2, &across);
     *radiance = texel_radiance(e, row, column);
     *pdf = texel_pdf(e, row, column);
     /* uniform in the cosine is uniform in solid angle */
-    double top = row_edge(e, row), bottom = row_edge(e, row + 1);
+    double top = e->row_edge[row], bottom = e->row_edge[row + 1];
     return direction_at(((double)column + across) / (double)e->width, top + down * (bottom - top));
 }
 

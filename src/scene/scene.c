@@ -63,8 +63,8 @@ size_t sl_scene_memory_bytes(const sl_scene *scene) {
     const sl_environment *e = &s.environment;
     const size_t texels = (size_t)e->width * (size_t)e->height;
     size_t bytes = sizeof s + s.material_count * sizeof *s.materials + animation_bytes(&s) +
-                   texels * (3 * sizeof *e->texels + sizeof *e->column_cdf) +
-                   (size_t)e->height * sizeof *e->row_cdf;
+                   texels * (3 * sizeof *e->texels + sizeof *e->column_cdf + sizeof *e->column_guide) +
+                   (size_t)e->height * (sizeof *e->row_cdf + sizeof *e->row_guide + sizeof *e->row_edge);
     sl_scene_arrays(&s, arrays);
     for (int k = 0; k < SL_SCENE_ARRAYS; k++) bytes += arrays[k].bytes;
     for (size_t i = 0; i < s.texture_count; i++)

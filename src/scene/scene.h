@@ -77,6 +77,9 @@ typedef struct sl_environment {
      */
     double *row_cdf;     /* height values */
     double *column_cdf;  /* height x width values */
+    /* By the k-th of `count` equal parts of [0,1): the first of the sums that is above its beginning. */
+    uint32_t *row_guide, *column_guide;
+    double *row_edge;    /* height + 1 cosines of the polar angle, from above */
 } sl_environment;
 
 /* A bicubic Bezier surface. The scene holds triangles of it, which is what everyone sees who does not ask for

@@ -64,7 +64,10 @@ static sl_status add_triangles(sl_model *m, const sl_scene_parts *parts, sl_erro
 static sl_status set_sky(sl_model *m, const sl_environment *from, sl_error *error) {
     if (!from) return SL_OK;
     sl_environment *e = &m->scene.environment;
-    *e = (sl_environment){from->present, from->constant, from->width, from->height, NULL, NULL, NULL};
+    *e = (sl_environment){.present = from->present,
+                          .constant = from->constant,
+                          .width = from->width,
+                          .height = from->height};
     if (from->width <= 0 || from->height <= 0 || !from->texels) return SL_OK; /* no picture */
     const size_t values = 3 * (size_t)from->width * (size_t)from->height;
     if (!(e->texels = sl_allocate_unset(values, sizeof(float))))
