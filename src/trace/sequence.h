@@ -41,8 +41,8 @@ static inline uint32_t sl_scramble_reversed(uint32_t reversed, uint32_t seed) {
 
 /* Number `dimension` of point `index` of the points (key, set), in [0,1); the first two are spread best
  * together. */
-static inline float sl_sequence_number(const sl_sequence *sequence, uint64_t key, uint32_t set, uint32_t index,
-                                       int dimension) {
+static inline float sl_sequence_number(const sl_sequence *sequence, uint64_t key, uint32_t set,
+                                       uint32_t index, int dimension) {
     const uint64_t a = sl_hash64(key ^ ((uint64_t)set * 0xd1342543de82ef95u)), b = sl_hash64(a);
     /* The same permutation of the index itself only reorders points inside every aligned block of 2^k of
      * them. */

@@ -261,7 +261,8 @@ static sl_status keep_text(sl_stage *s, const char *what, sl_error *error) {
     char path[4096];
     sl_status status = new_name(s, what, ".json", path, error);
     if (status == SL_OK)
-        status = *what == 's' ? sl_scene_write(s->world.scene, path, error) : sl_log_write(s, path, error);
+        status = strcmp(what, "scene") == 0 ? sl_scene_write(s->world.scene, path, error)
+                                            : sl_log_write(s, path, error);
     if (status == SL_OK) tell_kept(s, what, path);
     return status;
 }

@@ -15,7 +15,7 @@
 
 /* ---- items ---- */
 
-/* What of an item is told: for which kinds, by which name, and where it is. */
+/* A part of an item: of which kinds, by which name, and where it is. */
 typedef struct field {
     unsigned kinds; /* bits */
     const char *name;

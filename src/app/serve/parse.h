@@ -18,7 +18,7 @@ void sl_malformed(sl_taking *t, const char *name, const char *expected);
 /* Returns the status once `there` says that nothing is missing of what is expected of the name. */
 sl_status sl_take_all(sl_taking *t, bool there, const char *name, const char *expected);
 
-/* What is left out is `otherwise`. */
+/* Return `otherwise` where the message has no such name. */
 double sl_take_number(sl_taking *t, const char *name, double least, double most, double otherwise);
 bool sl_take_flag(sl_taking *t, const char *name, bool otherwise);
 /* The text belongs to the message; at most 200 bytes. */

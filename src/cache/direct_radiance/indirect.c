@@ -155,8 +155,8 @@ static void add_photon(const sl_photon_sums *p, const sl_receiver_tile *tile, bo
 
 /* ---- a tile ---- */
 
-static void sum_photons(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy, sl_tile_light *sum,
-                        sl_counters *counters) {
+static void sum_photons(const sl_photon_sums *p, const sl_receiver_tile *tile, bool glossy,
+                        sl_tile_light *sum, sl_counters *counters) {
     memset(sum, 0, glossy ? sizeof *sum : sizeof sum->irradiance);
     if (p->plain && !glossy) {
         SL_KERNEL_OF(p->isa, sl_photons_sum)(tile, p->photon, p->count, sl_weight_is_cosine(p->pass->weight),

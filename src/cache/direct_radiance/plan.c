@@ -156,7 +156,8 @@ sl_memory_need sl_radiance_need(const sl_scene *scene, const sl_settings *settin
     const sl_features f = sl_scene_features(scene);
     const double points = light_points(scene, m);
     const double cube = (double)m->shadow_size * m->shadow_size * FACES * sizeof(float);
-    const double layers = m->without_layers ? 3.0 : SL_COMPOSED_CHANNELS, triangles = (double)scene->triangle_count;
+    const double layers = m->without_layers ? 3.0 : SL_COMPOSED_CHANNELS,
+                 triangles = (double)scene->triangle_count;
     const bool rays = m->visibility != SL_VISIBILITY_NONE || f.mirror_triangles;
     const double suns = smaller((double)f.directional_lights, SL_MAP_LIGHTS_MAX);
     return (sl_memory_need){.hierarchies = rays ? sl_tracer_memory_need(scene) +

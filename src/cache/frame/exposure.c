@@ -4,6 +4,7 @@
 
 #include "base/batch.h"
 #include "base/counters.h"
+#include "base/math.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/ranks.h"
@@ -140,7 +141,7 @@ static sl_status expose_all(exposure *x, sl_progress *now, sl_error *error) {
 
 /* Finds how many sub-frames ranks are to share out; 0: they share out what each one takes. */
 static void find_together(exposure *x) {
-    const size_t ahead = sl_film_ahead(x->method->film, &x->first), most = ahead < TOGETHER ? ahead : TOGETHER;
+    const size_t ahead = sl_film_ahead(x->method->film, &x->first), most = sl_fewer(ahead, TOGETHER);
     if (!sl_ranks_share() || x->method->batch_by_batch || !x->method->looks_elsewhere || most < 2)
         return;
     x->floats = sl_film_pack(x->method->film, x->first, NULL, NULL);

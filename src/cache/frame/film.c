@@ -255,10 +255,13 @@ static void note_contrast(sl_film *f, const sl_image *picture) {
     }
 }
 
+/* Times the range of the pilot's samples of a pixel: what light's range within it is taken to be. */
+static const float range_of_pilots = 1.4f;
+
 /* Returns how much the pilot's samples differ around a pixel; infinite where it is alone. Its own have no
  * say: if what is seen by chance brought more samples, it would weigh less than what is missed by chance.
- * Light that rises from pixel to pixel differs no more within any of them than by the most that one shows, and
- * by what its four samples leave out. */
+ * Where no edge is, light may rise from pixel to pixel: it differs within one by no more than the widest range
+ * that any of them shows. */
 static float contrast_around(const sl_film *f, int x, int y, bool edge) {
     float low = INFINITY, high = -INFINITY, most = 0.0f;
     for (int v = y ? y - 1 : 0; v <= y + 1 && v < f->height; v++) {
@@ -271,7 +274,7 @@ static float contrast_around(const sl_film *f, int x, int y, bool edge) {
         }
     }
     if (low > high) return INFINITY;
-    return edge ? high - low : fminf(high - low, 1.4f * most);
+    return edge ? high - low : fminf(high - low, range_of_pilots * most);
 }
 
 /* Returns by how much a pixel may be off: at edges by what all samples leave of a contrast of twice the

@@ -91,8 +91,8 @@ static uint32_t turn_of(const sl_direct *direct, uint32_t rank) {
     return direct->scene->sub_frame.turn * SL_SAMPLE_TILE * SL_SAMPLE_TILE + rank;
 }
 
-/* Returns the key of the pixel's own sequence: one over the pilot, and one over the sub-frames behind it, which
- * have fewer samples. */
+/* Returns the key of the pixel's own sequence: one over the pilot, and one over the sub-frames behind it,
+ * which have fewer samples. */
 static uint64_t own_key(const sl_direct *direct, const sl_lit_block *block, size_t i) {
     const uint64_t share = direct->scene->sub_frame.share;
     return block->tile_key[i] + share * SL_SAMPLE_TILE * SL_SAMPLE_TILE + block->rank[i];
@@ -110,7 +110,8 @@ static void own_points(const sl_direct *direct, const sl_lit_block *block, sl_sa
     for (size_t i = 0; i < block->count; i++) key[i] = own_key(direct, block, i);
     for (uint32_t sample = range.first; sample < range.end; sample++) {
         const size_t to = (sample - range.first) * stride;
-        float *const point[3] = {u[1] + to, u[2] + to, u[0] + to}; /* the first two are spread best together */
+        /* the first two are spread best together */
+        float *const point[3] = {u[1] + to, u[2] + to, u[0] + to};
         SL_KERNEL_OF(direct->isa, sl_sequence_points)(&direct->sequence, block->count, key, (uint32_t)stream,
                                                       own_index(direct, sample, all), point);
     }

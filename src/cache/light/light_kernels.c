@@ -115,7 +115,7 @@ static inline float edge_term(sl_vec3 n, sl_vec3 a, sl_vec3 e, float t0, float t
     return swing * (sl_dot(n, c) / (length > 0.0f ? length : 1.0f));
 }
 
-/* a where is_a, else b where is_b, else c; number by number, as loops over lanes want it. */
+/* Returns a where is_a, else b where is_b, else c; number by number, so that loops over it vectorise. */
 static inline sl_vec3 one_of(bool is_a, sl_vec3 a, bool is_b, sl_vec3 b, sl_vec3 c) {
     return sl_v3(is_a ? a.x : is_b ? b.x : c.x, is_a ? a.y : is_b ? b.y : c.y, is_a ? a.z : is_b ? b.z : c.z);
 }

@@ -14,6 +14,9 @@ typedef enum sl_source_kind { /* as sl_light_type; and emitters */
     SL_SOURCE_AREA,        /* planar: share E / (pi L), in [0,1]; or a point of it */
     SL_SOURCE_SOLID        /* triangles in several planes: likewise */
 } sl_source_kind;
+_Static_assert((int)SL_SOURCE_POINT == (int)SL_LIGHT_POINT && (int)SL_SOURCE_SPOT == (int)SL_LIGHT_SPOT &&
+                   (int)SL_SOURCE_DIRECTIONAL == (int)SL_LIGHT_DIRECTIONAL,
+               "lights without extent are of the same kinds");
 
 typedef struct sl_sampled_light {
     sl_source_kind kind;

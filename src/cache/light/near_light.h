@@ -38,8 +38,8 @@ typedef struct sl_near_light {
     double height;           /* of the point above the emitter */
 } sl_near_light;
 
-/* Returns whether a point is nearer to an emitter's box than half the distance of its farthest corner from its
- * middle. */
+/* Returns whether a point is nearer to an emitter's box than half the distance of its farthest corner from
+ * its middle. */
 static inline bool sl_light_is_near(const sl_polygon_light *light, sl_vec3 p) {
     const sl_vec3 outside = sl_outside_box(light->bounds, p);
     return sl_dot(outside, outside) < 0.25f * light->extent_squared;

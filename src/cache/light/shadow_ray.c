@@ -154,8 +154,9 @@ static void aim(const sl_light_query *query, const float *u, const float *v, sl_
         if (!surface->parallelogram) {
             size_t triangle;
             double weight[2];
-            d = sl_to_float(sl_subd(sl_light_surface_point(light, surface, (double[2]){(double)u[i],
-                                                           (double)v[i]}, &triangle, weight), position));
+            const double at[2] = {(double)u[i], (double)v[i]};
+            const sl_vec3d place = sl_light_surface_point(light, surface, at, &triangle, weight);
+            d = sl_to_float(sl_subd(place, position));
             normal = light->kind == SL_SOURCE_AREA ? normal : normal_of(light, triangle);
         }
         sl_put(rays->x, rays->y, rays->z, i, d);

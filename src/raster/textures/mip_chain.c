@@ -38,7 +38,8 @@ typedef struct {
 static void average(const halving *h, const cover *column, const cover *row, float *texel) {
     double sum[4] = {0.0, 0.0, 0.0, 0.0};
     for (int y = 0; y < row->count; y++) {
-        const float *from = h->from + 4 * ((size_t)(row->first + y) * (size_t)h->width + (size_t)column->first);
+        const size_t at = (size_t)(row->first + y) * (size_t)h->width + (size_t)column->first;
+        const float *from = h->from + 4 * at;
         for (int x = 0; x < column->count; x++) {
             double share = row->share[y] * column->share[x];
             for (int c = 0; c < 4; c++) sum[c] += share * (double)from[4 * x + c];
